@@ -1,0 +1,38 @@
+"""owtsweep: sweep conditions x estimation schemes, and map which scheme is best where.
+
+The public interface is what `__all__` names; everything else is private. Exports are lazy, so
+importing the package costs next to nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from owtsweep.api import load, run
+    from owtsweep.errors import InputError
+    from owtsweep.studies.hub.contract import Estimate, Innovation
+    from owtsweep.sweep.runs import Run
+
+__version__ = "0.1.0"
+__all__ = ["Estimate", "Innovation", "InputError", "Run", "__version__", "load", "run"]
+
+_HOMES = {
+    "Estimate": "owtsweep.studies.hub.contract",
+    "InputError": "owtsweep.errors",
+    "Innovation": "owtsweep.studies.hub.contract",
+    "Run": "owtsweep.sweep.runs",
+    "load": "owtsweep.api",
+    "run": "owtsweep.api",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,23 @@
+"""The studies. Each lives in a package of its own and answers to `owtsweep.studies.base.Study`."""
+
+from owtsweep.errors import InputError
+from owtsweep.studies.base import Block, Study
+
+__all__ = ["Block", "Study", "get_study"]
+
+STUDIES = ("hub",)
+
+
+def get_study(name: str) -> Study:
+    """Return the study of that name, importing only what it needs.
+
+    Raises
+    ------
+    InputError
+        If there is no such study.
+    """
+    if name == "hub":
+        from owtsweep.studies.hub import HubStudy
+
+        return HubStudy()
+    raise InputError(f"study: there is no study {name!r}; known: {', '.join(STUDIES)}")
