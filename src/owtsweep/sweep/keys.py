@@ -1,0 +1,92 @@
+"""Names that are hashes: the key of a block, the hash and the folder of a run."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from owtsweep.config import Config, as_mapping, require
+from owtsweep.errors import InputError
+from owtsweep.studies.base import Block, Study
+
+#: Bytes of a block's key: 128 bits make an accidental collision unthinkable.
+KEY_BYTES = 16
+#: Bytes of a run's hash: short enough to be typed.
+HASH_BYTES = 5
+#: Top-level keys of a configuration that may change without making it another run: what is swept
+#: over, how it is computed and where it is put.
+NOT_IDENTIFYING = frozenset({"grid", "schemes", "compute", "results", "name"})
+
+
+def block_key(study: Study, block: Block) -> str:
+    """The key of a block's shard: 32 hexadecimal digits.
+
+    It hangs on the study, its two versions and the block's content, and on nothing else. The
+    content must therefore hold everything the rows depend on, the seed included.
+
+    Raises
+    ------
+    InputError
+        If the content holds something that has no exact JSON form (NaN, an array, an object).
+    """
+    identity = {
+        "study": study.name,
+        "schema_version": study.schema_version,
+        "numerics_version": study.numerics_version,
+        "content": block.content,
+    }
+    return _digest(identity, KEY_BYTES, what=f"block {block.label}")
+
+
+def run_hash(config: Config) -> str:
+    """The hash of what makes a run this run: 10 hexadecimal digits.
+
+    A larger grid, another scheme, more workers or another folder leave it as it is.
+    """
+    identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_IDENTIFYING}
+    return _digest(identity, HASH_BYTES, what="config")
+
+
+def run_folder(config: Config) -> Path:
+    """Where a run lives: `<results>/<name>`, or `<results>/<experiment>-<hash>` without a name.
+
+    Raises
+    ------
+    InputError
+        If `experiment` cannot be part of a folder's name.
+    """
+    if config.name is not None:
+        return Path(config.results) / config.name
+    require(
+        re.fullmatch(r"[\w.+=,-]+", config.experiment) is not None,
+        f"experiment: {config.experiment!r} cannot be part of a folder's name; "
+        "use letters, digits, . _ - + = ,",
+    )
+    return Path(config.results) / f"{config.experiment}-{run_hash(config)}"
+
+
+def _digest(identity: Mapping[str, Any], size: int, *, what: str) -> str:
+    try:
+        # Python writes a float as the shortest text that reads back to the same bits.
+        text = json.dumps(
+            identity,
+            sort_keys=True,
+            separators=(",", ":"),
+            allow_nan=False,
+            default=_as_dict,
+        )
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{what}: its content cannot be hashed ({error}); use finite numbers, text and lists"
+        ) from error
+    return blake2b(text.encode(), digest_size=size).hexdigest()
+
+
+def _as_dict(value: object) -> dict[Any, Any]:
+    if isinstance(value, Mapping):
+        return dict(value)
+    raise TypeError(f"{type(value).__name__} has no exact JSON form")

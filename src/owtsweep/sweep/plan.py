@@ -1,0 +1,40 @@
+"""What a sweep has to do: the blocks of its configuration by key, and the tasks they make."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from owtsweep.config import Config, require
+from owtsweep.studies.base import Block, Study
+from owtsweep.sweep.keys import block_key
+
+#: Blocks by key, in the study's order.
+Plan = dict[str, Block]
+
+
+def make_plan(study: Study, config: Config) -> Plan:
+    """All blocks of a configuration by key; blocks with equal content are one.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to do, or if the study refuses the configuration.
+    """
+    plan: Plan = {}
+    for block in study.plan(config):
+        plan.setdefault(block_key(study, block), block)
+    require(len(plan) > 0, "grid: it holds no case; give every list a value")
+    return plan
+
+
+def tasks(plan: Mapping[str, Block]) -> list[Plan]:
+    """The blocks by group: one task per group, because its blocks share expensive inputs."""
+    groups: dict[str, Plan] = {}
+    for key, block in plan.items():
+        groups.setdefault(block.group, {})[key] = block
+    return list(groups.values())
+
+
+def count_cases(plan: Mapping[str, Block]) -> int:
+    """How many cases the blocks hold."""
+    return sum(block.cases for block in plan.values())

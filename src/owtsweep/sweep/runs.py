@@ -1,0 +1,138 @@
+"""A run as its readers see it: a folder with a configuration, cases and tables."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owtsweep import config as configuration
+from owtsweep import studies
+from owtsweep.config import Config, require
+from owtsweep.errors import InputError
+from owtsweep.studies.base import Study
+from owtsweep.sweep.keys import run_hash
+from owtsweep.sweep.plan import make_plan
+from owtsweep.sweep.store import Store
+from owtsweep.sweep.tables import read_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: finished, interrupted or still going on.
+
+    Attributes
+    ----------
+    folder
+        The run folder.
+    config
+        The resolved configuration; it says which cases belong to the run.
+    study
+        The study that the configuration belongs to.
+    """
+
+    folder: Path
+    config: Config
+    study: Study
+
+    @property
+    def hash(self) -> str:
+        """The hash of the configuration without grid, schemes, compute, results and name."""
+        return run_hash(self.config)
+
+    @property
+    def store(self) -> Store:
+        """The shards."""
+        return Store(self.folder)
+
+    def cases(self) -> pd.DataFrame:
+        """The rows of all stored cases of the plan, failed ones included, sorted by case.
+
+        Missing blocks are left out with a logged warning.
+
+        Raises
+        ------
+        InputError
+            If none is stored.
+        """
+        rows, missing = self.stored()
+        if rows is None:
+            raise InputError(
+                f"{self.folder}: all {missing} blocks are missing; run the sweep that makes them"
+            )
+        if missing:
+            logger.warning("%s: %d blocks of the plan are missing", self.folder, missing)
+        return rows
+
+    def stored(self) -> tuple[pd.DataFrame | None, int]:
+        """The rows of `cases`, or None if there are none, and how many blocks are missing.
+
+        Read are exactly the shards of the plan, never what else lies in the folder. The rows are
+        sorted, so that nothing summed over them depends on the order of the grid.
+        """
+        rows, missing = self.store.read_all(make_plan(self.study, self.config))
+        if rows is not None:
+            rows = rows.sort_values(self.study.sort_columns(), kind="stable", ignore_index=True)
+        return rows, len(missing)
+
+    def table(self, name: str) -> pd.DataFrame:
+        """The table `<name>.csv`.
+
+        Raises
+        ------
+        InputError
+            If the run has no such table.
+        """
+        return read_table(self.folder, name)
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """All tables of the run by name; empty if no case has succeeded yet."""
+        return {
+            path.stem: read_table(self.folder, path.stem)
+            for path in sorted(self.folder.glob("*.csv"))
+        }
+
+    def draw(self, only: str | None = None) -> list[Path]:
+        """Draw all figures of the run, or the one of that name, into its folder figures/.
+
+        Raises
+        ------
+        InputError
+            If the run has no finished case or no figure of that name.
+        """
+        folder = self.folder / "figures"
+        rows = self.cases()
+        folder.mkdir(exist_ok=True)
+        metadata = {"run": self.hash, "folder": self.folder.name}
+        return self.study.draw(
+            self.config, self.tables(), rows, folder, only=only, metadata=metadata
+        )
+
+    def summary(self) -> pd.DataFrame:
+        """Means and intervals over the replicates: `summary.csv`."""
+        return self.table("summary")
+
+    def best_scheme(self) -> pd.DataFrame:
+        """The best scheme per cell of the grid: `best_scheme.csv`."""
+        return self.table("best_scheme")
+
+
+def load(path: str | Path) -> Run:
+    """Open the run in a folder.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no run, or one that this version cannot read.
+    """
+    folder = Path(path)
+    file = folder / "config.yaml"
+    require(file.is_file(), f"{folder}: there is no config.yaml in it; name the folder of a run")
+    config = configuration.load(file)
+    return Run(folder, config, studies.get_study(config.study))

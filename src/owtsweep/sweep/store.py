@@ -1,0 +1,135 @@
+"""The store of a run: a folder of immutable shards, one per block, named by the block's key.
+
+No lock and no index: a shard is whole or absent, its name says what it holds, and two processes
+that write the same one write the same rows.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import pyarrow as pa
+
+from owtsweep.studies.base import FAILED
+from owtsweep.sweep.files import write_atomically
+from owtsweep.sweep.shard import DamagedShard, decode, encode
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+logger = logging.getLogger(__name__)
+
+Status = Literal["missing", "done", "failed"]
+
+
+@dataclass(frozen=True)
+class Store:
+    """The shards of one run folder.
+
+    Every read verifies all bytes and the key. A file that fails is renamed `*.damaged`, a warning
+    is logged, and the block counts as missing.
+    """
+
+    folder: Path
+
+    @property
+    def cases(self) -> Path:
+        """The folder that holds the shards."""
+        return self.folder / "cases"
+
+    def path(self, key: str) -> Path:
+        """Where the shard of a block lives."""
+        return self.cases / f"part-{key}.parquet"
+
+    def write(self, key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> None:
+        """Write a shard, whole or not at all.
+
+        Parameters
+        ----------
+        key
+            The key of the block (`owtsweep.sweep.keys.block_key`).
+        rows
+            Its rows, with the columns `status` and `reason`.
+        metadata
+            What else the file says about itself: versions.
+
+        Raises
+        ------
+        ValueError
+            If the rows lack a column that the sweep relies on.
+        OSError
+            If the file system refuses.
+        """
+        lacking = [name for name in ("status", "reason") if name not in rows.columns]
+        if lacking:
+            raise ValueError(f"the study's rows have no column {' and no column '.join(lacking)}")
+        write_atomically(self.path(key), encode(key, rows, metadata))
+
+    def read(self, key: str) -> pd.DataFrame | None:
+        """The rows of a block, exactly as written, or None if they are missing or damaged."""
+        table = self._verified(key)
+        return None if table is None else _as_frame(table)
+
+    def read_all(self, keys: Iterable[str]) -> tuple[pd.DataFrame | None, list[str]]:
+        """The rows of many blocks in the order of the keys, and the keys that are missing.
+
+        The first is None if all are missing. Columns that an older shard lacks are empty there.
+        """
+        tables, missing = [], []
+        for key in keys:
+            table = self._verified(key)
+            if table is None:
+                missing.append(key)
+            else:
+                tables.append(table)
+        if not tables:
+            return None, missing
+        # One conversion for all: pandas costs far more per shard than reading it does.
+        return _as_frame(pa.concat_tables(tables, promote_options="default")), missing
+
+    def status(self, key: str) -> Status:
+        """Whether a block is missing, done, or failed: stored, but with a failed case in it."""
+        table = self._verified(key)
+        if table is None:
+            return "missing"
+        return "failed" if FAILED in table.column("status").unique().to_pylist() else "done"
+
+    def clear(self) -> None:
+        """Delete all shards, the damaged ones included."""
+        # By name, not the folder: what others have put there is not ours to delete.
+        for path in self.cases.glob("*part-*.parquet*"):
+            path.unlink(missing_ok=True)
+
+    def _verified(self, key: str) -> Any:
+        path = self.path(key)
+        try:
+            return decode(path.read_bytes(), key)
+        except FileNotFoundError:
+            return None
+        except DamagedShard as error:
+            _set_aside(path, str(error))
+            return None
+
+
+def _as_frame(table: Any) -> pd.DataFrame:
+    frame: pd.DataFrame = table.to_pandas()
+    return frame
+
+
+def _set_aside(path: Path, reason: str) -> None:
+    target = path.with_name(f"{path.name}.damaged")
+    number = 2
+    while target.exists():
+        target = path.with_name(f"{path.name}.{number}.damaged")
+        number += 1
+    try:
+        path.rename(target)
+    except OSError as error:
+        # Somebody else's read-only results, or another process was faster: still no shard.
+        logger.warning("%s is damaged: %s; it is ignored (%s)", path.name, reason, error)
+    else:
+        logger.warning("%s is damaged: %s; kept as %s", path.name, reason, target.name)

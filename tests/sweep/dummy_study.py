@@ -1,0 +1,147 @@
+"""A study without physics: deterministic rows, and faults on demand.
+
+A module of its own, because worker processes import it by its name, and there is more than one
+conftest.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from owtsweep.config import Compute, Config
+from owtsweep.studies.base import FAILED, OK, Block
+
+
+@dataclass(frozen=True)
+class DummyGrid:
+    level: list[float] = field(default_factory=lambda: [1.0, 2.0, 0.3])
+
+
+@dataclass(frozen=True)
+class DummyConfig(Config):
+    study: str = "dummy"
+    experiment: str = "test"
+    sigma: float = 0.1
+    grid: DummyGrid = field(default_factory=DummyGrid)
+    schemes: list[str] = field(default_factory=lambda: ["A", "B"])
+
+
+#: Fault -> the reasons of its two rows; a row without one is ok.
+ROW_FAULTS = {
+    "case": ("", "it diverged"),
+    "cases": ("it diverged", "it diverged"),
+    "unexplained": (None, None),
+}
+
+
+@dataclass
+class DummyStudy:
+    """Two cases per block; a fault is a block's label and what happens there.
+
+    Faults: "raise", "silent" (no rows), "interrupt", "kill" (the worker process dies), "slow", and
+    those of `ROW_FAULTS`, where cases fail.
+    """
+
+    faults: Mapping[str, str] = field(default_factory=dict)
+    parent: int = field(default_factory=os.getpid)
+    name: str = "dummy"
+    schema_version: int = 1
+    numerics_version: int = 1
+
+    def config_type(self) -> type[Config]:
+        return DummyConfig
+
+    def plan(self, config: DummyConfig) -> list[Block]:
+        return [
+            Block(
+                group=f"{level}",
+                label=f"{scheme}{level}",
+                content={
+                    "seed": config.seed,
+                    "sigma": config.sigma,
+                    "level": level,
+                    "scheme": scheme,
+                },
+                cases=2,
+            )
+            for level in config.grid.level
+            for scheme in config.schemes
+        ]
+
+    def backend(self, config: DummyConfig) -> str:
+        return "threading"
+
+    def run(
+        self, config: DummyConfig, blocks: Sequence[Block]
+    ) -> Iterator[tuple[Block, pd.DataFrame]]:
+        for block in blocks:
+            fault = self.faults.get(block.label)
+            if fault == "raise":
+                raise ArithmeticError("no\n  convergence")
+            if fault == "interrupt":
+                raise KeyboardInterrupt
+            if fault == "kill" and os.getpid() != self.parent:
+                os.kill(os.getpid(), signal.SIGKILL)
+            if fault == "slow":
+                time.sleep(0.1)
+            if fault != "silent":
+                yield block, self._rows(block, *ROW_FAULTS.get(fault or "", ("", "")))
+
+    def _rows(self, block: Block, *reasons: str | None) -> pd.DataFrame:
+        content = block.content
+        stream = np.random.SFC64(
+            np.random.SeedSequence([content["seed"], int(content["level"] * 1000)])
+        )
+        return pd.DataFrame(
+            {
+                "level": content["level"],
+                "scheme": content["scheme"],
+                "replicate": [0, 1],
+                "value": content["sigma"] * np.random.Generator(stream).standard_normal(2),
+                "amplitude": np.nan,
+                "status": [OK if reason == "" else FAILED for reason in reasons],
+                "reason": list(reasons),
+            }
+        )
+
+    def sort_columns(self) -> list[str]:
+        return ["level", "scheme", "replicate"]
+
+    def aggregate(self, config: DummyConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+        good = rows[rows["status"] == OK]
+        means = good.groupby(["level", "scheme"], as_index=False)["value"].mean()
+        return {
+            "order": rows[self.sort_columns()],
+            "summary": means.assign(
+                third=means["value"] / 3.0, note=np.where(means["level"] == 1.0, "one", "")
+            ),
+        }
+
+    def overview(self) -> str:
+        return "none"
+
+    def terminal(self, config: Any, tables: Any) -> Any:
+        return ""
+
+    def draw(self, *arguments: Any, **options: Any) -> list[Path]:
+        return []
+
+
+def make_config(results: Path, **changes: Any) -> DummyConfig:
+    """A configuration on one worker; `level`, `workers` and `backend` are short for their keys."""
+    config = DummyConfig(
+        results=str(results),
+        compute=Compute(backend=changes.pop("backend", "auto"), workers=changes.pop("workers", 1)),
+    )
+    if "level" in changes:
+        changes["grid"] = DummyGrid(changes.pop("level"))
+    return replace(config, **changes)

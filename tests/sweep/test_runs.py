@@ -1,0 +1,145 @@
+"""Runs as read back, their tables and their manifest."""
+
+from __future__ import annotations
+
+import json
+import logging
+import platform
+import subprocess
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from owtsweep.errors import InputError
+from owtsweep.sweep import provenance
+from owtsweep.sweep.keys import run_folder, run_hash
+from owtsweep.sweep.provenance import git_state
+from owtsweep.sweep.run import sweep
+from owtsweep.sweep.runs import load
+from owtsweep.sweep.tables import read_table, write_table
+
+
+def test_csv_reads_back_exactly(tmp_path):
+    generator = np.random.default_rng(3)
+    table = pd.DataFrame(
+        {
+            "scheme": ["NA", "", "None", "a,b"] * 500,
+            "value": generator.standard_normal(2000) * 10.0 ** generator.integers(-200, 200, 2000),
+            "n": np.arange(2000),
+            "good": [True, False] * 1000,
+        }
+    )
+    table["empty"] = np.nan
+    table.loc[5, "value"] = np.nan
+    table.loc[6, "value"] = 0.1 + 0.2
+    write_table(tmp_path, "table", table)
+    pd.testing.assert_frame_equal(read_table(tmp_path, "table"), table, check_exact=True)
+    assert b"\r" not in (tmp_path / "table.csv").read_bytes()
+
+
+def test_unknown_table_names_those_that_exist(tmp_path):
+    write_table(tmp_path, "summary", pd.DataFrame({"a": [1]}))
+    with pytest.raises(InputError, match=r"^best_scheme: .* it has summary$"):
+        read_table(tmp_path, "best_scheme")
+
+
+def test_loaded_run_is_the_run(known_study, config):
+    outcome = sweep(known_study, config(sigma=0.1 + 0.2, name="mine"))
+    run = load(str(outcome.run.folder))
+    assert run.config == outcome.run.config
+    assert run.hash == run_hash(run.config)
+    pd.testing.assert_frame_equal(run.cases(), outcome.run.cases(), check_exact=True)
+    pd.testing.assert_frame_equal(
+        run.summary(),
+        known_study.aggregate(run.config, run.cases())["summary"],
+        check_exact=True,
+    )
+
+
+def test_tables_are_all_tables_by_name(study, faulty, config):
+    run = sweep(study, config()).run
+    assert list(run.tables()) == ["order", "summary"]
+    pd.testing.assert_frame_equal(run.tables()["summary"], run.summary())
+    assert sweep(faulty(**{"A1.0": "raise"}), config(level=[1.0], seed=1)).run.tables() == {}
+
+
+def test_folder_without_config_is_no_run(tmp_path):
+    with pytest.raises(InputError, match=r"there is no config\.yaml in it"):
+        load(tmp_path)
+
+
+def test_cases_are_sorted_and_missing_ones_are_told(study, config, caplog):
+    run = sweep(study, config(level=[2.0, 1.0], schemes=["B", "A"])).run
+    cases = run.cases()
+    assert list(cases["level"]) == [1.0] * 4 + [2.0] * 4
+    assert list(cases["scheme"]) == ["A", "A", "B", "B"] * 2
+    assert list(cases.index) == list(range(8))
+    next(run.store.cases.glob("part-*")).unlink()
+    with caplog.at_level(logging.WARNING):
+        assert len(run.cases()) == 6
+    assert "1 blocks of the plan are missing" in caplog.text
+
+
+def test_manifest_says_what_made_the_run(faulty, config):
+    outcome = sweep(
+        faulty(**{"A1.0": "case"}), config(workers=2), argv=["sweep", "grid.replicates=2"]
+    )
+    text = (outcome.run.folder / "manifest.json").read_text()
+    manifest = json.loads(text)
+    assert manifest["state"] == "incomplete"
+    assert manifest["cases"] == {"computed": 11, "reused": 0, "failed": 1}
+    assert manifest["argv"] == ["sweep", "grid.replicates=2"]
+    assert manifest["config_hash"] == outcome.run.hash
+    assert (manifest["backend"], manifest["workers"]) == ("threading", 2)
+    assert (manifest["schema_version"], manifest["numerics_version"]) == (1, 1)
+    assert manifest["seed"] == 2019
+    assert manifest["python"] == platform.python_version()
+    assert manifest["packages"]["numpy"] == np.__version__
+    assert pd.Timestamp(manifest["started"]) <= pd.Timestamp(manifest["ended"])
+    assert pd.Timestamp(manifest["started"]).utcoffset().total_seconds() == 0.0
+    assert manifest["seconds"] > 0.0
+    assert manifest["platform"]["cores"] >= 1
+    assert str(outcome.run.folder.parent) not in text
+    assert f'"{platform.node()}"' not in text
+
+
+def test_manifest_of_an_interrupted_run(faulty, config):
+    c = config(name="mine")
+    with pytest.raises(KeyboardInterrupt):
+        sweep(faulty(**{"A1.0": "interrupt"}), c)
+    manifest = json.loads((run_folder(c) / "manifest.json").read_text())
+    assert manifest["state"] == "interrupted"
+    assert manifest["ended"] is not None
+
+
+def git(folder, *arguments):
+    identity = ["-c", "user.name=t", "-c", "user.email=t@t", "-c", "commit.gpgsign=false"]
+    subprocess.run(["git", "-C", str(folder), *identity, *arguments], check=True)
+
+
+def test_git_state_of_a_checkout_and_of_an_installed_package(tmp_path):
+    package = tmp_path / "src" / "thing"
+    installed = tmp_path / "venv" / "thing"
+    for folder in (package, installed):
+        folder.mkdir(parents=True)
+        (folder / "__init__.py").write_text("")
+    assert git_state(package) is None
+    git(tmp_path, "init", "-q")
+    assert git_state(package) is None
+    git(tmp_path, "add", "src")
+    git(tmp_path, "commit", "-qm", "one")
+    state = git_state(package)
+    assert state["dirty"] is False
+    assert len(state["commit"]) == 40
+    assert git_state(installed) is None
+    (package / "new.py").write_text("")
+    assert git_state(package) == {**state, "dirty": True}
+
+
+def test_git_that_is_not_there_is_no_error(tmp_path, monkeypatch):
+    def absent(*arguments, **options):
+        raise FileNotFoundError("git")
+
+    monkeypatch.setattr(provenance.subprocess, "run", absent)
+    assert git_state(tmp_path) is None
