@@ -1,0 +1,1 @@
+"""Linear estimation at two rates: knows no turbine and no study."""

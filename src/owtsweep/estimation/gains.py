@@ -1,0 +1,139 @@
+"""Gains of a two-rate Kalman filter: computed once, shared by all records.
+
+The gains depend on the model and the tuning alone, never on data. After a transient they repeat
+with the slow interval, so a schedule stores the transient and one cycle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.estimation.discretisation import Discrete
+
+#: Rules for steps without a slow measurement; REPRODUCTION.md, rows "Alg. 6" and "EKF".
+#: proper: the rows of H are dropped (Joseph form). mask_columns: K from all rows, then its slow
+#: columns zeroed (the text of section 4.3.3), P = (I - K H) P as printed. mask_rows: K(1:2, :) = 0
+#: as printed in Algorithm 6, the last fix being held. every_step: the innovation is zeroed while
+#: gain and covariance are computed as if there were a fix at every step (section 5.3's EKF).
+RULES = ("proper", "mask_columns", "mask_rows", "every_step")
+
+#: Largest scaled change of the covariance over a cycle that still counts as converged.
+TOLERANCE = 1e-13
+
+
+@dataclass(frozen=True)
+class GainSchedule:
+    """Gains and covariances of every step: `transient` rows, the last `cycle` of which repeat.
+
+    Attributes
+    ----------
+    K
+        (rows, states, 2): gain columns of the slow and of the fast measurement.
+    applied
+        (rows,): whether the slow measurement corrects the state.
+    fresh
+        (rows,): whether there is a new slow measurement, and so an innovation; `mask_rows` goes on
+        applying the last one in between.
+    innovation_variance
+        (rows,): variance of the slow innovation, H P H' + R.
+    predicted, filtered
+        (rows, states, states): P_{k|k-1} and P_{k|k}.
+    cycle
+        Steps after which the rows repeat; the last `cycle` rows are the settled ones.
+    """
+
+    K: Array
+    applied: NDArray[np.bool_]
+    fresh: NDArray[np.bool_]
+    innovation_variance: Array
+    predicted: Array
+    filtered: Array
+    cycle: int
+
+    @property
+    def rows(self) -> int:
+        """Number of stored rows."""
+        return len(self.K)
+
+    def row(self, step: NDArray[np.int64] | int) -> NDArray[np.int64]:
+        """The stored row that serves a step."""
+        step = np.asarray(step)
+        settled = self.rows - self.cycle
+        return np.where(step < self.rows, step, settled + (step - settled) % self.cycle)
+
+
+def schedule(
+    model: Discrete,
+    *,
+    slow: Array,
+    fast: Array,
+    slow_variance: float,
+    fast_variance: float,
+    initial_covariance: Array,
+    interval: int,
+    steps: int,
+    rule: str = "proper",
+    start_interval: int | None = None,
+    start_steps: int = 0,
+    cycle: int | None = None,
+) -> GainSchedule:
+    """Run the covariance recursion of Algorithm 6 until it repeats, at most over `steps` steps.
+
+    Each step predicts, then corrects with that step's measurements; the first step starts from
+    `initial_covariance` one step before it.
+
+    Parameters
+    ----------
+    slow, fast
+        (states,) measurement rows; an all-zero fast row means that the fast signal is an input.
+    slow_variance, fast_variance
+        Variances of the two measurements.
+    interval
+        Steps between slow measurements (at steps that are multiples of it).
+    rule
+        One of `RULES`.
+    start_interval, start_steps
+        For the first `start_steps` steps slow measurements come every `start_interval` steps.
+    cycle
+        Length of the stored cycle, a multiple of `interval` (default: `interval`).
+
+    Raises
+    ------
+    InputError
+        If the covariance does not stay finite and positive (an unstable rule or tuning).
+    """
+    from owtsweep.estimation.riccati import recursion
+
+    n = len(slow)
+    cycle = interval if cycle is None else cycle
+    rows = min(4096, steps)
+    while True:
+        rows = min(-(-rows // cycle) * cycle, -(-steps // cycle) * cycle)
+        K, S = np.empty((rows, n, 2)), np.empty(rows)
+        Pm, Pf = np.empty((rows, n, n)), np.empty((rows, n, n))
+        applied = np.empty(rows, dtype=np.bool_)
+        filled = recursion(
+            model.A, model.Q, slow, fast, slow_variance, fast_variance, initial_covariance,
+            applied, start_interval or interval, start_steps, interval, RULES.index(rule),
+            TOLERANCE, K, S, Pm, Pf,
+        )  # fmt: skip
+        if filled < rows or rows >= steps:
+            break
+        rows *= 4
+    diagonal = np.diagonal(Pf[:filled], axis1=1, axis2=2)
+    if not np.all(np.isfinite(diagonal)) or np.any(diagonal < 0.0):
+        raise InputError(
+            f"update_rule: {rule!r} makes the covariance negative or infinite at step "
+            f"{int(np.argmax(np.any(~(diagonal >= 0.0), axis=1)))} with this tuning; use 'proper'"
+        )
+    filled = max(-(-filled // cycle) * cycle, cycle)
+    step = np.arange(filled)
+    fresh = step % np.where(step < start_steps, start_interval or interval, interval) == 0
+    return GainSchedule(
+        K[:filled], applied[:filled], fresh, S[:filled], Pm[:filled], Pf[:filled], cycle
+    )

@@ -1,0 +1,228 @@
+"""Moving horizon estimation over fixes and preintegrated inputs, Eq. (11) of Ren et al. (2019).
+
+The reading of Eq. (11) (PAPER.md, section 4; REPRODUCTION.md, row "Eq. (11)"): squared norms, nodes
+at the fixes, every link between neighbouring nodes weighted once, and a last node at the present
+delayed time, t_f after the last fix. Without constraints the last link, which nothing contradicts,
+is met exactly, so the estimate is the window's least-squares state at the last fix carried on by
+the inputs: a fixed linear map of fixes, inputs and arrival state. `window_map` is that map.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+
+
+@dataclass(frozen=True)
+class WindowWeights:
+    """Weights of the terms of Eq. (11a), per axis.
+
+    Attributes
+    ----------
+    transition
+        (states, states): A over one fix interval.
+    link_covariance
+        (states, states): covariance of w over one interval, the inverse of the print's weight Q.
+    fix_variance
+        Variance of a fix, the inverse of the print's weight R; the first state is measured.
+    """
+
+    transition: Array
+    link_covariance: Array
+    fix_variance: float
+
+
+def square_root_information(covariance: Array) -> Array:
+    """U with U' U = covariance^-1."""
+    lower = np.linalg.cholesky(covariance)
+    return np.linalg.solve(lower, np.eye(len(covariance)))
+
+
+def window_map(
+    weights: WindowWeights,
+    intervals: int,
+    *,
+    arrival_covariance: Array | None = None,
+    use_first_fix: bool = True,
+) -> Array:
+    """The linear map from a window's data to its last node's state.
+
+    Parameters
+    ----------
+    intervals
+        Number of links; there are intervals + 1 nodes.
+    arrival_covariance
+        (states, states) covariance of the arrival state, or None for no arrival term.
+    use_first_fix
+        False when the arrival state already contains the oldest fix.
+
+    Returns
+    -------
+    (states, intervals + 1 + states * intervals + states): columns for the fixes z_0 ... z_n, for
+    the inputs' effect on each interval, and for the arrival state. Unused data has zero columns.
+
+    Raises
+    ------
+    ValueError
+        If the window's data do not determine its states.
+    """
+    n = len(weights.transition)
+    nodes = intervals + 1
+    information = square_root_information(weights.link_covariance)
+    rows = nodes + n * intervals + n
+    J = np.zeros((rows, n * nodes))
+    D = np.zeros((rows, nodes + n * intervals + n))
+    sigma = np.sqrt(weights.fix_variance)
+    for i in range(nodes):
+        if i > 0 or use_first_fix:
+            J[i, n * i] = 1.0 / sigma
+            D[i, i] = 1.0 / sigma
+    for i in range(intervals):
+        at = slice(nodes + n * i, nodes + n * (i + 1))
+        J[at, n * i : n * (i + 1)] = -information @ weights.transition
+        J[at, n * (i + 1) : n * (i + 2)] = information
+        D[at, at] = information
+    if arrival_covariance is not None:
+        at = slice(rows - n, rows)
+        prior = square_root_information(arrival_covariance)
+        J[at, :n] = prior
+        D[at, at] = prior
+    scale = np.linalg.norm(J, axis=0)
+    if np.any(scale == 0.0):
+        raise ValueError("the window's data do not determine its states")
+    q, r = np.linalg.qr(J / scale)
+    if np.min(np.abs(np.diagonal(r))) < 1e-12:
+        raise ValueError("the window's data do not determine its states")
+    solution = np.linalg.solve(r[-n:, -n:], q[:, -n:].T @ D)  # r is triangular: the last block
+    return np.asarray(solution / scale[-n:, None])
+
+
+class CasadiWindow:
+    """Eq. (11) as an optimisation problem, solved by CasADi: the oracle of `window_map`.
+
+    Two axes at once (states ordered as in Sigma_2: x, y, v_x, v_y, b_x, b_y), with the last node at
+    the present. Variables are scaled by the standard deviations that the weights imply.
+
+    Parameters
+    ----------
+    intervals
+        Links between fixes.
+    solver
+        "qrqp" (an active-set QP solver; equal to the closed form up to rounding) or "ipopt".
+    arrival, use_first_fix
+        As in `window_map`.
+    """
+
+    def __init__(
+        self,
+        intervals: int,
+        *,
+        states: int,
+        outputs: int,
+        last_node: bool,
+        arrival: bool,
+        use_first_fix: bool = True,
+        solver: str = "qrqp",
+    ) -> None:
+        import casadi as ca
+
+        nodes = intervals + 1
+        X = ca.MX.sym("X", states, nodes + int(last_node))
+        z = ca.MX.sym("z", outputs, nodes)
+        inputs = ca.MX.sym("inputs", states, intervals + int(last_node))
+        A = ca.MX.sym("A", states, states)
+        A_f = ca.MX.sym("A_f", states, states)
+        link = ca.MX.sym("link", states, states)  # square roots of information
+        fix = ca.MX.sym("fix")
+        x0 = ca.MX.sym("x0", states)
+        prior = ca.MX.sym("prior", states, states)
+        scale = ca.MX.sym("scale", states)
+
+        def state(i: int) -> ca.MX:
+            return scale * X[:, i]
+
+        cost = ca.MX(0)
+        for i in range(nodes):  # (11c)
+            if i > 0 or use_first_fix:
+                cost += ca.sumsqr(fix * (z[:, i] - state(i)[:outputs]))
+        for i in range(intervals):  # (11b)
+            cost += ca.sumsqr(ca.mtimes(link, state(i + 1) - ca.mtimes(A, state(i)) - inputs[:, i]))
+        if last_node:  # (11d), t_f after the last fix and without a fix of its own (11i)
+            predicted = ca.mtimes(A_f, state(intervals)) + inputs[:, intervals]
+            cost += ca.sumsqr(ca.mtimes(link, state(nodes) - predicted))
+        if arrival:
+            cost += ca.sumsqr(ca.mtimes(prior, state(0) - x0))
+        parameters = ca.vertcat(
+            *(ca.vec(p) for p in (z, inputs, A, A_f, link, fix, x0, prior, scale))
+        )
+        problem = {"x": ca.vec(X), "p": parameters, "f": 0.5 * cost}
+        if solver == "qrqp":
+            options = {"print_iter": False, "print_header": False, "print_time": False}
+            self._solve = ca.qpsol("mhe", "qrqp", problem, {**options, "error_on_fail": False})
+        elif solver == "ipopt":
+            quiet: dict[str, Any] = {"print_level": 0, "sb": "yes", "tol": 1e-12}
+            self._solve = ca.nlpsol("mhe", "ipopt", problem, {"ipopt": quiet, "print_time": 0})
+        else:
+            raise ValueError(f"solver is {solver!r}, neither 'qrqp' nor 'ipopt'")
+        self._gradient = ca.Function(
+            "gradient", [problem["x"], parameters], [ca.gradient(problem["f"], problem["x"])]
+        )
+        self._shape = (states, nodes + int(last_node))
+
+    def solve(
+        self,
+        scale: Array,
+        z: Array,
+        inputs: Array,
+        A: Array,
+        A_f: Array,
+        link: Array,
+        fix: float,
+        x0: Array,
+        prior: Array,
+    ) -> Array:
+        """The states of all nodes, (states, nodes [+ 1]).
+
+        The answer is refined once: the same problem is solved for what it leaves of the data, since
+        a solver alone loses up to 1e-10 of the states where the weights differ by many decades.
+
+        Parameters
+        ----------
+        scale
+            (states,): sizes of the states, as the weights imply them.
+        z, inputs
+            (outputs, nodes) fixes and (states, links) effects of the inputs.
+        A, A_f
+            (states, states) over a GNSS interval and over t_f.
+        link, fix, prior
+            Square roots of information: (states, states), scalar, (states, states).
+        x0
+            (states,) arrival state.
+
+        Raises
+        ------
+        ArithmeticError
+            If the gradient at the answer is not small: the solvers' own flags cannot be trusted.
+        """
+        nodes = z.shape[1]
+        states = self._minimum(scale, z, inputs, A, A_f, link, fix, x0, prior)
+        predicted = A @ states[:, :-1]
+        predicted[:, nodes - 1 :] = A_f @ states[:, nodes - 1 : -1]
+        left = (z - states[: len(z), :nodes], inputs - (states[:, 1:] - predicted))
+        return states + self._minimum(scale, *left, A, A_f, link, fix, x0 - states[:, 0], prior)
+
+    def _minimum(self, scale: Array, *parameters: Array | float) -> Array:
+        packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
+        p = np.concatenate([packed, scale])
+        answer = np.asarray(self._solve(x0=0.0, p=p)["x"]).ravel()
+        slope = np.asarray(self._gradient(answer, p)).ravel()
+        start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
+        if not np.max(np.abs(slope)) <= 1e-6 * (1.0 + np.max(np.abs(start))):
+            raise ArithmeticError(
+                f"the MHE's solver stopped at a gradient of {max(abs(slope)):.2g}"
+            )
+        return answer.reshape(self._shape, order="F") * scale[:, None]

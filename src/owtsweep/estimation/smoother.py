@@ -1,0 +1,73 @@
+"""Fixed-lag smoothing over a moving window, Algorithms 7 and 8 of Ren et al. (2019).
+
+`FixedLagSmoother` is the algorithm as written: at every step one Rauch-Tung-Striebel pass over the
+window. `smoother_gains` prepares the recursion that gives the same output in O(1) per step.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.gains import GainSchedule
+
+
+class FixedLagSmoother:
+    """Register 4 and the online RTS pass (Algorithms 7 and 8).
+
+    The printed loop indexes columns N_s - 1 ... 0 of registers with columns 1 ... N_s; a lag of
+    N_s steps is meant, so the window holds the newest filtered pair and the N_s before it.
+    """
+
+    def __init__(self, transition: Array, window: int) -> None:
+        self.transition = transition
+        self.window = window
+        self.register: deque[tuple[Array, Array, Array, Array]] = deque(maxlen=window + 1)
+
+    def update(
+        self, x: Array, P: Array, x_predicted: Array, P_predicted: Array
+    ) -> tuple[Array, Array] | None:
+        """Push one filtered pair; return state and covariance `window` steps back, when full.
+
+        Parameters
+        ----------
+        x, P
+            Filtered state (states,) and covariance (states, states) of this step.
+        x_predicted, P_predicted
+            The prediction that this step started from.
+        """
+        self.register.append((x, P, x_predicted, P_predicted))
+        if len(self.register) <= self.window:
+            return None
+        xs, Ps = self.register[-1][0], self.register[-1][1]
+        for j in range(self.window - 1, -1, -1):
+            x_j, P_j = self.register[j][0], self.register[j][1]
+            x_next, P_next = self.register[j + 1][2], self.register[j + 1][3]
+            C = np.linalg.solve(P_next.T, (P_j @ self.transition.T).T).T
+            xs = x_j + C @ (xs - x_next)
+            Ps = P_j + C @ (Ps - P_next) @ C.T
+        return xs, Ps
+
+
+def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple[Array, Array]:
+    """RTS gains C_k and window products W_k = C_k ... C_{k+window-1} of every schedule row.
+
+    Returns
+    -------
+    C, W
+        (rows, states, states) each.
+    """
+    from owtsweep.estimation.windowing import products
+
+    rows = np.arange(gains.rows)
+    following = gains.row(rows + 1)
+    numerator = gains.filtered @ transition.T
+    C = np.linalg.solve(
+        gains.predicted[following].transpose(0, 2, 1), numerator.transpose(0, 2, 1)
+    ).transpose(0, 2, 1)
+    C = np.ascontiguousarray(C)
+    W = np.empty_like(C)
+    products(C, window, gains.cycle, W)
+    return C, W

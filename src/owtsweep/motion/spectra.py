@@ -1,0 +1,116 @@
+"""Motion spectra S(f) = a f / (f^2 + b f + c), Eq. (1) of Ren et al. (2019).
+
+The denominator must stay positive for every f > 0, which holds as long as its value at the peak,
+2 sqrt(c) + b, is positive; the peak lies at f* = sqrt(c), Eq. (2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+
+#: Half-bandwidth squared, s^-2: with it `translated` rounds to all 12 printed digits of b and c.
+TABLE_4_BANDWIDTH = 2.4e-4
+
+#: a / T, the mean of Table 4.
+AMPLITUDE_PER_PERIOD = 0.4611e-6
+
+#: Table 4 of the paper: natural period (s) -> a, b, c.
+TABLE_4 = {
+    3.0: (1.37e-06, -0.67, 0.11),
+    4.0: (1.83e-06, -0.50, 0.062),
+    5.0: (2.32e-06, -0.40, 0.040),
+    6.0: (2.81e-06, -0.33, 0.028),
+    7.0: (3.23e-06, -0.28, 0.020),
+    8.0: (3.67e-06, -0.25, 0.016),
+}
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """One-sided spectrum of Eq. (1); only its shape matters once a record is normalised.
+
+    Attributes
+    ----------
+    a, b, c
+        Coefficients; frequencies in Hz, S in m^2/Hz.
+    """
+
+    a: float
+    b: float
+    c: float
+
+    @property
+    def peak_frequency(self) -> float:
+        """f* = sqrt(c) in Hz, from Eq. (2)."""
+        return float(np.sqrt(self.c))
+
+    @property
+    def peak_margin(self) -> float:
+        """2 sqrt(c) + b: the denominator over f at the peak; the peak is finite where it is > 0.
+
+        The text below Eq. (2) prints the peak as a / (2 sqrt(c + b)); a / (2 sqrt(c) + b) is meant.
+        """
+        return 2.0 * self.peak_frequency + self.b
+
+    def density(self, frequency: Array) -> Array:
+        """S(f) in m^2/Hz at frequencies in Hz, Eq. (1)."""
+        return self.a * frequency / (frequency**2 + self.b * frequency + self.c)
+
+
+def translated(natural_period: float, bandwidth: float = TABLE_4_BANDWIDTH) -> Spectrum:
+    """One peak moved along the frequency axis, as the paper's section 2.2 describes Table 4.
+
+    a = 0.4611e-6 T, b = -2/T + k T, c = 1/T^2 make the denominator (f - 1/T)^2 + k T f: a peak at
+    1/T with the half-bandwidth sqrt(k) wherever it stands.
+
+    Parameters
+    ----------
+    natural_period
+        T in s.
+    bandwidth
+        k in s^-2: 2.4e-4 gives back the printed digits of Table 4; 6.7e-6 is 1 % damping.
+    """
+    T = natural_period
+    return Spectrum(a=AMPLITUDE_PER_PERIOD * T, b=-2.0 / T + bandwidth * T, c=1.0 / T**2)
+
+
+def printed(natural_period: float) -> Spectrum:
+    """Table 4 as it stands.
+
+    Raises
+    ------
+    InputError
+        For a period that the table does not have, and for 3, 4 and 5 s, where two digits of b and
+        c leave no positive denominator at the peak.
+    """
+    row = TABLE_4.get(float(natural_period))
+    if row is None:
+        known = ", ".join(f"{period:g}" for period in TABLE_4)
+        raise InputError(
+            f"spectrum=printed: Table 4 has no natural period {natural_period:g} s (it has "
+            f"{known} s): use spectrum=translated"
+        )
+    spectrum = Spectrum(*row)
+    if spectrum.peak_margin <= 1e-12:
+        raise InputError(
+            f"spectrum=printed has no finite peak at {natural_period:g} s (2 sqrt(c) + b = "
+            f"{spectrum.peak_margin:.2g}): use spectrum=translated"
+        )
+    return spectrum
+
+
+KINDS = ("translated", "printed")
+
+
+def spectrum(kind: str, natural_period: float, bandwidth: float) -> Spectrum:
+    """The spectrum of that kind, `translated` or `printed`."""
+    if kind == "translated":
+        return translated(natural_period, bandwidth)
+    if kind == "printed":
+        return printed(natural_period)
+    raise InputError(f"spectrum.kind: {kind!r} is none of {', '.join(KINDS)}")

@@ -1,0 +1,135 @@
+"""Random-phase realisations of a motion spectrum, with consistent derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.motion.spectra import Spectrum
+
+NORMALISATIONS = ("peak", "rms")
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Displacement along one direction, with what a delayed measurement still reports.
+
+    Attributes
+    ----------
+    step
+        Sampling interval, s.
+    position, velocity, acceleration
+        (steps,) in m, m/s, m/s^2, from t = 0.
+    before
+        (history,) positions before t = 0, oldest first, m.
+    """
+
+    step: float
+    position: Array
+    velocity: Array
+    acceleration: Array
+    before: Array
+
+    def position_at(self, first: int, stride: int, count: int) -> Array:
+        """(count,) positions at steps first, first + stride, ...; `first` may reach into the past.
+
+        Raises
+        ------
+        ValueError
+            If the record does not reach that far back.
+        """
+        if first < -len(self.before):
+            raise ValueError(
+                f"the record holds {len(self.before)} steps before t = 0, not {-first}"
+            )
+        whole = np.concatenate([self.before, self.position])
+        start = first + len(self.before)
+        return whole[start : start + stride * count : stride][:count].copy()
+
+
+def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], Array]:
+    """Numbers m and frequencies m / period (Hz) of the lines inside the band, edges included.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    first = int(np.ceil(band[0] * period - 1e-9))
+    last = int(np.floor(band[1] * period + 1e-9))
+    numbers = np.arange(max(first, 1), last + 1)
+    if len(numbers) == 0:
+        raise InputError(
+            f"band: [{band[0]:g}, {band[1]:g}] Hz holds no line of a record that is "
+            f"{period / 2:g} s long; widen it or lengthen record.duration"
+        )
+    return numbers, numbers / period
+
+
+def synthesise(
+    spectrum: Spectrum,
+    phase: np.random.Generator,
+    *,
+    steps: int,
+    step: float,
+    band: tuple[float, float],
+    normalise: str = "peak",
+    history: int = 0,
+) -> Motion:
+    """Draw one record of a spectrum.
+
+    Lines at f_m = m / (2 duration) inside the band carry the amplitude sqrt(2 S(f_m) df) and a
+    uniform random phase; position, velocity and acceleration are one inverse FFT each. The first
+    half of the FFT's period is the record, so nothing repeats inside it; what stands before t = 0
+    is the end of the second half.
+
+    Parameters
+    ----------
+    spectrum
+        Shape of the spectrum.
+    phase
+        Stream of the phases. Line m always takes the m-th number, so moving a band edge leaves
+        the phases of the lines that stay.
+    steps, step
+        Number of samples and sampling interval (s); the duration is their product.
+    band
+        Lower and upper edge, Hz.
+    normalise
+        "peak": the largest |d| of the record is 1 m; "rms": its standard deviation is 1 m.
+    history
+        How many steps before t = 0 to keep.
+    """
+    from scipy.fft import irfft
+
+    period = 2 * steps * step
+    numbers, frequency = lines(band, period)
+    amplitude = np.sqrt(2.0 * spectrum.density(frequency) / period)
+    phases = 2.0 * np.pi * phase.random(numbers[-1] + 1)[numbers]
+    line = amplitude * np.exp(1j * phases) * steps  # irfft divides by 2 steps, a cosine is half
+
+    def series(factor: NDArray[np.complexfloating[Any, Any]] | float) -> Array:
+        bins = np.zeros(steps + 1, dtype=complex)
+        bins[numbers] = line * factor
+        return np.asarray(irfft(bins, n=2 * steps), dtype=float)
+
+    omega = 2.0 * np.pi * frequency
+    position = series(1.0)
+    record = position[:steps]
+    if normalise == "peak":
+        scale = 1.0 / np.max(np.abs(record))
+    elif normalise == "rms":
+        scale = 1.0 / np.std(record)
+    else:
+        raise InputError(f"normalise: {normalise!r} is none of {', '.join(NORMALISATIONS)}")
+    return Motion(
+        step=step,
+        position=scale * record,
+        velocity=scale * series(1j * omega)[:steps],
+        acceleration=scale * series(-(omega**2) + 0j)[:steps],
+        before=scale * position[2 * steps - history :],
+    )
