@@ -1,0 +1,14 @@
+"""Figure 15 of Ren et al. (2019): MSE over amplitude at a natural period of 4 s.
+
+    python experiments/figure_15.py [RUN]
+
+draws it for a run that is there, or for the default study (which it runs or finishes first).
+"""
+
+import sys
+
+import owtsweep
+
+run = owtsweep.load(sys.argv[1]) if len(sys.argv) > 1 else owtsweep.run()
+for file in run.draw("figure_15_mse_4s"):
+    print(file)

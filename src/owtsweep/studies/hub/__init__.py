@@ -1,0 +1,102 @@
+"""The hub-motion study: the sensitivity study of Ren et al. (2019), sections 5.3-5.4."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.studies.base import Block
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from rich.console import RenderableType
+
+    from owtsweep.studies.hub.config import HubConfig
+
+__all__ = ["HubStudy"]
+
+
+class HubStudy:
+    """`owtsweep.studies.base.Study` for the hub motion; heavy imports wait for their use."""
+
+    name = "hub"
+    schema_version = 1
+    numerics_version = 1
+
+    def config_type(self) -> type[HubConfig]:
+        """The study's configuration."""
+        from owtsweep.studies.hub.config import HubConfig
+
+        return HubConfig
+
+    def plan(self, config: HubConfig) -> list[Block]:
+        """One block per period, run of 8 replicates and scheme."""
+        from owtsweep.studies.hub import blocks
+
+        return blocks.plan(config)
+
+    def backend(self, config: HubConfig) -> str:
+        """Threads for kernels, which release the GIL; processes as soon as one scheme is Python."""
+        from owtsweep.studies.hub.blocks import uses_kernels
+        from owtsweep.studies.hub.schemes import resolve_all
+
+        compiled = all(uses_kernels(config, scheme) for scheme in resolve_all(config.schemes))
+        return "threading" if compiled else "loky"
+
+    def run(
+        self, config: HubConfig, blocks: Sequence[Block]
+    ) -> Iterator[tuple[Block, pd.DataFrame]]:
+        """Run blocks of one group."""
+        from owtsweep.studies.hub.blocks import run
+
+        return run(config, blocks)
+
+    def sort_columns(self) -> list[str]:
+        """What identifies a row."""
+        return ["natural_period", "scheme", "measure", "window", "amplitude", "replicate"]
+
+    def aggregate(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+        """summary and best_scheme."""
+        from owtsweep.studies.hub import aggregate
+
+        names = scheme_names(config)
+        values = aggregate.expand(rows, list(config.grid.amplitude))
+        return {
+            "summary": aggregate.summary(values, names),
+            "best_scheme": aggregate.best_scheme(values, names, config.measures.window),
+        }
+
+    def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+        """The map as a coloured grid."""
+        from owtsweep.studies.hub.terminal import grid
+
+        return grid(tables["best_scheme"], scheme_names(config), "position", config.measures.window)
+
+    def overview(self) -> str:
+        """The map, figure 18."""
+        from owtsweep.studies.hub.figures import MAP
+
+        return MAP
+
+    def draw(
+        self,
+        config: HubConfig,
+        tables: Mapping[str, pd.DataFrame],
+        rows: pd.DataFrame,
+        folder: Path,
+        *,
+        only: str | None = None,
+        metadata: Mapping[str, str] | None = None,
+    ) -> list[Path]:
+        """Figures 15-18 and tables 6-9."""
+        from owtsweep.studies.hub.figures import draw_all
+
+        return draw_all(config, tables, rows, folder, only=only, metadata=metadata)
+
+
+def scheme_names(config: Any) -> list[str]:
+    """The names of a run's schemes in their order."""
+    from owtsweep.studies.hub.schemes import resolve_all
+
+    return [scheme.name for scheme in resolve_all(config.schemes)]

@@ -1,0 +1,209 @@
+"""A linear scheme as data: what the batch kernels need, computed once per sensors and tuning.
+
+Every scheme of the study is the same chain with parts left out: [MHE ->] multirate Kalman filter
+[-> fixed-lag smoother] [-> predictor]. The gains are shared by all periods, amplitudes and records.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, wraps
+from operator import attrgetter
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.discretisation import Discrete
+from owtsweep.estimation.gains import GainSchedule, schedule
+from owtsweep.estimation.predictor import powers, prediction_noise
+from owtsweep.estimation.smoother import smoother_gains
+from owtsweep.estimation.windowing import covariances
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.horizon import Horizon
+from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, PredictorArrays
+from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
+
+#: Longest transient that is stored (2621 s at 100 Hz). A bias without noise never settles: its
+#: covariance falls as a power of time, and after this many steps the last cycle is kept.
+LONGEST_TRANSIENT = 2**18
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A scheme for the batch engine.
+
+    Attributes
+    ----------
+    gains
+        Schedule of the filter.
+    filter, predictor, mhe
+        The kernels' arrays.
+    """
+
+    gains: GainSchedule
+    filter: FilterArrays
+    predictor: PredictorArrays
+    mhe: HorizonArrays
+    axis: AxisFilter
+    input_model: Discrete | None
+
+    @cached_property
+    def covariance(self) -> Array:
+        """(rows, 2, 2): covariance of the output's (p, v), one axis, for NEES."""
+        steps = self.predictor.steps
+        return _output_covariance(
+            self.axis, self.gains, self.filter.C, self.filter.window, steps, self.input_model
+        )
+
+    @cached_property
+    def precision(self) -> Array:
+        """(rows, 3): elements pp, pv, vv of the inverse of the output's covariance."""
+        inverse = np.linalg.inv(self.covariance)
+        return np.ascontiguousarray(inverse[:, [0, 0, 1], [0, 1, 1]])
+
+
+def shared(kernel: Callable[[Any, Sensors, Any], Chain]) -> Callable[[Any, Sensors, Any], Chain]:
+    """Compute a scheme's chain once per sensors and tuning: all records share it.
+
+    The scheme names the parts of the tuning that it depends on in `sections`.
+    """
+
+    @wraps(kernel)
+    def cached(self: Any, sensors: Sensors, tuning: Any) -> Chain:
+        sections = tuple(repr(attrgetter(section)(tuning)) for section in self.sections)
+        key = (type(self), sensors, *sections)
+        with _LOCK:
+            if key not in _CHAINS:
+                _CHAINS[key] = kernel(self, sensors, tuning)
+                while len(_CHAINS) > _KEPT_CHAINS:
+                    _CHAINS.popitem(last=False)
+            return _CHAINS[key]
+
+    return cached
+
+
+_KEPT_CHAINS = 16
+_CHAINS: OrderedDict[Any, Chain] = OrderedDict()
+_LOCK = Lock()
+
+
+def chain(
+    axis: AxisFilter,
+    sensors: Sensors,
+    *,
+    rule: str,
+    input_delay: int = 0,
+    window: int = 0,
+    predict: Discrete | None = None,
+    horizon: Horizon | None = None,
+) -> Chain:
+    """Put a chain together.
+
+    Parameters
+    ----------
+    axis
+        The filter's model and covariances.
+    rule
+        Update rule of the gain schedule.
+    input_delay
+        Steps by which register 1 delays the specific force.
+    window
+        N_s, the smoother's lag; 0 for no smoother.
+    predict
+        Sigma_2 on (p, v, b) over one step, to predict over input_delay + window steps.
+    horizon
+        The MHE whose positions take the place of the fixes.
+    """
+    M = sensors.fix_interval
+    gains = schedule(
+        axis.model,
+        slow=POSITION,
+        fast=axis.force_row,
+        slow_variance=axis.position_variance,
+        fast_variance=axis.force_variance,
+        initial_covariance=axis.initial_covariance,
+        interval=horizon.interval if horizon else M,
+        steps=LONGEST_TRANSIENT,
+        rule=rule,
+        start_interval=M,
+        start_steps=horizon.first * M if horizon else 0,
+    )
+    if window > 0:
+        C, W = smoother_gains(gains, axis.model.A, window)
+    else:
+        C = W = np.zeros((1, 4, 4))
+    steps = input_delay + window if predict is not None else 0
+    return Chain(
+        gains=gains,
+        filter=FilterArrays(
+            A=np.ascontiguousarray(axis.model.A),
+            B=axis.model.B[:, 0].copy(),
+            h=axis.force_row,
+            K=gains.K,
+            applied=gains.applied,
+            C=C,
+            W=W,
+            cycle=gains.cycle,
+            input_delay=input_delay,
+            window=window,
+            fix_interval=M,
+        ),
+        predictor=_predictor_arrays(predict, steps, sensors.step),
+        mhe=horizon.arrays(gains, sensors) if horizon else NO_HORIZON,
+        axis=axis,
+        input_model=predict,
+    )
+
+
+NO_HORIZON = HorizonArrays(
+    active=False, maps=np.zeros((1, 3, 1)), horizon=1, interval=1, first=0, arrival=False,
+    inputs=0, step=0.0,
+)  # fmt: skip
+
+
+def _predictor_arrays(model: Discrete | None, steps: int, step: float) -> PredictorArrays:
+    if model is None or steps == 0:
+        return PredictorArrays(0, step, 0.0, 0.0, 0.0, 0.0)
+    A = powers(model.A, steps)[steps]
+    return PredictorArrays(
+        steps=steps, step=step, half=float(model.B[0, 0]), pv=A[0, 1], pb=A[0, 2], vb=A[1, 2]
+    )
+
+
+def _output_covariance(
+    axis: AxisFilter,
+    gains: GainSchedule,
+    C: Array,
+    window: int,
+    steps: int,
+    predict: Discrete | None,
+) -> Array:
+    """Covariance of the output's (p, v) for one axis, (rows, 2, 2).
+
+    The predictor starts from the smoothed state of `window` steps before the filter's newest
+    sample and feeds it inputs whose noise v_i the smoother has partly seen. For the filter's own
+    optimal estimate E[error_s v_i] = cov(error_s, error_i) h', since v_i minus its estimate is
+    h (error_i) and the estimate is uncorrelated with the error. The noise of later inputs is
+    independent. (The bias' own walk over these steps is added as if independent: it is 1e-3 of
+    the rest for the default sensors.)
+    """
+    if predict is None or steps == 0:
+        return gains.filtered[:, :2, :2].copy()
+    noise = prediction_noise(predict, steps)
+    pick = SIGMA_2_STATES
+    smoothed = np.broadcast_to(axis.initial_covariance, gains.filtered.shape).copy()
+    coupling = np.zeros((gains.rows, 4, 3))
+    table = C if window > 0 else gains.filtered  # with no window there is nothing to look up
+    covariances(
+        gains.filtered, gains.predicted, table, window, axis.force_row, noise.response, smoothed,
+        coupling,
+    )  # fmt: skip
+    result = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
+    cross = noise.transition @ coupling[:, pick]
+    result += cross + cross.transpose(0, 2, 1)
+    result += noise.process + axis.force_variance * noise.response.T @ noise.response
+    return np.ascontiguousarray(result[:, :2, :2])

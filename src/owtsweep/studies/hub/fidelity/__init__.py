@@ -1,0 +1,1 @@
+"""How well the published results are reproduced: score, calibration, statements, report."""

@@ -1,0 +1,98 @@
+"""How figures look and how they are saved: the same bytes for the same figure."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+RESOLUTION = 160  # dots per inch of PNG files
+SVG_LIMIT = 500 * 1024  # bytes
+
+RC: Any = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib, so every machine draws the same
+    "font.size": 10,
+    "axes.titlesize": 11,
+    "axes.labelsize": 10,
+    "legend.fontsize": 9,
+    "axes.grid": True,
+    "grid.color": "0.88",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "hatch.linewidth": 1.0,
+    "svg.hashsalt": "owtsweep",  # ids of an SVG are random without it
+}
+WINDOWS = {"full": "full record", "settled": "settled part of the record"}
+
+
+@contextmanager
+def context() -> Iterator[None]:
+    """The settings to draw under, whatever the user's are; those come back afterwards."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(RC)
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure (inches) outside pyplot, so that no window and no global list knows it."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def footnote(figure: Figure, text: str) -> None:
+    """Put a paragraph below everything else, broken to the width of the figure."""
+    letters = int(13 * figure.get_figwidth())
+    figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
+
+
+def describe_window(window: str) -> str:
+    """A window's name as a reader takes it."""
+    return WINDOWS.get(window, window)
+
+
+def save(
+    figure: Figure, folder: Path, stem: str, metadata: Mapping[str, str] | None = None
+) -> list[Path]:
+    """Write `<stem>.png` and `<stem>.svg` into `folder`.
+
+    Parameters
+    ----------
+    figure
+        Drawn under `context`.
+    folder
+        Made if it does not exist.
+    stem
+        File name without suffix.
+    metadata
+        What to store inside both files, e.g. the run's hash: text chunks of the PNG, the
+        description (as JSON) of the SVG. No date is stored.
+
+    Returns
+    -------
+    list of Path
+        The PNG and the SVG.
+    """
+    notes = dict(metadata or {})
+    folder.mkdir(parents=True, exist_ok=True)
+    png, svg = folder / f"{stem}.png", folder / f"{stem}.svg"
+    described = {"Date": None, "Description": json.dumps(notes, sort_keys=True)}
+    with context():
+        figure.savefig(png, dpi=RESOLUTION, metadata=notes)
+        figure.savefig(svg, metadata=described)
+        if svg.stat().st_size > SVG_LIMIT:
+            # letters as text instead of outlines: smaller, but in the viewer's font
+            with mpl.rc_context({"svg.fonttype": "none"}):
+                figure.savefig(svg, metadata=described)
+    return [png, svg]

@@ -1,0 +1,126 @@
+"""The moving horizon estimator of HME2: its tuning as numbers, for both engines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.discretisation import discretise
+from owtsweep.estimation.gains import GainSchedule
+from owtsweep.estimation.mhe import WindowWeights, window_map
+from owtsweep.studies.hub.config import Mhe
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.kernels.layout import HorizonArrays
+from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2, variance
+
+INPUTS = ("all", "averaged", "sampled")
+
+#: A link needs some freedom in every state: least density of the bias walk, (m/s^2)^2/s.
+LEAST_BIAS_DENSITY = 1e-12
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """One axis of the MHE (states p, v, b).
+
+    Attributes
+    ----------
+    interval
+        Steps of T_m.
+    length
+        N_m, GNSS intervals in the window.
+    first
+        Number of the first fix at which the window can be solved; until then fixes pass through.
+    arrival
+        Whether the filter's own past state enters as arrival term.
+    inputs
+        One of `INPUTS`.
+    weights
+        Weights of Eq. (11a) for one GNSS interval.
+    initial_covariance
+        (3, 3): the prior while the window fills (with an arrival term only).
+    """
+
+    interval: int
+    length: int
+    first: int
+    arrival: bool
+    inputs: str
+    weights: WindowWeights
+    initial_covariance: Array
+
+    def intervals(self, fix: int) -> int:
+        """How many GNSS intervals the window holds when fix number `fix` is its newest."""
+        return min(fix, self.length)
+
+    def arrays(self, gains: GainSchedule, sensors: Sensors) -> HorizonArrays:
+        """The maps of every fix until they repeat, for the kernels."""
+        M = sensors.fix_interval
+        settled = -(-gains.rows // M) if self.arrival else 0
+        count = self.length + settled + 1
+        maps = np.zeros((count, 3, 4 * self.length + 4))
+        for fix in range(self.first, count):
+            n = self.intervals(fix)
+            covariance = self.arrival_covariance(fix, gains, M)
+            solution = window_map(
+                self.weights,
+                n,
+                arrival_covariance=covariance,
+                use_first_fix=not self.uses_filter(fix),
+            )
+            maps[fix, :, : solution.shape[1]] = solution
+        return HorizonArrays(
+            active=True,
+            maps=maps,
+            horizon=self.length,
+            interval=self.interval,
+            first=self.first,
+            arrival=self.arrival,
+            inputs=INPUTS.index(self.inputs),
+            step=sensors.step,
+        )
+
+    def uses_filter(self, fix: int) -> bool:
+        """Whether the arrival state is the filter's (x_m0 of register 3, Algorithm 5).
+
+        That state already contains the oldest fix, which the window then leaves out.
+        """
+        return self.arrival and fix >= self.length
+
+    def arrival_covariance(self, fix: int, gains: GainSchedule, M: int) -> Array | None:
+        """Covariance of the arrival state for the window whose newest fix is number `fix`."""
+        if not self.arrival:
+            return None
+        if not self.uses_filter(fix):
+            return self.initial_covariance
+        P = gains.filtered[gains.row((fix - self.length) * M)]
+        return np.asarray(P[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)])
+
+
+def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
+    """The MHE that a tuning means for these sensors."""
+    q_f = sensors.force_sigma**2 * sensors.step if tuning.q_a is None else tuning.q_a
+    q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
+    model = discretise(sigma_2(q_f, max(q_b, LEAST_BIAS_DENSITY)), sensors.fix_step)
+    link = model.Q if tuning.weights == "full" else np.diag(np.diagonal(model.Q))
+    arrival = tuning.arrival == "mkf"
+    return Horizon(
+        interval=round(tuning.interval / sensors.step),
+        length=tuning.horizon,
+        first=0 if arrival else 2,
+        arrival=arrival,
+        inputs=tuning.inputs,
+        weights=WindowWeights(
+            transition=model.A,
+            link_covariance=link,
+            fix_variance=variance(tuning.r_fix, sensors.position_sigma, sensors),
+        ),
+        initial_covariance=np.diag(tuning.p0),
+    )
+
+
+def transition_over(seconds: float) -> Array:
+    """A_df of Sigma_2 on (p, v, b) over t_f, Eq. (11g), exact in place of I + t_f A."""
+    return np.array([[1.0, seconds, 0.5 * seconds**2], [0.0, 1.0, seconds], [0.0, 0.0, 1.0]])

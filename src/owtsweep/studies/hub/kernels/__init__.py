@@ -1,0 +1,6 @@
+"""Compiled kernels of the batch engine: many series of one scheme at once.
+
+A lane is one scalar series of one axis; all lanes share the gains, which depend on no data. Arrays
+are (steps, lanes), so the innermost loops run over neighbouring memory. Records are worked through
+in chunks that stay in the cache, and errors are summed on the fly.
+"""

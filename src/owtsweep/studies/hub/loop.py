@@ -1,0 +1,69 @@
+"""Running an estimator as it would run on board: one `update` per IMU step.
+
+The reference engine, and every user's scheme without a kernel, runs this way.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.contract import Estimator, Sensors
+from owtsweep.studies.hub.sensors import Measurements
+
+
+class Trajectory(NamedTuple):
+    """What an estimator gave over a record.
+
+    state (steps, 4): x, y, v_x, v_y. covariance (steps, 4, 4) or None. innovation (steps, 2) and
+    innovation_covariance (steps, 2, 2) with NaN at steps without one, or None.
+    """
+
+    state: Array
+    covariance: Array | None
+    innovation: Array | None
+    innovation_covariance: Array | None
+
+
+def run_estimator(estimator: Estimator, measurements: Measurements, sensors: Sensors) -> Trajectory:
+    """Feed a whole record to an estimator.
+
+    Raises
+    ------
+    ValueError
+        If an estimate has the wrong shape or is not finite, naming the step.
+    """
+    steps = len(measurements.specific_force)
+    state = np.empty((steps, 4))
+    covariance: Array | None = None
+    innovation: Array | None = None
+    innovation_covariance: Array | None = None
+    M = sensors.fix_interval
+    for k in range(steps):
+        fix = measurements.fixes[k // M] if k % M == 0 else None
+        estimate = estimator.update(measurements.specific_force[k], fix)
+        state[k, :2] = _vector(estimate.position, "position", k)
+        state[k, 2:] = _vector(estimate.velocity, "velocity", k)
+        if estimate.covariance is not None:
+            if covariance is None:
+                covariance = np.full((steps, 4, 4), np.nan)
+            covariance[k] = estimate.covariance
+        if estimate.innovation is not None:
+            if innovation is None or innovation_covariance is None:
+                innovation = np.full((steps, 2), np.nan)
+                innovation_covariance = np.full((steps, 2, 2), np.nan)
+            innovation[k] = estimate.innovation.value
+            innovation_covariance[k] = estimate.innovation.covariance
+    if not np.all(np.isfinite(state)):
+        step = int(np.argmax(~np.isfinite(state).all(axis=1)))
+        raise ValueError(f"the estimate of step {step} is not finite")
+    return Trajectory(state, covariance, innovation, innovation_covariance)
+
+
+def _vector(value: Array, name: str, step: int) -> Array:
+    array = np.asarray(value, dtype=float)
+    if array.shape != (2,):
+        raise ValueError(f"the {name} of step {step} has the shape {array.shape}, not (2,)")
+    return array

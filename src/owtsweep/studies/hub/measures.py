@@ -1,0 +1,152 @@
+"""From errors to rows: MSE (Eq. 12), NEES and NIS, over the whole record and settled."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.batch import Sums
+from owtsweep.studies.hub.loop import Trajectory
+
+QUANTITIES = ("x", "y", "vx", "vy", "nees", "nis")
+WINDOWS = ("full", "settled")
+COLUMNS = (
+    "natural_period", "replicate", "scheme", "measure", "window", "amplitude", "motion", "cross",
+    "noise", "value", "n_samples", "status", "reason",
+)  # fmt: skip
+PRODUCTS = ("motion", "cross", "noise")
+
+
+class Measured(NamedTuple):
+    """One measure of one record: means of the three products, and the number of samples."""
+
+    measure: str
+    window: str
+    products: tuple[float, float, float]
+    n_samples: int
+
+
+def from_sums(sums: Sums, replicate: int) -> Iterator[Measured]:
+    """The measures of the replicate with this index in the sums."""
+    for w, window in enumerate(WINDOWS):
+        parts = slice(0, 2) if window == "full" else slice(1, 2)
+        products = sums.products[parts, :, :, replicate].sum(axis=0)
+        steps, innovations = int(sums.steps[parts].sum()), int(sums.innovations[parts].sum())
+        means = {}
+        for quantity, name in enumerate(QUANTITIES):
+            count = innovations if name == "nis" else steps
+            if count:
+                means[name] = (products[quantity] / count, count)
+        means["position"] = (means["x"][0] + means["y"][0], steps)
+        means["velocity"] = (means["vx"][0] + means["vy"][0], steps)
+        for name, (mean, count) in means.items():
+            yield Measured(name, window, (float(mean[0]), float(mean[1]), float(mean[2])), count)
+        if len(sums.squared):
+            kept = sums.squared[0 if w == 0 else int(sums.steps[0]) :, replicate]
+            yield from _extremes(kept, window)
+
+
+def _extremes(squared: Array, window: str) -> Iterator[Measured]:
+    error = np.sqrt(squared)
+    largest, p95 = float(np.max(error)), float(np.percentile(error, 95.0))
+    yield Measured("position_max", window, (0.0, 0.0, largest), len(error))
+    yield Measured("position_p95", window, (0.0, 0.0, p95), len(error))
+
+
+def from_trajectories(
+    motion: Trajectory | None,
+    noise: Trajectory,
+    truth: Array,
+    settled: int,
+    *,
+    extremes: bool = False,
+) -> Iterator[Measured]:
+    """The measures of a record that was run step by step.
+
+    Parameters
+    ----------
+    motion
+        The response to the unit motion alone, or None when `noise` is the whole series.
+    noise
+        The response to everything else, or to the whole series.
+    truth
+        (steps, 4): the true state of the motion, or of the whole series.
+    settled
+        The first settled step.
+    """
+    whole = motion is None
+    errors = [noise.state - truth] if motion is None else [motion.state - truth, noise.state]
+    for window, start in zip(WINDOWS, (0, settled), strict=True):
+        steps = len(truth) - start
+        means: dict[str, tuple[Array, int]] = {}
+        for i, name in enumerate(QUANTITIES[:4]):
+            means[name] = (_products([e[start:, i] for e in errors], None), steps)
+        means["position"] = (means["x"][0] + means["y"][0], steps)
+        means["velocity"] = (means["vx"][0] + means["vy"][0], steps)
+        if noise.covariance is not None:
+            have = np.isfinite(noise.covariance[start:, 0, 0])
+            weights = np.linalg.inv(noise.covariance[start:][have])
+            means["nees"] = (_products([e[start:][have] for e in errors], weights), int(have.sum()))
+        if noise.innovation is not None and noise.innovation_covariance is not None:
+            have = np.isfinite(noise.innovation[start:, 0])
+            weights = np.linalg.inv(noise.innovation_covariance[start:][have])
+            parts = [t.innovation for t in (motion, noise) if t is not None]
+            chosen = [part[start:][have] for part in parts if part is not None]
+            if have.any():
+                means["nis"] = (_products(chosen, weights), int(have.sum()))
+        for name, (mean, count) in means.items():
+            yield Measured(name, window, (float(mean[0]), float(mean[1]), float(mean[2])), count)
+        if extremes and whole:
+            yield from _extremes(np.sum(errors[0][start:, :2] ** 2, axis=1), window)
+
+
+def _products(errors: list[Array], weights: Array | None) -> Array:
+    """Means of motion x motion, motion x noise, noise x noise; (3,)."""
+
+    def mean(a: Array, b: Array) -> float:
+        if weights is None:
+            return float(np.mean(a * b))
+        return float(np.mean(np.einsum("ki,kij,kj->k", a, weights, b)))
+
+    if len(errors) == 1:
+        return np.array([0.0, 0.0, mean(errors[0], errors[0])])
+    motion, noise = errors
+    return np.array([mean(motion, motion), mean(motion, noise), mean(noise, noise)])
+
+
+def row(
+    natural_period: float,
+    replicate: int,
+    scheme: str,
+    measured: Measured,
+    amplitude: float | None,
+) -> dict[str, Any]:
+    """One row of a shard; with an amplitude the noise x noise product is the value itself."""
+    base: dict[str, Any] = {
+        "natural_period": natural_period,
+        "replicate": replicate,
+        "scheme": scheme,
+        "measure": measured.measure,
+        "window": measured.window,
+        "amplitude": np.nan if amplitude is None else amplitude,
+        "n_samples": measured.n_samples,
+        "status": "ok",
+        "reason": "",
+    }
+    if amplitude is None:
+        base.update(zip(PRODUCTS, measured.products, strict=True), value=np.nan)
+    else:
+        base.update(dict.fromkeys(PRODUCTS, np.nan), value=measured.products[2])
+    return base
+
+
+def failed_row(
+    natural_period: float, replicate: int, scheme: str, reason: str, amplitude: float | None
+) -> dict[str, Any]:
+    """The one row of a failed case."""
+    nothing = Measured("", "", (np.nan, np.nan, np.nan), 0)
+    base = row(natural_period, replicate, scheme, nothing, amplitude)
+    return {**base, "status": "failed", "reason": reason, "value": np.nan}

@@ -1,0 +1,113 @@
+"""The two process models of Ren et al. (2019), section 3, for one axis and for two.
+
+With R isotropic and the yaw known, both models fall apart into equal axes in NED: `axis` models
+have the states (p, v, a, b) with b = x4, and the two-axis matrices are kron(axis, I_2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import prod
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.discretisation import Discrete, Model, discretise
+from owtsweep.studies.hub.config import FilterTuning, Variance
+from owtsweep.studies.hub.contract import Sensors
+
+POSITION = np.array([1.0, 0.0, 0.0, 0.0])
+#: R f = x3 - x4 (6b).
+FORCE = np.array([0.0, 0.0, 1.0, -1.0])
+#: Where (p, v, b) of Sigma_2 stand among the four states.
+SIGMA_2_STATES = np.array([0, 1, 3])
+
+
+def variance(rule: Variance, sigma: float, sensors: Sensors) -> float:
+    """A measurement variance by its rule (`Variance`), in the square of sigma's unit."""
+    factor = {
+        "sigma2": 1.0,
+        "sigma2_over_step": 1.0 / sensors.step,
+        "sigma2_times_ratio": float(sensors.fix_interval),
+    }[rule.rule]
+    return prod((sigma, sigma, factor, rule.scale))
+
+
+def sigma_1(q_a: float, q_b: float) -> Model:
+    """Sigma_1, Eq. (6a), one axis: states (p, v, a, b), no input.
+
+    (6a) drives the bias alone; the text lets white noise drive the acceleration, so Q has q_a
+    (m/s^3)^2/Hz besides q_b (m/s^2)^2/s.
+    """
+    A = np.zeros((4, 4))
+    A[0, 1] = A[1, 2] = 1.0
+    return Model(A=A, B=np.zeros((4, 1)), Q=np.diag([0.0, 0.0, q_a, q_b]))
+
+
+def sigma_2(q_f: float, q_b: float) -> Model:
+    """Sigma_2, Eq. (8a), one axis: states (p, v, b), input u = R f.
+
+    q_f, in (m/s^2)^2/Hz, is the density of the accelerometer's noise; Q is E Q E'.
+    """
+    A = np.zeros((3, 3))
+    A[0, 1] = A[1, 2] = 1.0
+    return Model(A=A, B=np.array([[0.0], [1.0], [0.0]]), Q=np.diag([0.0, q_f, q_b]))
+
+
+def four_states(model: Discrete) -> Discrete:
+    """Sigma_2 among four states: the acceleration becomes white, unobserved and without effect."""
+    A, B, Q = np.zeros((4, 4)), np.zeros((4, 1)), np.zeros((4, 4))
+    A[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] = model.A
+    B[SIGMA_2_STATES] = model.B
+    Q[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] = model.Q
+    Q[2, 2] = 1.0
+    return Discrete(A=A, B=B, Q=Q, step=model.step)
+
+
+@dataclass(frozen=True)
+class AxisFilter:
+    """One axis of a multirate Kalman filter, in numbers.
+
+    Attributes
+    ----------
+    model
+        Discrete model on four states; `model.B` is zero for Sigma_1.
+    force_row
+        (4,) measurement row of the specific force in NED; zero for Sigma_2.
+    position_variance, force_variance
+        m^2, (m/s^2)^2.
+    initial_covariance
+        (4, 4).
+    """
+
+    model: Discrete
+    force_row: Array
+    position_variance: float
+    force_variance: float
+    initial_covariance: Array
+
+
+def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
+    """The filter that a tuning means for these sensors."""
+    q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
+    force_variance = variance(tuning.r_imu, sensors.force_sigma, sensors)
+    if tuning.model == "sigma1":
+        model = discretise(sigma_1(tuning.q_a, q_b), sensors.step, tuning.discretisation)
+        force_row = FORCE
+    else:
+        continuous = sigma_2(force_variance * sensors.step, q_b)
+        model = four_states(discretise(continuous, sensors.step, tuning.discretisation))
+        force_row = np.zeros(4)
+    return AxisFilter(
+        model=model,
+        force_row=force_row,
+        position_variance=variance(tuning.r_gnss, sensors.position_sigma, sensors),
+        force_variance=force_variance,
+        initial_covariance=np.diag(tuning.p0),
+    )
+
+
+def input_model(tuning: FilterTuning, sensors: Sensors) -> Discrete:
+    """Sigma_2 on (p, v, b) over one IMU step, as the predictor and the MHE use it."""
+    q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
+    return discretise(sigma_2(0.0, q_b), sensors.step, tuning.discretisation)

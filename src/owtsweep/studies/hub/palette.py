@@ -1,0 +1,97 @@
+"""One look per scheme, the same in every figure, table and terminal.
+
+Colours are those of Okabe and Ito (2008), made to be told apart by colour-blind readers; a marker
+and a line style say the same in black and white.
+"""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from owtsweep.errors import InputError
+
+LineStyle = Literal["-"] | tuple[int, tuple[int, ...]]
+
+
+@dataclass(frozen=True)
+class SchemeStyle:
+    """How a scheme is drawn.
+
+    Attributes
+    ----------
+    color
+        "#RRGGBB".
+    marker, line
+        As matplotlib takes them.
+    """
+
+    color: str
+    marker: str
+    line: LineStyle
+
+    @property
+    def text_color(self) -> str:
+        """Black or white, whichever reads better on `color` (contrast ratio of WCAG 2)."""
+        luminance = relative_luminance(self.color)
+        return "#000000" if (luminance + 0.05) ** 2 > 0.05 * 1.05 else "#ffffff"
+
+
+#: The schemes of the paper. EKF and MKF can coincide: dashes over a full line show both.
+FIXED = {
+    "EKF": SchemeStyle("#CC79A7", "s", "-"),
+    "MKF": SchemeStyle("#009E73", "D", (0, (4, 2))),
+    "HME1": SchemeStyle("#0072B2", "o", "-"),
+    "HME2": SchemeStyle("#E69F00", "^", (0, (6, 1, 1, 1))),
+}
+#: Okabe and Ito's other colours, for users' schemes.
+SPARE_COLORS = ("#56B4E9", "#D55E00", "#F0E442")
+SPARE_MARKERS = ("v", "P", "X", "<", ">", "p", "h")
+SPARE_LINES: tuple[LineStyle, ...] = (
+    (0, (1, 1)),
+    (0, (3, 1, 1, 1, 1, 1)),
+    (0, (8, 3)),
+    (0, (2, 2)),
+)
+
+
+def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
+    """The style of scheme `name` in a study of `all_names`.
+
+    The paper's schemes always look the same; others get the next free style in the order of
+    `all_names`.
+
+    Raises
+    ------
+    InputError
+        If `name` is none of `all_names`.
+    """
+    if name in FIXED:
+        return FIXED[name]
+    others = [other for other in dict.fromkeys(all_names) if other not in FIXED]
+    if name not in others:
+        raise InputError(f"scheme: {name!r} is none of {', '.join(all_names)}")
+    index = others.index(name)
+    return SchemeStyle(
+        color=_spare_color(index),
+        marker=SPARE_MARKERS[index % len(SPARE_MARKERS)],
+        line=SPARE_LINES[index % len(SPARE_LINES)],
+    )
+
+
+def relative_luminance(color: str) -> float:
+    """Relative luminance of "#RRGGBB", 0 (black) to 1 (white), after WCAG 2."""
+    channels = [int(color[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def _spare_color(index: int) -> str:
+    if index < len(SPARE_COLORS):
+        return SPARE_COLORS[index]
+    # steps of the golden section never come back to a hue; the lightness alternates
+    step = index - len(SPARE_COLORS)
+    channels = colorsys.hls_to_rgb((0.08 + 0.618034 * step) % 1.0, (0.3, 0.55, 0.75)[step % 3], 0.5)
+    return "#" + "".join(f"{round(255 * channel):02X}" for channel in channels)

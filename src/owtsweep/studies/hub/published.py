@@ -1,0 +1,70 @@
+"""The numbers and statements that Ren et al. (2019) print, as data.
+
+They are kept as printed, misprints included: a `note` says where a number cannot be meant.
+"""
+
+from __future__ import annotations
+
+from importlib import resources
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Measures that tables 6-9 give, with the names of their columns in the data file.
+MEASURES = {"x": "mse_x_m2", "y": "mse_y_m2", "vx": "mse_vx_m2_s2", "vy": "mse_vy_m2_s2"}
+
+
+def mse_tables() -> pd.DataFrame:
+    """Tables 6-9: the MSE of four schemes at four conditions, one number a row.
+
+    Returns
+    -------
+    DataFrame
+        table, natural_period (s), amplitude (m), scheme, measure (x, y in m^2; vx, vy in m^2/s^2),
+        published, note; in the order of the print.
+    """
+    import pandas as pd
+
+    wide = _read("ren2019_tables6to9_mse.csv").rename(
+        columns={"natural_period_s": "natural_period", "amplitude_m": "amplitude"}
+    )
+    keys = ["table", "natural_period", "amplitude", "scheme"]
+    parts = []
+    for measure, column in MEASURES.items():
+        # a note of the data file starts with the name of the column it speaks of
+        concerns = wide["note"].str.startswith(f"mse_{measure} ")
+        note = wide["note"].where(concerns, "").str.removeprefix("mse_")
+        part = wide[keys].assign(measure=measure, published=wide[column], note=note)
+        parts.append(part)
+    tidy = pd.concat(parts).sort_index(kind="stable").reset_index(drop=True)
+    return tidy.astype({"natural_period": float, "amplitude": float})
+
+
+def facts() -> pd.DataFrame:
+    """What the text says about the results: id (F1-F11), section, quantity, statement."""
+    return _read("ren2019_facts.csv", text=("section",))
+
+
+def spectrum_table() -> pd.DataFrame:
+    """Table 4: natural_period (s) and the spectrum's a (m^2 Hz), b (Hz), c (Hz^2) of Eq. (1)."""
+    table = _read("ren2019_table4_spectrum.csv").rename(
+        columns={"natural_period_s": "natural_period"}
+    )
+    return table.astype({"natural_period": float})
+
+
+def sensor_table() -> pd.DataFrame:
+    """Table 5: parameter, value, unit (SI)."""
+    return _read("ren2019_table5_sensors.csv").astype({"value": float})
+
+
+def _read(name: str, *, text: tuple[str, ...] = ()) -> pd.DataFrame:
+    import pandas as pd
+
+    source = resources.files("owtsweep.studies.hub") / "data" / name
+    with source.open(encoding="utf-8") as file:
+        table = pd.read_csv(file, dtype=dict.fromkeys(text, str))
+    if "note" in table:
+        table["note"] = table["note"].fillna("").astype(str)
+    return table

@@ -1,0 +1,97 @@
+"""The four schemes of the study, and how an entry of `schemes` becomes a scheme."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from typing import Any
+
+from owtsweep.errors import InputError
+from owtsweep.studies.hub.contract import Scheme
+
+#: Name -> where it lives and what it is, in the order of tables and figures.
+REGISTERED = {
+    "EKF": (
+        "owtsweep.studies.hub.schemes.ekf",
+        "Kalman filter, GNSS innovation zeroed between fixes",
+    ),
+    "MKF": ("owtsweep.studies.hub.schemes.mkf", "multirate Kalman filter on the undelayed IMU"),
+    "HME1": ("owtsweep.studies.hub.schemes.hme1", "delayed MKF, online smoother, predictor"),
+    "HME2": ("owtsweep.studies.hub.schemes.hme2", "HME1 fed by a moving horizon estimator"),
+}
+
+
+def resolve(entry: Any) -> Scheme:
+    """The scheme that an entry of `schemes` means.
+
+    Parameters
+    ----------
+    entry
+        A registered name, or a mapping `{_target_: package.Class, ...}` whose other keys are the
+        arguments of the class.
+
+    Raises
+    ------
+    InputError
+        If it is unknown, does not import, or lacks part of the contract.
+    """
+    if isinstance(entry, str):
+        if entry not in REGISTERED:
+            known = ", ".join(REGISTERED)
+            raise InputError(
+                f"schemes: there is no scheme {entry!r}; use {known} or {{_target_: package.Class}}"
+            )
+        module = import_module(REGISTERED[entry][0])
+        return module.SCHEME  # type: ignore[no-any-return]
+    if isinstance(entry, Mapping) and "_target_" in entry:
+        return _instantiate(entry)
+    raise InputError(
+        f"schemes: {entry!r} is neither a name nor {{_target_: package.Class}} with its arguments"
+    )
+
+
+def resolve_all(entries: Sequence[Any]) -> list[Scheme]:
+    """All schemes of a run, with unique names, in the order given.
+
+    Raises
+    ------
+    InputError
+        As `resolve`, and if two schemes have one name or there is none.
+    """
+    if not entries:
+        raise InputError("schemes: the list is empty; use e.g. schemes=[MKF,HME1]")
+    schemes = [resolve(entry) for entry in entries]
+    names = [scheme.name for scheme in schemes]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"schemes: {name!r} stands there twice; names must differ")
+    return schemes
+
+
+def _instantiate(entry: Mapping[str, Any]) -> Scheme:
+    target = str(entry["_target_"])
+    module_name, _, class_name = target.rpartition(".")
+    arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
+    try:
+        scheme = getattr(import_module(module_name), class_name)(**arguments)
+    except Exception as error:  # whatever a user's module raises while it loads
+        text = " ".join(f"{type(error).__name__}: {error}".split())
+        raise InputError(
+            f"schemes: {target} cannot be made ({text}); it must be importable from here "
+            "(PYTHONPATH) and take the given arguments"
+        ) from error
+    check_scheme(scheme, target)
+    return scheme  # type: ignore[no-any-return]
+
+
+def check_scheme(scheme: Any, target: str) -> None:
+    """Raise `InputError` naming what of the contract a scheme lacks."""
+    lacks = []
+    if not (isinstance(getattr(scheme, "name", None), str) and scheme.name):
+        lacks.append("name (a non-empty str)")
+    if not isinstance(getattr(scheme, "linear", None), bool):
+        lacks.append("linear (True or False)")
+    if not callable(getattr(scheme, "start", None)):
+        lacks.append("start(sensors, tuning)")
+    if lacks:
+        raise InputError(f"schemes: {target} lacks {', '.join(lacks)}; see owtsweep.testing")

@@ -1,0 +1,36 @@
+"""EKF: the filter on model (6) with the GNSS innovation set to zero between fixes (section 5.3).
+
+Model (6) is linear, so this "extended" filter is a Kalman filter. What the paper does not say is
+how the covariance is updated between fixes: `ekf.update_rule` offers `every_step` (as if there were
+a fix at every IMU step, which the published numbers point to) and the rules of the MKF; with
+`proper` the scheme is the MKF. Its IMU is not delayed.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from owtsweep.studies.hub.chain import Chain, chain, shared
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.models import axis_filter
+from owtsweep.studies.hub.schemes.mkf import FilterEstimator
+
+
+class EKF:
+    """The extended Kalman filter of section 5.3, tuned by `ekf`."""
+
+    name = "EKF"
+    linear = True
+    sections = ("ekf",)
+
+    def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
+        """A fresh estimator."""
+        return FilterEstimator(tuning.ekf, sensors)
+
+    @shared
+    def kernel(self, sensors: Sensors, tuning: Any) -> Chain:
+        """The scheme for the batch engine."""
+        return chain(axis_filter(tuning.ekf, sensors), sensors, rule=tuning.ekf.update_rule)
+
+
+SCHEME = EKF()

@@ -1,0 +1,101 @@
+"""HME1, Algorithm 1: register 1, multirate Kalman filter, online smoother, predictor."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.predictor import predict
+from owtsweep.estimation.smoother import FixedLagSmoother
+from owtsweep.studies.hub.chain import Chain, chain, shared
+from owtsweep.studies.hub.config import FilterTuning
+from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
+from owtsweep.studies.hub.models import axis_filter, input_model
+from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
+
+
+class DelayedChain:
+    """What HME1 and HME2 share: everything behind the position that the filter is given."""
+
+    def __init__(self, tuning: FilterTuning, window: int, sensors: Sensors, gains: Chain) -> None:
+        axis = axis_filter(tuning, sensors)
+        self.sensors = sensors
+        self.filter = MultirateKalmanFilter(axis, sensors.rotation, tuning.update_rule)
+        self.smoother = FixedLagSmoother(self.filter.kf.F, window)
+        self.input_model = input_model(tuning, sensors)
+        self.count = 0
+        # Register 1, printed with a delay of N_d - 1 steps; N_d is meant. Register u_s behind it
+        # keeps the N_s inputs that left it. Both start at zero.
+        self.samples: deque[Array] = deque(
+            [np.zeros(2)] * (sensors.delay + window + 1), maxlen=sensors.delay + window + 1
+        )
+        self.window = window
+        self.gains = gains
+
+    def push(self, specific_force: Array) -> Array:
+        """Register 1: take the newest sample, return the one of N_d steps ago (IMU frame)."""
+        self.samples.append(np.asarray(specific_force, dtype=float))
+        return self.samples[-1 - self.sensors.delay]
+
+    def step(
+        self, delayed: Array, fix: Array | None, held_fix: Array
+    ) -> tuple[Estimate, FilterStep]:
+        """Filter, smooth and predict (Algorithms 6-9) with the delayed sample and a position."""
+        step = self.filter.step(delayed, fix, held_fix)
+        smoothed = self.smoother.update(step.x, step.P, step.x_predicted, step.P_predicted)
+        state: Array = np.zeros(8) if smoothed is None else smoothed[0]
+        inputs = np.array(self.samples)[:-1] @ self.sensors.rotation.T  # all but the newest
+        start = np.array([state[:2], state[2:4], state[6:8]])  # x1, x2, x4 of both axes
+        now = np.array([predict(self.input_model, start[:, i], inputs[:, [i]]) for i in range(2)])
+        row = int(self.gains.gains.row(self.count))
+        self.count += 1
+        innovation = None
+        if fix is not None:
+            innovation = Innovation(step.innovation, step.innovation_covariance)
+        covariance = np.kron(self.gains.covariance[row], np.eye(2))
+        return Estimate(now[:, 0], now[:, 1], covariance, innovation), step
+
+
+class HME1Estimator:
+    """Algorithm 1, one step at a time."""
+
+    def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
+        self.chain = DelayedChain(tuning.hme1, tuning.hme.smoother_window, sensors, gains)
+        self.held_fix: Array = np.zeros(2)
+
+    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
+        """One pass through Algorithm 1."""
+        if position is not None:
+            self.held_fix = position
+        delayed = self.chain.push(specific_force)
+        return self.chain.step(delayed, position, self.held_fix)[0]
+
+
+class HME1:
+    """The hub motion estimator 1, tuned by `hme1` and `hme.smoother_window`."""
+
+    name = "HME1"
+    linear = True
+    sections = ("hme1", "hme.smoother_window")
+
+    def start(self, sensors: Sensors, tuning: Any) -> HME1Estimator:
+        """A fresh estimator."""
+        return HME1Estimator(sensors, tuning, self.kernel(sensors, tuning))
+
+    @shared
+    def kernel(self, sensors: Sensors, tuning: Any) -> Chain:
+        """The scheme for the batch engine."""
+        return chain(
+            axis_filter(tuning.hme1, sensors),
+            sensors,
+            rule=tuning.hme1.update_rule,
+            input_delay=sensors.delay,
+            window=tuning.hme.smoother_window,
+            predict=input_model(tuning.hme1, sensors),
+        )
+
+
+SCHEME = HME1()

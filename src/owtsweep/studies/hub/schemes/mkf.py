@@ -1,0 +1,58 @@
+"""MKF: Algorithm 6 alone, without register 1 (section 5.3).
+
+The delayed fixes meet the undelayed IMU; no smoother, no predictor. Its output is compared with
+the present and therefore lags.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.chain import Chain, chain, shared
+from owtsweep.studies.hub.config import FilterTuning
+from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
+from owtsweep.studies.hub.models import axis_filter
+from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
+
+
+class FilterEstimator:
+    """A multirate Kalman filter whose filtered state is the estimate."""
+
+    def __init__(self, tuning: FilterTuning, sensors: Sensors) -> None:
+        self.filter = MultirateKalmanFilter(
+            axis_filter(tuning, sensors), sensors.rotation, tuning.update_rule
+        )
+        self.held_fix: Array = np.zeros(2)
+
+    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
+        """One step of Algorithm 6."""
+        if position is not None:
+            self.held_fix = position
+        step = self.filter.step(specific_force, position, self.held_fix)
+        innovation = None
+        if position is not None:
+            innovation = Innovation(step.innovation, step.innovation_covariance)
+        return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], innovation)
+
+
+class MKF:
+    """The multirate Kalman filter of section 5.3, tuned by `mkf`."""
+
+    name = "MKF"
+    linear = True
+    sections = ("mkf",)
+
+    def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
+        """A fresh estimator."""
+        return FilterEstimator(tuning.mkf, sensors)
+
+    @shared
+    def kernel(self, sensors: Sensors, tuning: Any) -> Chain:
+        """The scheme for the batch engine."""
+        return chain(axis_filter(tuning.mkf, sensors), sensors, rule=tuning.mkf.update_rule)
+
+
+SCHEME = MKF()

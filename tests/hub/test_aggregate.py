@@ -1,0 +1,341 @@
+"""Means, intervals and the best scheme, against naive computations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy import stats
+
+from owtsweep.errors import InputError
+from owtsweep.studies.hub import aggregate
+
+SCHEMES = ("EKF", "MKF", "HME1", "HME2")
+PERIODS = (3.0, 8.0)
+AMPLITUDES = (0.05, 1.0, 10.0)
+# the columns of summary.csv and best_scheme.csv, which others' scripts rely on
+DESIGN_SUMMARY = ["scheme", "natural_period", "amplitude", "measure", "window"]
+DESIGN_SUMMARY += ["mean", "ci_low", "ci_high", "n"]
+DESIGN_BEST = ["natural_period", "amplitude", "criterion", "window", "best", "runner_up"]
+DESIGN_BEST += ["mse_best", "mse_runner_up", "difference", "ci_low", "ci_high", "distinguishable"]
+
+
+def superposed_rows(
+    schemes=SCHEMES,
+    replicates: int = 6,
+    measures=("x", "position", "velocity", "nees"),
+    seed: int = 5,
+) -> pd.DataFrame:
+    random = np.random.default_rng(seed)
+    rows = []
+    for period in PERIODS:
+        for scheme in schemes:
+            for replicate in range(replicates):
+                for measure in measures:
+                    for window in ("full", "settled"):
+                        motion, noise = random.uniform(0.5, 1.5, 2) * (2e-3, 1e-3)
+                        rows.append(
+                            {
+                                "natural_period": period,
+                                "replicate": replicate,
+                                "scheme": scheme,
+                                "measure": measure,
+                                "window": window,
+                                "amplitude": math.nan,
+                                "motion": motion,
+                                "cross": random.normal(scale=1e-5),
+                                "noise": noise,
+                                "value": math.nan,
+                                "n_samples": 1000,
+                                "status": "ok",
+                                "reason": "",
+                            }
+                        )
+    return pd.DataFrame(rows)
+
+
+def values_of(samples: dict[str, list[float]], *, amplitude: float = 1.0, **fixed) -> pd.DataFrame:
+    """Values of one cell: a list of replicates per scheme; NaN stands for one not finished."""
+    rows = [
+        {
+            "scheme": scheme,
+            "natural_period": 3.0,
+            "amplitude": amplitude,
+            "measure": "position",
+            "window": "full",
+            "replicate": replicate,
+            "value": value,
+        }
+        | fixed
+        for scheme, series in samples.items()
+        for replicate, value in enumerate(series)
+        if not math.isnan(value)
+    ]
+    return pd.DataFrame(rows)
+
+
+def best_of(samples: dict[str, list[float]], schemes=None) -> pd.Series:
+    values = values_of(samples)
+    table = aggregate.best_scheme(values, schemes or list(samples), "full", criteria=("position",))
+    assert len(table) == 1
+    return table.iloc[0]
+
+
+def test_expand_superposes_every_amplitude():
+    rows = superposed_rows(replicates=2)
+    values = aggregate.expand(rows, AMPLITUDES)
+    assert list(values.columns) == list(aggregate.VALUE_COLUMNS)
+    assert len(values) == len(rows) * len(AMPLITUDES)
+    keys = ["scheme", "natural_period", "measure", "window", "replicate"]
+    by_key = values.set_index([*keys, "amplitude"])["value"]
+    for row in rows.to_dict("records"):
+        for n in AMPLITUDES:
+            expected = n**2 * row["motion"] + 2 * n * row["cross"] + row["noise"]
+            assert by_key[(*(row[key] for key in keys), n)] == pytest.approx(expected, rel=1e-14)
+
+
+def test_expand_takes_direct_rows_as_they_are():
+    superposed = superposed_rows(schemes=("MKF",), replicates=1)
+    direct = superposed_rows(schemes=("EKF",), replicates=1)
+    direct["amplitude"], direct["value"] = 1.0, 0.25
+    direct[["motion", "cross", "noise"]] = math.nan
+    elsewhere = direct.assign(amplitude=4.0)  # an amplitude that the grid does not hold
+    values = aggregate.expand(pd.concat([superposed, direct, elsewhere]), AMPLITUDES)
+    own = values[values["scheme"] == "EKF"]
+    assert set(own["amplitude"]) == {1.0}
+    assert set(own["value"]) == {0.25}
+    assert set(values["amplitude"]) == set(AMPLITUDES)
+    assert len(aggregate.expand(direct, AMPLITUDES)) == len(direct)
+
+
+def test_expand_leaves_out_failed_cases_and_undefined_values():
+    rows = superposed_rows(schemes=("MKF",), replicates=2)
+    rows.loc[rows["measure"] == "nees", ["motion", "cross", "noise"]] = math.nan
+    failed = rows.iloc[[0]].assign(
+        scheme="HME2", measure="", window="", status="failed", reason="no fix"
+    )
+    values = aggregate.expand(pd.concat([rows, failed]), AMPLITUDES)
+    assert set(values["scheme"]) == {"MKF"}
+    assert set(values["measure"]) == {"x", "position", "velocity"}
+
+
+def test_summary_is_the_students_interval():
+    values = aggregate.expand(superposed_rows(), AMPLITUDES)
+    table = aggregate.summary(values, SCHEMES)
+    assert list(table.columns) == DESIGN_SUMMARY
+    groups = values.groupby(["scheme", "natural_period", "amplitude", "measure", "window"])
+    assert len(table) == groups.ngroups
+    for row in table.to_dict("records"):
+        sample = groups.get_group(
+            tuple(row[k] for k in ("scheme", "natural_period", "amplitude", "measure", "window"))
+        )["value"]
+        low, high = stats.t.interval(
+            0.95, len(sample) - 1, loc=sample.mean(), scale=stats.sem(sample)
+        )
+        assert row["n"] == len(sample) == 6
+        assert row["mean"] == pytest.approx(sample.mean(), rel=1e-12)
+        assert (row["ci_low"], row["ci_high"]) == pytest.approx((low, high), rel=1e-9)
+
+
+def test_summary_is_sorted_by_the_given_schemes_then_numerically():
+    values = aggregate.expand(superposed_rows(), AMPLITUDES)
+    schemes = ["HME2", "EKF", "MKF"]
+    table = aggregate.summary(values, schemes)
+    assert list(dict.fromkeys(table["scheme"])) == schemes
+    first = table[table["scheme"] == "HME2"]
+    assert list(dict.fromkeys(first["amplitude"])) == [0.05, 1.0, 10.0]
+    assert first["natural_period"].is_monotonic_increasing
+    assert list(dict.fromkeys(first["measure"])) == ["x", "position", "velocity", "nees"]
+
+
+def test_summary_of_unequal_counts_and_of_a_single_replicate():
+    values = values_of({"EKF": [1.0, 2.0, 6.0], "MKF": [4.0, math.nan, math.nan]})
+    ekf, mkf = aggregate.summary(values, ["EKF", "MKF"]).to_dict("records")
+    assert (ekf["mean"], ekf["n"]) == (3.0, 3)
+    assert (mkf["mean"], mkf["n"]) == (4.0, 1)
+    assert math.isnan(mkf["ci_low"])
+    assert math.isnan(mkf["ci_high"])
+
+
+def test_tables_of_a_run_without_any_value_are_empty():
+    rows = superposed_rows(replicates=1).assign(status="failed")
+    values = aggregate.expand(rows, AMPLITUDES)
+    assert list(aggregate.summary(values, SCHEMES).columns) == DESIGN_SUMMARY
+    assert list(aggregate.best_scheme(values, SCHEMES, "full").columns) == DESIGN_BEST
+    assert aggregate.summary(values, SCHEMES).empty
+    assert aggregate.best_scheme(values, SCHEMES, "full").empty
+    assert aggregate.coinciding(values, SCHEMES) == []
+
+
+def naive_holm(p_values: list[float], level: float) -> list[bool]:
+    rejected = [False] * len(p_values)
+    left = dict(enumerate(p_values))
+    while left:
+        smallest = min(left, key=left.__getitem__)
+        if left.pop(smallest) > level / (len(left) + 1):
+            break
+        rejected[smallest] = True
+    return rejected
+
+
+def test_holm_is_the_step_down_procedure():
+    random = np.random.default_rng(3)
+    for size in (1, 2, 7, 60):
+        for spread in (1.0, 3.0, 6.0):
+            p_values = list(random.uniform(size=size) ** spread)
+            assert aggregate.holm(p_values).tolist() == naive_holm(p_values, 0.05)
+    # the third would fall at its own level of 5 %, but the second stops the descent
+    assert aggregate.holm([0.001, 0.03, 0.04]).tolist() == [True, False, False]
+
+
+def test_best_scheme_is_the_paired_comparison_of_every_cell():
+    values = aggregate.expand(superposed_rows(replicates=9), AMPLITUDES)
+    table = aggregate.best_scheme(values, SCHEMES, "settled")
+    assert list(table.columns) == DESIGN_BEST
+    assert len(table) == len(PERIODS) * len(AMPLITUDES) * 2
+    assert set(table["window"]) == {"settled"}
+    for criterion in ("position", "velocity"):
+        p_values, flags = [], []
+        for row in table[table["criterion"] == criterion].to_dict("records"):
+            cell = values[
+                (values["natural_period"] == row["natural_period"])
+                & (values["amplitude"] == row["amplitude"])
+                & (values["measure"] == criterion)
+                & (values["window"] == "settled")
+            ].pivot_table(index="replicate", columns="scheme", values="value")
+            best, runner_up = cell.mean().sort_values().index[:2]
+            assert (row["best"], row["runner_up"]) == (best, runner_up)
+            test = stats.ttest_rel(cell[runner_up], cell[best])
+            low, high = test.confidence_interval(0.95)
+            assert row["difference"] == row["mse_runner_up"] - row["mse_best"]
+            assert row["mse_best"] == pytest.approx(cell[best].mean(), rel=1e-12)
+            assert (row["ci_low"], row["ci_high"]) == pytest.approx((low, high), rel=1e-8)
+            p_values.append(float(test.pvalue))
+            flags.append(row["distinguishable"])
+        assert flags == naive_holm(p_values, 0.05)
+
+
+def test_holm_makes_a_cell_of_many_harder_to_tell_apart():
+    pair = {"EKF": [1.0, 1.3, 1.1, 1.2, 1.05], "MKF": [1.4, 1.5, 1.45, 1.9, 1.2]}
+    p = stats.ttest_rel(pair["MKF"], pair["EKF"]).pvalue
+    assert 0.05 / 4 < p < 0.05
+    assert bool(best_of(pair)["distinguishable"])
+    alike = {"EKF": [1.0, 1.2, 0.9, 1.1, 1.0], "MKF": [1.2, 1.0, 1.1, 0.9, 1.01]}
+    cells = [values_of(pair), *(values_of(alike, amplitude=n) for n in (2.0, 3.0, 4.0))]
+    table = aggregate.best_scheme(pd.concat(cells), ["EKF", "MKF"], "full", criteria=["position"])
+    assert not table["distinguishable"].any()
+    assert table["ci_low"].iloc[0] > 0  # the plain interval of that cell still excludes zero
+
+
+def test_only_replicates_that_all_schemes_finished_are_compared():
+    row = best_of({"EKF": [1.0, 2.0, 0.0], "MKF": [2.0, 3.5, math.nan]})
+    assert (row["mse_best"], row["mse_runner_up"]) == (1.5, 2.75)
+
+
+def test_a_scheme_without_any_finished_replicate_takes_no_part():
+    row = best_of({"EKF": [1.0, 2.0], "MKF": [2.0, 3.5], "HME2": [math.nan, math.nan]})
+    assert (row["best"], row["runner_up"]) == ("EKF", "MKF")
+
+
+def test_a_cell_without_a_common_replicate_has_no_row():
+    values = values_of({"EKF": [1.0, math.nan], "MKF": [math.nan, 2.0]})
+    assert aggregate.best_scheme(values, ["EKF", "MKF"], "full", criteria=["position"]).empty
+
+
+def test_one_replicate_tells_nothing_apart():
+    row = best_of({"EKF": [1.0], "MKF": [5.0]})
+    assert (row["best"], row["difference"]) == ("EKF", 4.0)
+    assert math.isnan(row["ci_low"])
+    assert math.isnan(row["ci_high"])
+    assert not row["distinguishable"]
+
+
+def test_one_scheme_has_no_runner_up():
+    row = best_of({"MKF": [1.0, 2.0]})
+    assert (row["best"], row["runner_up"], row["mse_best"]) == ("MKF", "", 1.5)
+    assert row[["mse_runner_up", "difference", "ci_low", "ci_high"]].isna().all()
+    assert not row["distinguishable"]
+
+
+def test_a_difference_without_scatter_is_certain():
+    row = best_of({"EKF": [1.0, 2.0, 3.0], "MKF": [1.5, 2.5, 3.5]})
+    assert (row["ci_low"], row["ci_high"]) == (0.5, 0.5)
+    assert row["distinguishable"]
+
+
+ONCE = [1.0, 1.1, 0.9, 1.05]
+AGAIN = [value * (1.0 - 1e-11) for value in ONCE]
+
+
+def test_coinciding_schemes_count_as_one_under_the_last_name():
+    worse = [value * 1.5 for value in ONCE]
+    row = best_of({"EKF": AGAIN, "MKF": ONCE, "HME1": worse})
+    assert (row["best"], row["runner_up"]) == ("MKF", "HME1")
+    assert row["distinguishable"]
+    row = best_of({"EKF": AGAIN, "MKF": ONCE, "HME1": worse}, ["MKF", "EKF", "HME1"])
+    assert (row["best"], row["runner_up"]) == ("EKF", "HME1")
+    row = best_of({"EKF": AGAIN, "MKF": ONCE, "HME1": [value * 0.5 for value in ONCE]})
+    assert (row["best"], row["runner_up"]) == ("HME1", "MKF")
+
+
+def test_schemes_coincide_only_if_every_replicate_agrees():
+    swapped = [ONCE[1], ONCE[0], *ONCE[2:]]  # the same mean
+    row = best_of({"EKF": ONCE, "MKF": swapped})
+    assert row["best"] == "EKF"
+    close = [value * (1.0 + 1e-8) for value in ONCE]
+    assert best_of({"EKF": ONCE, "MKF": close})["distinguishable"]
+
+
+def test_where_all_coincide_nothing_is_told_apart():
+    row = best_of({"EKF": AGAIN, "MKF": ONCE})
+    assert (row["best"], row["runner_up"]) == ("MKF", "EKF")
+    assert not row["distinguishable"]
+    assert abs(row["difference"]) < 1e-10
+
+
+def test_coinciding_groups_hold_in_every_cell():
+    here = values_of({"EKF": AGAIN, "MKF": ONCE, "HME1": [2.0] * 4, "HME2": [2.0] * 4})
+    there = values_of(
+        {"EKF": ONCE, "MKF": ONCE, "HME1": [2.0] * 4, "HME2": [2.1] * 4}, amplitude=3.0
+    )
+    assert aggregate.coinciding(here, SCHEMES) == [("EKF", "MKF"), ("HME1", "HME2")]
+    assert aggregate.coinciding(pd.concat([here, there]), SCHEMES) == [("EKF", "MKF")]
+    assert aggregate.coinciding(here, ["HME2", "HME1", "MKF"]) == [("HME2", "HME1")]
+
+
+def test_no_result_depends_on_the_order_of_rows_or_on_other_cells():
+    rows = superposed_rows(replicates=11)
+    shuffled = rows.sample(frac=1.0, random_state=np.random.default_rng(0))
+    one, other = (aggregate.expand(each, AMPLITUDES) for each in (rows, shuffled))
+    for make in (
+        lambda values: aggregate.summary(values, SCHEMES),
+        lambda values: aggregate.best_scheme(values, SCHEMES, "full"),
+    ):
+        pd.testing.assert_frame_equal(make(one), make(other), check_exact=True)
+    alone = aggregate.expand(rows[rows["natural_period"] == 8.0], [1.0])
+    part = aggregate.summary(one, SCHEMES).query("natural_period == 8 and amplitude == 1")
+    pd.testing.assert_frame_equal(
+        aggregate.summary(alone, SCHEMES), part.reset_index(drop=True), check_exact=True
+    )
+
+
+def test_no_bit_of_a_mean_depends_on_how_many_replicates_others_finished():
+    random = np.random.default_rng(11)
+    for _ in range(5):
+        own = {"EKF": list(random.lognormal(size=13))}
+        others = own | {"MKF": list(random.lognormal(size=60))}
+        alone = aggregate.summary(values_of(own), ["EKF"])
+        beside = aggregate.summary(values_of(others), ["EKF", "MKF"]).head(1)
+        pd.testing.assert_frame_equal(alone, beside, check_exact=True)
+
+
+def test_bad_input_is_named():
+    values = values_of({"EKF": [1.0, 2.0]})
+    with pytest.raises(InputError, match=r"^criteria: 'speed' was not measured; use position$"):
+        aggregate.best_scheme(values, ["EKF"], "full", criteria=["speed"])
+    with pytest.raises(InputError, match=r"^window: 'half' was not measured; use full$"):
+        aggregate.best_scheme(values, ["EKF"], "half", criteria=["position"])
+    with pytest.raises(InputError, match=r"^rows: two values for one case"):
+        aggregate.summary(pd.concat([values, values]), ["EKF"])

@@ -1,0 +1,340 @@
+"""Figures, terminal map and palette: what they show is what the tables hold."""
+
+from __future__ import annotations
+
+import html
+import io
+import itertools
+import math
+from types import SimpleNamespace
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.patches import Rectangle
+from rich.console import Console
+
+from owtsweep.errors import InputError
+from owtsweep.studies.hub import aggregate, published, terminal
+from owtsweep.studies.hub.figures import best_scheme_map, draw_all, mse_over_amplitude, style
+from owtsweep.studies.hub.palette import FIXED, relative_luminance, style_of
+
+SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
+
+
+def best_table(periods, amplitudes, *, criterion: str = "position") -> pd.DataFrame:
+    """HME1 in the upper left, HME2 in the lower right, hatched where they meet."""
+    rows = []
+    for (i, period), (j, amplitude) in itertools.product(enumerate(periods), enumerate(amplitudes)):
+        rows.append(
+            {
+                "natural_period": period,
+                "amplitude": amplitude,
+                "criterion": criterion,
+                "window": "full",
+                "best": "HME1" if j > i else "HME2",
+                "runner_up": "HME2" if j > i else "HME1",
+                "mse_best": 2e-3,
+                "mse_runner_up": 2.5e-3,
+                "difference": 5e-4,
+                "ci_low": 1e-4,
+                "ci_high": 9e-4,
+                "distinguishable": abs(i - j) > 1,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def summary_table(period: float, amplitudes, *, relative_margin: float = 0.1) -> pd.DataFrame:
+    rows = []
+    for (rank, scheme), amplitude in itertools.product(enumerate(SCHEMES), amplitudes):
+        for measure, factor in (("position", 1.0), ("velocity", 0.4)):
+            mean = factor * (4e-3 + 1e-3 * rank + (4 - rank) * 2e-3 * amplitude**2)
+            rows.append(
+                {
+                    "scheme": scheme,
+                    "natural_period": period,
+                    "amplitude": amplitude,
+                    "measure": measure,
+                    "window": "full",
+                    "mean": mean,
+                    "ci_low": mean * (1 - relative_margin),
+                    "ci_high": mean * (1 + relative_margin),
+                    "n": 20,
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def texts(figure) -> str:
+    """All words of a figure, line breaks taken out."""
+    found = figure.findobj(lambda artist: hasattr(artist, "get_text"))
+    return " ".join(" ".join(artist.get_text() for artist in found).split())
+
+
+def cells_of(figure, *, hatched: bool) -> dict[tuple[int, int], Rectangle]:
+    patches = [p for p in figure.axes[0].patches if isinstance(p, Rectangle)]
+    return {
+        (round(p.get_x() + 0.5), round(p.get_y() + 0.5)): p
+        for p in patches
+        if bool(p.get_hatch()) == hatched
+    }
+
+
+@pytest.mark.parametrize(
+    ("periods", "amplitudes"),
+    [
+        ([3.0, 4.0, 6.0, 8.0], [0.05, 0.2, 1.0, 2.0, 10.0]),
+        ([3.8], [0.2]),
+        ([3.0, 8.0], list(np.geomspace(0.05, 10, 30).round(3))),
+    ],
+)
+def test_map_colours_and_hatches_every_cell_as_the_table_says(periods, amplitudes):
+    table = best_table(periods, amplitudes).sample(frac=1.0, random_state=1)
+    figure = best_scheme_map.draw(table, SCHEMES, window="full", tuning="paper", replicates=20)
+    colours, hatches = cells_of(figure, hatched=False), cells_of(figure, hatched=True)
+    assert len(colours) == len(table)
+    for row in table.to_dict("records"):
+        place = periods.index(row["natural_period"]), amplitudes.index(row["amplitude"])
+        expected = FIXED[row["best"]].color.lower()
+        assert to_hex(colours[place].get_facecolor()) == expected
+        assert (place in hatches) == (not row["distinguishable"])
+    shown = texts(figure)
+    assert "+25 %" in shown
+    for part in ("position MSE", "full record", "tuning: paper", "20 records per cell", "Hatched"):
+        assert part in shown
+    axes = figure.axes[0]
+    assert [label.get_text() for label in axes.get_yticklabels()] == [f"{a:g}" for a in amplitudes]
+
+
+def test_map_names_coinciding_schemes_together_and_explains_holes():
+    table = best_table([3.0, 4.0], [0.2, 1.0]).iloc[:-1]
+    table["distinguishable"] = True
+    figure = best_scheme_map.draw(
+        table, SCHEMES, window="full", tuning="matched", coinciding=[("EKF", "MKF")]
+    )
+    shown = texts(figure)
+    assert "EKF = MKF (0 cells)" in shown
+    assert "EKF and MKF give the same numbers and are shown as MKF." in shown
+    assert "no result" in shown
+    assert "Hatched" not in shown
+    assert not cells_of(figure, hatched=True)
+
+
+def test_map_without_a_runner_up_names_the_best_alone():
+    table = best_table([3.0], [0.2]).assign(
+        runner_up="", mse_runner_up=math.nan, difference=math.nan, distinguishable=False
+    )
+    figure = best_scheme_map.draw(table, ["HME2"], window="full", tuning="paper")
+    assert [text.get_text() for text in figure.axes[0].texts] == ["HME2"]
+
+
+def test_map_refuses_a_criterion_without_rows():
+    with pytest.raises(InputError, match=r"^best: no cell judged by velocity"):
+        best_scheme_map.draw(
+            best_table([3.0], [0.2]), SCHEMES, criterion="velocity", window="full", tuning="paper"
+        )
+
+
+def test_mse_figure_draws_the_means_and_the_published_points():
+    amplitudes = [0.05, 0.2, 1.0, 10.0]
+    table = summary_table(8.0, amplitudes).sample(frac=1.0, random_state=1)
+    figure = mse_over_amplitude.draw(table, 8.0, SCHEMES, window="full", tuning="paper")
+    print_ = published.mse_tables().query("natural_period == 8")
+    panels = (("position", ["x", "y"]), ("velocity", ["vx", "vy"]))
+    for axes, (measure, parts) in zip(figure.axes, panels, strict=True):
+        assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+        lines = axes.get_lines()
+        assert len(lines) == 2 * len(SCHEMES)
+        for scheme, line, points in zip(SCHEMES, lines[::2], lines[1::2], strict=True):
+            own = table[(table["scheme"] == scheme) & (table["measure"] == measure)]
+            own = own.sort_values("amplitude")
+            assert line.get_xdata().tolist() == amplitudes
+            assert line.get_ydata().tolist() == own["mean"].tolist()
+            chosen = print_[(print_["scheme"] == scheme) & print_["measure"].isin(parts)]
+            expected = chosen.groupby("amplitude")["published"].sum()
+            assert list(points.get_xdata()) == [0.2, 1.0]
+            assert list(points.get_ydata()) == pytest.approx(expected.tolist())
+            assert points.get_markerfacecolor() == "none"
+    shown = texts(figure)
+    for part in ("m²/s²", "natural period 8 s", "hollow: published (Tables 7, 8)", "misprint"):
+        assert part in shown
+
+
+def test_mse_figure_without_published_points_or_intervals():
+    table = summary_table(5.0, [0.2]).assign(ci_low=math.nan, ci_high=math.nan, n=1)
+    figure = mse_over_amplitude.draw(table, 5.0, SCHEMES, window="full", tuning="paper")
+    shown = texts(figure)
+    assert "published" not in shown
+    assert "95 %" not in shown
+    with pytest.raises(InputError, match=r"^natural_period: no result at 6 s .* this run has 5$"):
+        mse_over_amplitude.draw(table, 6.0, SCHEMES, window="full", tuning="paper")
+
+
+@pytest.mark.parametrize("relative_margin", [1.5, 1.0 - 1e-9])
+def test_mse_figure_survives_intervals_that_reach_zero(tmp_path, relative_margin):
+    table = summary_table(5.0, [0.2, 1.0], relative_margin=relative_margin)
+    figure = mse_over_amplitude.draw(table, 5.0, SCHEMES, window="full", tuning="paper")
+    style.save(figure, tmp_path, "wide")
+    assert min(axes.get_ylim()[0] for axes in figure.axes) > 1e-5
+    assert "cut at 0.1 of the mean" in texts(figure)
+
+
+def test_saved_files_are_small_reproducible_and_know_their_run(tmp_path, monkeypatch):
+    monkeypatch.setitem(mpl.rcParams, "font.size", 7.0)  # a setting of the user's
+    table = best_table([3.0, 4.0, 5.0, 6.0, 7.0, 8.0], [0.05, 0.2, 1.0, 10.0])
+    before = dict(mpl.rcParams)
+    saved = []
+    for folder in ("one", "other"):
+        figure = best_scheme_map.draw(table, SCHEMES, window="full", tuning="paper")
+        saved.append(style.save(figure, tmp_path / folder, "map", {"run": "3f2a"}))
+    assert dict(mpl.rcParams) == before
+    for one, other in zip(*saved, strict=True):
+        assert one.read_bytes() == other.read_bytes()
+    png, svg = saved[0]
+    assert (png.name, svg.name) == ("map.png", "map.svg")
+    assert b"run\x003f2a" in png.read_bytes()
+    text = svg.read_text(encoding="utf-8")
+    assert '{"run": "3f2a"}' in html.unescape(text)
+    assert "<dc:date>" not in text
+    assert svg.stat().st_size < 500 * 1024
+
+
+def test_a_large_svg_is_written_again_with_letters_as_text(tmp_path, monkeypatch):
+    figure = best_scheme_map.draw(
+        best_table([3.0, 4.0, 5.0], [0.2, 1.0]), SCHEMES, window="full", tuning="paper"
+    )
+    _, outlined = style.save(figure, tmp_path, "outlined")
+    assert "<text" not in outlined.read_text(encoding="utf-8")
+    monkeypatch.setattr(style, "SVG_LIMIT", outlined.stat().st_size - 1)
+    _, written = style.save(figure, tmp_path, "written")
+    assert "<text" in written.read_text(encoding="utf-8")
+    assert written.stat().st_size < outlined.stat().st_size
+
+
+def run_rows(schemes, periods) -> pd.DataFrame:
+    """The rows of a run whose EKF and MKF coincide, with one failed case."""
+    rows = []
+    for rank, scheme in enumerate(schemes):
+        for period, replicate in itertools.product(periods, range(3)):
+            for measure, window in itertools.product(("position", "velocity"), ("full", "settled")):
+                level = max(rank, 1) * 1e-3 + replicate * 1e-5
+                rows.append(
+                    {
+                        "natural_period": period,
+                        "replicate": replicate,
+                        "scheme": scheme,
+                        "measure": measure,
+                        "window": window,
+                        "amplitude": math.nan,
+                        "motion": level,
+                        "cross": 0.0,
+                        "noise": level,
+                        "value": math.nan,
+                        "status": "ok",
+                    }
+                )
+    table = pd.DataFrame(rows)
+    lost = (table["scheme"] == "HME2") & (table["replicate"] == 2)
+    failed = table[lost].head(1).assign(status="failed", measure="", window="")
+    return pd.concat([table[~lost], failed])
+
+
+@pytest.fixture
+def run(monkeypatch):
+    """Arguments of `draw_all` for a small run."""
+    periods, amplitudes = [4.0, 5.0], [0.2, 1.0]
+    rows = run_rows(SCHEMES, periods)
+    config = SimpleNamespace(
+        measures=SimpleNamespace(window="full"),
+        grid=SimpleNamespace(amplitude=amplitudes, replicates=3),
+        tuning="paper",
+    )
+    monkeypatch.setattr("owtsweep.studies.hub.scheme_names", lambda _: SCHEMES)
+    values = aggregate.expand(rows, amplitudes)
+    tables = {
+        "summary": aggregate.summary(values, SCHEMES),
+        "best_scheme": aggregate.best_scheme(values, SCHEMES, "full"),
+    }
+    return config, tables, rows
+
+
+def test_draw_all_draws_everything_of_a_run(run, tmp_path):
+    files = draw_all(*run, tmp_path, metadata={"run": "3f2a"})
+    assert all(file.is_file() for file in files)
+    assert {file.name for file in files} == {
+        f"{stem}.{suffix}"
+        for stem in (
+            "figure_18_best_scheme",
+            "best_scheme_velocity",
+            "figure_15_mse_4s",
+            "mse_5s",
+        )
+        for suffix in ("png", "svg")
+    } | {"tables_6_to_9.csv", "tables_6_to_9.md"}
+
+
+def test_draw_all_draws_one_by_name(run, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(
+        style, "save", lambda figure, *_: drawn.append(texts(figure)) or [tmp_path / "x.png"]
+    )
+    assert draw_all(*run, tmp_path, only="figure_18_best_scheme") == [tmp_path / "x.png"]
+    assert "EKF = MKF (4 cells)" in drawn[0]
+    assert "up to 3 records per cell" in drawn[0]
+    assert "1 case failed" in drawn[0]
+    files = draw_all(*run, tmp_path, only="tables_6_to_9")
+    assert [file.suffix for file in files] == [".csv", ".md"]
+    with pytest.raises(InputError, match=r"^only: this run has no figure 'map'; use figure_18_"):
+        draw_all(*run, tmp_path, only="map")
+
+
+def rendered(renderable) -> str:
+    console = Console(width=80, file=io.StringIO(), color_system=None)
+    console.print(renderable)
+    return console.file.getvalue()
+
+
+def test_terminal_map_reads_without_colours():
+    table = best_table([3.0, 8.0], [0.05, 1.0, 10.0])
+    lines = rendered(terminal.grid(table, SCHEMES, "position", "full")).splitlines()
+    body = [line.split() for line in lines if " m " in line]
+    assert body == [
+        ["10", "m", "HME1", "HME1", "~"],
+        ["1", "m", "HME1", "~", "HME2", "~"],
+        ["0.05", "m", "HME2", "~", "HME2", "~"],
+    ]
+    assert any("3 s" in line and "8 s" in line for line in lines)
+    assert "HME1 3, HME2 3; ~ not distinguishable" in lines[-1]
+
+
+def test_terminal_map_of_many_periods_and_of_missing_cells():
+    periods = list(np.arange(3.0, 8.01, 0.25))
+    table = best_table(periods, [0.2, 1.0]).iloc[1:]
+    text = rendered(terminal.grid(table, SCHEMES, "position", "full"))
+    assert all(f"{period:g} s" in text for period in periods)
+    assert max(map(len, text.splitlines())) <= 80
+    assert " - " in text
+    nothing = rendered(terminal.grid(table, SCHEMES, "velocity", "full"))
+    assert "No cell to compare" in nothing
+
+
+def test_every_scheme_has_a_look_of_its_own():
+    names = [*SCHEMES, *(f"user{number}" for number in range(40))]
+    looks = [style_of(name, names) for name in names]
+    assert len({look.color for look in looks}) == len(names)
+    paper = looks[:4]
+    assert len({look.marker for look in looks[:11]}) == 11
+    assert len({look.line for look in paper}) >= 3
+    for look in looks:
+        assert contrast(look.color, look.text_color) >= 4.5
+    assert style_of("user0", ["user0", "MKF"]) == style_of("user0", names)
+    with pytest.raises(InputError, match=r"^scheme: 'nobody' is none of"):
+        style_of("nobody", SCHEMES)
+
+
+def contrast(one: str, other: str) -> float:
+    low, high = sorted((relative_luminance(one), relative_luminance(other)))
+    return (high + 0.05) / (low + 0.05)
