@@ -1,0 +1,51 @@
+# Two commands, each alone on a fresh clone: `make sweep` and `make test`.
+# They make .venv, install what they need once, and run.
+
+PYTHON ?= python3
+ARGS ?=
+
+VENV := .venv
+VENV_PYTHON := $(VENV)/bin/python
+INSTALLED := $(VENV)/.installed
+INSTALLED_TEST := $(VENV)/.installed-test
+
+# Compiled kernels go with the environment that compiled them.
+export NUMBA_CACHE_DIR := $(CURDIR)/$(VENV)/numba-cache
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.PHONY: help sweep test clean
+
+help:
+	@echo 'make sweep   run the default study; overrides: make sweep ARGS="grid.replicates=2"'
+	@echo 'make test    lint, format check, types, tests; one test: make test ARGS="-k store"'
+	@echo 'make clean   delete the environment and all caches (never results)'
+	@echo 'The Python to use (3.11 or newer): make sweep PYTHON=python3.12'
+
+sweep: $(INSTALLED)
+	$(VENV_PYTHON) -m owtsweep sweep $(ARGS)
+
+test: $(INSTALLED_TEST)
+	$(VENV_PYTHON) -m ruff check .
+	$(VENV_PYTHON) -m ruff format --check .
+	$(VENV_PYTHON) -m mypy
+	$(VENV_PYTHON) -m pytest $(ARGS)
+
+clean:
+	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -type d -name __pycache__ -prune -exec rm -rf {} +
+
+# The environment is order-only: its interpreter is a link, whose time says nothing.
+$(INSTALLED): pyproject.toml | $(VENV_PYTHON)
+	$(VENV_PYTHON) -m pip install --disable-pip-version-check --quiet --editable .
+	@touch $@
+
+$(INSTALLED_TEST): pyproject.toml | $(VENV_PYTHON)
+	$(VENV_PYTHON) -m pip install --disable-pip-version-check --quiet --editable '.[test]'
+	@touch $(INSTALLED) $@
+
+$(VENV_PYTHON):
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+		echo '$(PYTHON) is no Python 3.11 or newer; name one: make PYTHON=python3.12' >&2; exit 1; }
+	$(PYTHON) -m venv --clear $(VENV)
