@@ -76,6 +76,26 @@ class Config:
             )
 
 
+def with_values(config: Any, values: Mapping[str, Any]) -> Any:
+    """A copy of a configuration (or of a section) with some dotted keys set; types are kept.
+
+    Raises
+    ------
+    InputError
+        For a key that does not exist or a value of the wrong type.
+    """
+    hints = get_type_hints(type(config))
+    changes: dict[str, Any] = {}
+    for key, value in values.items():
+        name, _, rest = key.partition(".")
+        require(name in hints, f"{key}: there is no such key")
+        current = changes.get(name, getattr(config, name))
+        changes[name] = (
+            with_values(current, {rest: value}) if rest else _typed(hints[name], value, key)
+        )
+    return dataclasses.replace(config, **changes)
+
+
 def require(condition: bool, message: str) -> None:
     """Raise `InputError(message)` unless the condition holds."""
     if not condition:
@@ -170,8 +190,11 @@ def _typed(kind: Any, value: Any, key: str) -> Any:
         return None if value is None else _typed(arguments[0], value, key)
     if dataclasses.is_dataclass(kind):
         return _typed_section(kind, value, key)
+    if origin is dict:
+        require(isinstance(value, dict), f"{key}: {value!r} is no mapping of names")
+        return value
     if origin is list:
-        require(isinstance(value, list), f"{key}: {value!r} is no list; use e.g. {key}=[1,2]")
+        require(isinstance(value, list), f"{key}: {value!r} is no list; use e.g. {key}=[{value}]")
         return [_typed(arguments[0], item, f"{key}[{i}]") for i, item in enumerate(value)]
     try:
         if kind is bool and isinstance(value, bool):
@@ -197,7 +220,8 @@ def _typed_section(kind: Any, value: Any, key: str) -> Any:
     hints = get_type_hints(kind)
     known = {f.name for f in dataclasses.fields(kind)}
     for name in value:
-        require(name in known, _unknown_key(f"{prefix}{name}", _keys(kind, prefix)))
+        if name not in known:
+            raise InputError(_unknown_key(f"{prefix}{name}", _keys(kind, prefix)))
     missing = [
         f.name for f in dataclasses.fields(kind) if f.name not in value and _has_no_default(f)
     ]

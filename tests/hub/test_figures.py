@@ -248,7 +248,7 @@ def run(monkeypatch):
     periods, amplitudes = [4.0, 5.0], [0.2, 1.0]
     rows = run_rows(SCHEMES, periods)
     config = SimpleNamespace(
-        measures=SimpleNamespace(window="full"),
+        measures=SimpleNamespace(window="full", criterion="position"),
         grid=SimpleNamespace(amplitude=amplitudes, replicates=3),
         tuning="paper",
     )

@@ -47,6 +47,7 @@ def window_map(
     intervals: int,
     *,
     arrival_covariance: Array | None = None,
+    fixed_arrival: bool = False,
     use_first_fix: bool = True,
 ) -> Array:
     """The linear map from a window's data to its last node's state.
@@ -57,6 +58,8 @@ def window_map(
         Number of links; there are intervals + 1 nodes.
     arrival_covariance
         (states, states) covariance of the arrival state, or None for no arrival term.
+    fixed_arrival
+        The arrival state is the oldest node's state, not an uncertain prior of it.
     use_first_fix
         False when the arrival state already contains the oldest fix.
 
@@ -91,6 +94,11 @@ def window_map(
         prior = square_root_information(arrival_covariance)
         J[at, :n] = prior
         D[at, at] = prior
+    if fixed_arrival:
+        if intervals == 0:
+            return np.hstack([np.zeros((n, 1)), np.eye(n)])
+        D[:, rows - n :] = -J[:, :n]
+        J = J[:, n:]
     scale = np.linalg.norm(J, axis=0)
     if np.any(scale == 0.0):
         raise ValueError("the window's data do not determine its states")
@@ -113,8 +121,8 @@ class CasadiWindow:
         Links between fixes.
     solver
         "qrqp" (an active-set QP solver; equal to the closed form up to rounding) or "ipopt".
-    arrival, use_first_fix
-        As in `window_map`.
+    arrival, fixed_arrival, use_first_fix
+        As in `window_map`: with an uncertain prior, with a fixed first state, or with neither.
     """
 
     def __init__(
@@ -125,6 +133,7 @@ class CasadiWindow:
         outputs: int,
         last_node: bool,
         arrival: bool,
+        fixed_arrival: bool = False,
         use_first_fix: bool = True,
         solver: str = "qrqp",
     ) -> None:
@@ -160,6 +169,9 @@ class CasadiWindow:
             *(ca.vec(p) for p in (z, inputs, A, A_f, link, fix, x0, prior, scale))
         )
         problem = {"x": ca.vec(X), "p": parameters, "f": 0.5 * cost}
+        if fixed_arrival:
+            problem["g"] = state(0) - x0
+        self._free = slice(states if fixed_arrival else 0, None)
         if solver == "qrqp":
             options = {"print_iter": False, "print_header": False, "print_time": False}
             self._solve = ca.qpsol("mhe", "qrqp", problem, {**options, "error_on_fail": False})
@@ -218,8 +230,8 @@ class CasadiWindow:
     def _minimum(self, scale: Array, *parameters: Array | float) -> Array:
         packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
         p = np.concatenate([packed, scale])
-        answer = np.asarray(self._solve(x0=0.0, p=p)["x"]).ravel()
-        slope = np.asarray(self._gradient(answer, p)).ravel()
+        answer = np.asarray(self._solve(x0=0.0, p=p, lbg=0.0, ubg=0.0)["x"]).ravel()
+        slope = np.asarray(self._gradient(answer, p)).ravel()[self._free]
         start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
         if not np.max(np.abs(slope)) <= 1e-6 * (1.0 + np.max(np.abs(start))):
             raise ArithmeticError(

@@ -5,7 +5,7 @@ from owtsweep.studies.base import Block, Study
 
 __all__ = ["Block", "Study", "get_study"]
 
-STUDIES = ("hub",)
+STUDIES = ("hub", "readings")
 
 
 def get_study(name: str) -> Study:
@@ -20,4 +20,8 @@ def get_study(name: str) -> Study:
         from owtsweep.studies.hub import HubStudy
 
         return HubStudy()
+    if name == "readings":
+        from owtsweep.studies.readings import ReadingsStudy
+
+        return ReadingsStudy()
     raise InputError(f"study: there is no study {name!r}; known: {', '.join(STUDIES)}")

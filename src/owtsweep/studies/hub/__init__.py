@@ -64,14 +64,21 @@ class HubStudy:
         values = aggregate.expand(rows, list(config.grid.amplitude))
         return {
             "summary": aggregate.summary(values, names),
-            "best_scheme": aggregate.best_scheme(values, names, config.measures.window),
+            "best_scheme": aggregate.best_scheme(
+                values, names, config.measures.window, criteria=criteria(config)
+            ),
         }
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """The map as a coloured grid."""
         from owtsweep.studies.hub.terminal import grid
 
-        return grid(tables["best_scheme"], scheme_names(config), "position", config.measures.window)
+        return grid(
+            tables["best_scheme"],
+            scheme_names(config),
+            config.measures.criterion,
+            config.measures.window,
+        )
 
     def overview(self) -> str:
         """The map, figure 18."""
@@ -93,6 +100,11 @@ class HubStudy:
         from owtsweep.studies.hub.figures import draw_all
 
         return draw_all(config, tables, rows, folder, only=only, metadata=metadata)
+
+
+def criteria(config: HubConfig) -> tuple[str, ...]:
+    """What best_scheme.csv judges: position and velocity, and the config's own if it is another."""
+    return tuple(dict.fromkeys(("position", "velocity", config.measures.criterion)))
 
 
 def scheme_names(config: Any) -> list[str]:

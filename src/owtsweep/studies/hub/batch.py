@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.kernels.layout import new_memory
+from owtsweep.studies.hub.kernels.layout import Memory, new_memory
 from owtsweep.studies.hub.records import Records
 
 #: Steps that the kernels work through at once: the buffers of some 24 lanes fit the second cache.
@@ -121,8 +122,7 @@ def _run(
 
     steps, width = force.shape
     replicates = len(lanes.records.replicates)
-    chunk = max(CHUNK, 2 * chain.filter.window, 2 * chain.predictor.steps)
-    memory = new_memory(width, chunk, chain.filter.window, chain.predictor.steps, chain.mhe.horizon)
+    chunk, memory = _new_chunk(chain, width)
     products = np.zeros((2, 6, 3, replicates))
     weight = 1.0 / chain.gains.innovation_variance
     precision = chain.precision if consistency else np.zeros((chain.gains.rows, 3))
@@ -163,18 +163,63 @@ def trajectories(
     force, fixes
         (steps, lanes) specific force in NED, m/s^2; (fixes, lanes) positions, m.
     """
-    from owtsweep.studies.hub.kernels.chain import chain_chunk
-
     steps, width = force.shape
-    chunk = max(CHUNK, 2 * chain.filter.window, 2 * chain.predictor.steps)
-    memory = new_memory(width, chunk, chain.filter.window, chain.predictor.steps, chain.mhe.horizon)
     result = (np.empty((steps, width)), np.empty((steps, width)), np.empty((steps, width)))
-    zeros = np.zeros(width)
-    for k0 in range(0, steps, chunk):
-        n = min(chunk, steps - k0)
-        chain_chunk(k0, n, force, fixes, zeros, chain.filter, chain.predictor, chain.mhe, memory)
+    for k0, n, memory in chunks(chain, force, fixes):
         for out, source in zip(
             result, (memory.position, memory.velocity, memory.innovation), strict=True
         ):
             out[k0 : k0 + n] = source[:n]
     return result
+
+
+def chunks(chain: Chain, force: Array, fixes: Array) -> Iterator[tuple[int, int, Memory]]:
+    """Run a chain over lanes chunk by chunk: first step, number of steps, the chain's memory.
+
+    `memory.position`, `.velocity` and `.innovation` hold the chunk until the next is asked for.
+    """
+    from owtsweep.studies.hub.kernels.chain import chain_chunk
+
+    steps, width = force.shape
+    chunk, memory = _new_chunk(chain, width)
+    zeros = np.zeros(width)
+    for k0 in range(0, steps, chunk):
+        n = min(chunk, steps - k0)
+        chain_chunk(k0, n, force, fixes, zeros, chain.filter, chain.predictor, chain.mhe, memory)
+        yield k0, n, memory
+
+
+def states(chain: Chain, force: Array, fixes: Array) -> Array:
+    """The filter's states (p, v, a, b), smoothed if the chain has a smoother.
+
+    Row k is the state of step k - window in the filter's own time, which is the chain's input
+    delay (and the fixes' delay) late; the first `window` rows are zero.
+
+    Returns
+    -------
+    Array
+        (steps, 4, lanes) in m, m/s, m/s^2, m/s^2; b is x4 of Eq. (6), -R b^b + g.
+    """
+    from owtsweep.studies.hub.kernels.filtering import filter_chunk
+    from owtsweep.studies.hub.kernels.lagging import shift, smooth_chunk
+
+    steps, width = force.shape
+    chunk, memory = _new_chunk(chain, width)
+    zeros = np.zeros(width)
+    result = np.empty((steps, 4, width))
+    for k0 in range(0, steps, chunk):
+        n = min(chunk, steps - k0)
+        filter_chunk(k0, n, force, fixes, zeros, chain.filter, chain.mhe, memory)
+        if chain.filter.window > 0:
+            smooth_chunk(k0, n, chain.filter, memory)
+        result[k0 : k0 + n] = memory.X[:n]
+        if chain.filter.window > 0:
+            shift(n, chain.filter, memory)
+    return result
+
+
+def _new_chunk(chain: Chain, lanes: int) -> tuple[int, Memory]:
+    """How many steps to work through at once, and the memory for that."""
+    window, prediction = chain.filter.window, chain.predictor.steps
+    chunk = max(CHUNK, 2 * window, 2 * prediction)
+    return chunk, new_memory(lanes, chunk, window, prediction, chain.mhe.horizon)

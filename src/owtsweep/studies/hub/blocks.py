@@ -142,7 +142,7 @@ def _by_kernel(
     period: float,
     lanes: Lanes,
 ) -> Iterator[dict[str, Any]]:
-    chain = scheme.kernel(records.sensors, config)
+    chain = scheme.kernel(records.sensors, config, records.steps)
     if amplitude is None:
         sums = superposed_sums(chain, lanes, settled)
     else:

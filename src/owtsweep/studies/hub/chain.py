@@ -66,19 +66,22 @@ class Chain:
         return np.ascontiguousarray(inverse[:, [0, 0, 1], [0, 1, 1]])
 
 
-def shared(kernel: Callable[[Any, Sensors, Any], Chain]) -> Callable[[Any, Sensors, Any], Chain]:
-    """Compute a scheme's chain once per sensors and tuning: all records share it.
+Kernel = Callable[..., Chain]
+
+
+def shared(kernel: Kernel) -> Kernel:
+    """Compute a scheme's chain once per sensors, tuning and length: all records share it.
 
     The scheme names the parts of the tuning that it depends on in `sections`.
     """
 
     @wraps(kernel)
-    def cached(self: Any, sensors: Sensors, tuning: Any) -> Chain:
+    def cached(self: Any, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
         sections = tuple(repr(attrgetter(section)(tuning)) for section in self.sections)
-        key = (type(self), sensors, *sections)
+        key = (type(self), sensors, steps, *sections)
         with _LOCK:
             if key not in _CHAINS:
-                _CHAINS[key] = kernel(self, sensors, tuning)
+                _CHAINS[key] = kernel(self, sensors, tuning, steps)
                 while len(_CHAINS) > _KEPT_CHAINS:
                     _CHAINS.popitem(last=False)
             return _CHAINS[key]
@@ -86,7 +89,7 @@ def shared(kernel: Callable[[Any, Sensors, Any], Chain]) -> Callable[[Any, Senso
     return cached
 
 
-_KEPT_CHAINS = 16
+_KEPT_CHAINS = 6
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
 _LOCK = Lock()
 
@@ -100,6 +103,7 @@ def chain(
     window: int = 0,
     predict: Discrete | None = None,
     horizon: Horizon | None = None,
+    steps: int = LONGEST_TRANSIENT,
 ) -> Chain:
     """Put a chain together.
 
@@ -117,6 +121,8 @@ def chain(
         Sigma_2 on (p, v, b) over one step, to predict over input_delay + window steps.
     horizon
         The MHE whose positions take the place of the fixes.
+    steps
+        How long a record the chain must serve; a shorter one than the transient stores less.
     """
     M = sensors.fix_interval
     gains = schedule(
@@ -127,7 +133,7 @@ def chain(
         fast_variance=axis.force_variance,
         initial_covariance=axis.initial_covariance,
         interval=horizon.interval if horizon else M,
-        steps=LONGEST_TRANSIENT,
+        steps=min(steps, LONGEST_TRANSIENT),
         rule=rule,
         start_interval=M,
         start_steps=horizon.first * M if horizon else 0,
@@ -136,7 +142,7 @@ def chain(
         C, W = smoother_gains(gains, axis.model.A, window)
     else:
         C = W = np.zeros((1, 4, 4))
-    steps = input_delay + window if predict is not None else 0
+    ahead = input_delay + window if predict is not None else 0
     return Chain(
         gains=gains,
         filter=FilterArrays(
@@ -152,7 +158,7 @@ def chain(
             window=window,
             fix_interval=M,
         ),
-        predictor=_predictor_arrays(predict, steps, sensors.step),
+        predictor=_predictor_arrays(predict, ahead, sensors.step),
         mhe=horizon.arrays(gains, sensors) if horizon else NO_HORIZON,
         axis=axis,
         input_model=predict,

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 MODELS = ("sigma1", "sigma2")
 EVALUATIONS = ("superposed", "direct")
 WINDOWS = ("full", "settled")
-ARRIVALS = ("mkf", "none")
+CRITERIA = ("position", "velocity", "x", "y")
+ACCURACIES = ("sigma", "bound")
+ARRIVALS = ("mkf", "fixed", "none")
 WEIGHTS = ("diagonal", "full")
 SOLVERS = ("qrqp", "ipopt")
 INPUTS = ("all", "averaged", "sampled")
@@ -35,6 +37,8 @@ def check(config: HubConfig) -> None:
     one_of("evaluation", config.evaluation, EVALUATIONS)
     one_of("normalise", config.normalise, NORMALISATIONS)
     one_of("measures.window", config.measures.window, WINDOWS)
+    one_of("measures.criterion", config.measures.criterion, CRITERIA)
+    one_of("sensors.accuracy", config.sensors.accuracy, ACCURACIES)
     _check_grid(config)
     _check_sensors(config)
     _check_record(config)
@@ -124,7 +128,11 @@ def _check_sensors(config: HubConfig) -> None:
         f"sensors.gravity: {list(config.sensors.gravity)} must be two numbers, north and east, "
         "in m/s^2",
     )
-    require(math.isfinite(config.sensors.yaw), f"sensors.yaw: {config.sensors.yaw} must be finite")
+    for key, angle in (
+        ("sensors.yaw", config.sensors.yaw),
+        ("wave_direction", config.wave_direction),
+    ):
+        require(math.isfinite(angle), f"{key}: {angle} deg must be a finite number")
     require(
         gnss.rate <= imu.rate,
         f"sensors.gnss.rate: {gnss.rate:g} Hz is above the IMU's {imu.rate:g} Hz; lower it, or "
@@ -137,18 +145,18 @@ def _check_sensors(config: HubConfig) -> None:
             f"sensors.gnss.rate: {gnss.rate:g} Hz does not divide the IMU's {imu.rate:g} Hz; use "
             f"{low:.10g} or {high:.10g}"
         )
-    delay = multiple("sensors.gnss.delay", gnss.delay, 1.0 / imu.rate, "IMU step")
-    require(
-        delay / imu.rate < config.record.duration,
-        f"sensors.gnss.delay: {gnss.delay:g} s is no shorter than record.duration "
-        f"{config.record.duration:g} s",
-    )
+    multiple("sensors.gnss.delay", gnss.delay, 1.0 / imu.rate, "IMU step")
 
 
 def _check_record(config: HubConfig) -> None:
     imu = config.sensors.imu
     positive("record.duration", config.record.duration, "s")
     multiple("record.duration", config.record.duration, 1.0 / imu.rate, "IMU step")
+    require(
+        config.sensors.gnss.delay < config.record.duration,
+        f"sensors.gnss.delay: {config.sensors.gnss.delay:g} s is no shorter than record.duration "
+        f"{config.record.duration:g} s; shorten the delay or lengthen the record",
+    )
     not_negative("measures.settling_time", config.measures.settling_time, "s")
     require(
         config.measures.settling_time < config.record.duration,
@@ -192,9 +200,9 @@ def _check_filter(key: str, tuning: FilterTuning) -> None:
     _check_variance(f"{key}.r_gnss", tuning.r_gnss)
     _check_variance(f"{key}.r_imu", tuning.r_imu)
     require(
-        len(tuning.p0) == 4 and all(value > 0.0 for value in tuning.p0),
-        f"{key}.p0: {list(tuning.p0)} must be four variances above zero (position, velocity, "
-        "acceleration, bias)",
+        len(tuning.p0) == 4 and all(0.0 < value < math.inf for value in tuning.p0),
+        f"{key}.p0: {list(tuning.p0)} must be four finite variances above zero "
+        "(position, velocity, acceleration, bias)",
     )
 
 
@@ -217,8 +225,9 @@ def _check_mhe(config: HubConfig, mhe: Mhe) -> None:
         if value is not None:
             positive(f"hme.mhe.{key}", value, "")
     require(
-        len(mhe.p0) == 3 and all(value > 0.0 for value in mhe.p0),
-        f"hme.mhe.p0: {list(mhe.p0)} must be three variances above zero (position, velocity, bias)",
+        len(mhe.p0) == 3 and all(0.0 < value < math.inf for value in mhe.p0),
+        f"hme.mhe.p0: {list(mhe.p0)} must be three finite variances above zero "
+        "(position, velocity, bias)",
     )
     if mhe.smoother_window is not None:
         _check_window(config, "hme.mhe.smoother_window", mhe.smoother_window)
@@ -242,7 +251,7 @@ def _check_mhe(config: HubConfig, mhe: Mhe) -> None:
         f"than the record of {config.record.duration:g} s; shorten it",
     )
     require(
-        mhe.arrival == "mkf" or mhe.horizon >= 2,
+        mhe.arrival != "none" or mhe.horizon >= 2,
         "hme.mhe.arrival: 'none' needs at least 3 fixes in the window to determine position, "
         f"velocity and bias, and hme.mhe.horizon={mhe.horizon} holds {mhe.horizon + 1}; use "
         "hme.mhe.horizon=2 or more, or hme.mhe.arrival=mkf",

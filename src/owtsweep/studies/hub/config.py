@@ -56,10 +56,15 @@ class Imu:
 
 @dataclass(frozen=True, kw_only=True)
 class SensorConfig:
-    """GNSS, IMU, the fixed `yaw` of the IMU (deg), horizontal gravity in NED (m/s^2)."""
+    """GNSS, IMU, the fixed `yaw` of the IMU (deg), horizontal gravity in NED (m/s^2).
+
+    `accuracy`: whether gnss.sigma and imu.sigma are standard deviations ("sigma") or, as the
+    plus-minus signs of Table 5 may mean, bounds of three standard deviations ("bound").
+    """
 
     gnss: Gnss
     imu: Imu
+    accuracy: str
     yaw: float
     gravity: list[float]
 
@@ -99,7 +104,8 @@ class FilterTuning:
 class Mhe:
     """The moving horizon estimator of HME2.
 
-    `interval`: T_m, s. `horizon`: N_m, GNSS intervals. `arrival`: mkf or none. `inputs`: every
+    `interval`: T_m, s. `horizon`: N_m, GNSS intervals. `arrival`: x_m0 as a prior (mkf), as the
+    oldest state itself (fixed) or ignored (none). `inputs`: every
     IMU sample ("all"), the mean of the last T_m held for the next ("averaged"), or one sample per
     T_m held ("sampled"). `weights`: "diagonal" as printed or "full". `q_a`, `q_b`: densities of
     accelerometer noise and bias walk behind the link weights; null takes the sensor's own.
@@ -131,10 +137,14 @@ class Hme:
 
 @dataclass(frozen=True, kw_only=True)
 class Measures:
-    """`settling_time` s, `window` (full or settled) for the map, `extremes` on or off."""
+    """`settling_time` s; `window` (full or settled) and `criterion` for the map; `extremes`.
+
+    `criterion`: the MSE that the map judges: position (x + y), velocity (vx + vy), x or y.
+    """
 
     settling_time: float
     window: str
+    criterion: str
     extremes: bool
 
 

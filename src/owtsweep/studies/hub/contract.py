@@ -98,7 +98,10 @@ class Estimator(Protocol):
 
 @runtime_checkable
 class Scheme(Protocol):
-    """An estimation scheme. It may also offer `kernel(sensors, tuning)` for the batch engine.
+    """An estimation scheme.
+
+    It may also offer `kernel(sensors, tuning, steps)` for the batch engine: the scheme as an
+    `owtsweep.studies.hub.chain.Chain` for records of that many steps.
 
     Attributes
     ----------

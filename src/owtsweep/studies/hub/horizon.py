@@ -35,6 +35,8 @@ class Horizon:
         Number of the first fix at which the window can be solved; until then fixes pass through.
     arrival
         Whether the filter's own past state enters as arrival term.
+    fixed
+        Whether it enters as the oldest node's state itself, not as a prior.
     inputs
         One of `INPUTS`.
     weights
@@ -47,6 +49,7 @@ class Horizon:
     length: int
     first: int
     arrival: bool
+    fixed: bool
     inputs: str
     weights: WindowWeights
     initial_covariance: Array
@@ -67,7 +70,8 @@ class Horizon:
             solution = window_map(
                 self.weights,
                 n,
-                arrival_covariance=covariance,
+                arrival_covariance=None if self.is_fixed(fix) else covariance,
+                fixed_arrival=self.is_fixed(fix),
                 use_first_fix=not self.uses_filter(fix),
             )
             maps[fix, :, : solution.shape[1]] = solution
@@ -81,6 +85,10 @@ class Horizon:
             inputs=INPUTS.index(self.inputs),
             step=sensors.step,
         )
+
+    def is_fixed(self, fix: int) -> bool:
+        """Whether the window's oldest state is given; while it fills, the prior is uncertain."""
+        return self.fixed and self.uses_filter(fix)
 
     def uses_filter(self, fix: int) -> bool:
         """Whether the arrival state is the filter's (x_m0 of register 3, Algorithm 5).
@@ -105,12 +113,13 @@ def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     model = discretise(sigma_2(q_f, max(q_b, LEAST_BIAS_DENSITY)), sensors.fix_step)
     link = model.Q if tuning.weights == "full" else np.diag(np.diagonal(model.Q))
-    arrival = tuning.arrival == "mkf"
+    arrival = tuning.arrival in ("mkf", "fixed")
     return Horizon(
         interval=round(tuning.interval / sensors.step),
         length=tuning.horizon,
         first=0 if arrival else 2,
         arrival=arrival,
+        fixed=tuning.arrival == "fixed",
         inputs=tuning.inputs,
         weights=WindowWeights(
             transition=model.A,

@@ -27,12 +27,13 @@ class Measurements(NamedTuple):
 def sensors(config: SensorConfig) -> Sensors:
     """What estimators may know of the configured sensors."""
     step = 1.0 / config.imu.rate
+    deviations = 1.0 if config.accuracy == "sigma" else 3.0
     return Sensors(
         step=step,
         fix_interval=round(config.imu.rate / config.gnss.rate),
         delay=round(config.gnss.delay / step),
-        position_sigma=config.gnss.sigma,
-        force_sigma=config.imu.sigma,
+        position_sigma=config.gnss.sigma / deviations,
+        force_sigma=config.imu.sigma / deviations,
         bias_walk=config.imu.bias_walk,
         yaw=float(np.deg2rad(config.yaw)),
         gravity=(float(config.gravity[0]), float(config.gravity[1])),
@@ -75,7 +76,7 @@ def noise(
         bias = walk * stream(f"bias_{name}").standard_normal(steps)
         bias[0] = config.imu.bias_initial
         np.cumsum(bias, out=bias)
-        force[:, axis] = bias + config.imu.sigma * stream(f"imu_{name}").standard_normal(steps)
+        force[:, axis] = bias + sensors.force_sigma * stream(f"imu_{name}").standard_normal(steps)
     force -= sensors.rotation.T @ np.array(sensors.gravity)
     count = fix_count(steps, sensors.fix_interval)
-    return Measurements(force, config.gnss.sigma * stream("gnss").standard_normal((count, 2)))
+    return Measurements(force, sensors.position_sigma * stream("gnss").standard_normal((count, 2)))

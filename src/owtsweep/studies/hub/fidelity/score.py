@@ -48,7 +48,7 @@ def scheme_products(
     for period, batch in lanes.items():
         sensors = batch.records.sensors
         settled = round(config.measures.settling_time / sensors.step)
-        chain = known.kernel(sensors, config)  # type: ignore[attr-defined]
+        chain = known.kernel(sensors, config, batch.records.steps)  # type: ignore[attr-defined]
         sums = superposed_sums(chain, batch, settled, consistency=False)
         parts = slice(0, 2) if config.measures.window == "full" else slice(1, 2)
         total = sums.products[parts, :4].sum(axis=0) / sums.steps[parts].sum()
@@ -89,6 +89,8 @@ class Score:
     ----------
     total
         The score; less is better.
+    penalties
+        The part of it that winners and boundaries make up.
     log_ratios
         table, scheme, measure, published, reproduced, log2.
     winners
@@ -98,6 +100,7 @@ class Score:
     """
 
     total: float
+    penalties: float
     log_ratios: pd.DataFrame
     winners: tuple[str, ...]
     boundaries: dict[float, float]
@@ -136,9 +139,9 @@ def score(products: Products) -> Score:
 
     wrong = sum(a != b for a, b in zip(winners("published"), winners("reproduced"), strict=True))
     limits = {p: boundary(products["HME2"][p], products["HME1"][p]) for p in PERIODS}
-    total = float(np.mean(np.abs(table.log2))) + WINNER_PENALTY * wrong
-    total += BOUNDARY_WEIGHT * boundary_distance(limits)
-    return Score(total, table, winners("reproduced"), limits)
+    penalties = WINNER_PENALTY * wrong + BOUNDARY_WEIGHT * boundary_distance(limits)
+    total = float(np.mean(np.abs(table.log2))) + penalties
+    return Score(total, penalties, table, winners("reproduced"), limits)
 
 
 def boundary_distance(limits: Mapping[float, float]) -> float:

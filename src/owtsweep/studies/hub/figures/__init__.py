@@ -97,7 +97,7 @@ def _drawings(
         return files
 
     drawings: dict[str, Callable[[Path, str], list[Path]]] = {}
-    drawings[MAP] = best("position")
+    drawings[MAP] = best(config.measures.criterion)
     drawings["best_scheme_velocity"] = best("velocity")
     for period in sorted(set(tables["summary"].natural_period)):
         number = f"figure_{PAPER_FIGURES[period]}_" if period in PAPER_FIGURES else ""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from owtsweep.studies.hub.chain import Chain, chain, shared
+from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import axis_filter
 from owtsweep.studies.hub.schemes.mkf import FilterEstimator
@@ -28,9 +28,11 @@ class EKF:
         return FilterEstimator(tuning.ekf, sensors)
 
     @shared
-    def kernel(self, sensors: Sensors, tuning: Any) -> Chain:
-        """The scheme for the batch engine."""
-        return chain(axis_filter(tuning.ekf, sensors), sensors, rule=tuning.ekf.update_rule)
+    def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
+        """The scheme for the batch engine, for records of that many steps."""
+        return chain(
+            axis_filter(tuning.ekf, sensors), sensors, rule=tuning.ekf.update_rule, steps=steps
+        )
 
 
 SCHEME = EKF()

@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.predictor import predict
 from owtsweep.estimation.smoother import FixedLagSmoother
-from owtsweep.studies.hub.chain import Chain, chain, shared
+from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.config import FilterTuning
 from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
 from owtsweep.studies.hub.models import axis_filter, input_model
@@ -37,7 +37,7 @@ class DelayedChain:
 
     def push(self, specific_force: Array) -> Array:
         """Register 1: take the newest sample, return the one of N_d steps ago (IMU frame)."""
-        self.samples.append(np.asarray(specific_force, dtype=float))
+        self.samples.append(np.array(specific_force, dtype=float))  # callers may reuse theirs
         return self.samples[-1 - self.sensors.delay]
 
     def step(
@@ -69,7 +69,7 @@ class HME1Estimator:
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """One pass through Algorithm 1."""
         if position is not None:
-            self.held_fix = position
+            self.held_fix = np.array(position, dtype=float)
         delayed = self.chain.push(specific_force)
         return self.chain.step(delayed, position, self.held_fix)[0]
 
@@ -86,8 +86,8 @@ class HME1:
         return HME1Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
     @shared
-    def kernel(self, sensors: Sensors, tuning: Any) -> Chain:
-        """The scheme for the batch engine."""
+    def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
+        """The scheme for the batch engine, for records of that many steps."""
         return chain(
             axis_filter(tuning.hme1, sensors),
             sensors,
@@ -95,6 +95,7 @@ class HME1:
             input_delay=sensors.delay,
             window=tuning.hme.smoother_window,
             predict=input_model(tuning.hme1, sensors),
+            steps=steps,
         )
 
 

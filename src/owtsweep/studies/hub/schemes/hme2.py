@@ -11,7 +11,7 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise
 from owtsweep.estimation.mhe import CasadiWindow, square_root_information
 from owtsweep.estimation.predictor import predict
-from owtsweep.studies.hub.chain import Chain, chain, shared
+from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.contract import Estimate, Sensors
 from owtsweep.studies.hub.horizon import Horizon, horizon, transition_over
 from owtsweep.studies.hub.models import axis_filter, input_model, sigma_2
@@ -64,6 +64,7 @@ class MovingHorizonEstimator:
         """The position now (delayed time), `since_fix` steps after the newest fix."""
         n = len(self.effects)
         uses_filter = self.mhe.uses_filter(self.fix_number)
+        fixed = self.mhe.is_fixed(self.fix_number)
         key = (n, since_fix > 0, uses_filter)
         if key not in self.problems:
             self.problems[key] = CasadiWindow(
@@ -71,7 +72,8 @@ class MovingHorizonEstimator:
                 states=6,
                 outputs=2,
                 last_node=since_fix > 0,
-                arrival=self.mhe.arrival,
+                arrival=self.mhe.arrival and not fixed,
+                fixed_arrival=fixed,
                 use_first_fix=not uses_filter,
                 solver=self.solver,
             )
@@ -123,7 +125,7 @@ class HME2Estimator:
         """One pass through Algorithm 2."""
         delayed = self.chain.push(specific_force)
         if position is not None:
-            self.mhe.take_fix(np.asarray(position, dtype=float))
+            self.mhe.take_fix(np.array(position, dtype=float))
         since_fix = self.step % self.sensors.fix_interval
         fix = None
         if self.mhe.fix_number < self.settings.first:
@@ -158,8 +160,8 @@ class HME2:
         return HME2Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
     @shared
-    def kernel(self, sensors: Sensors, tuning: Any) -> Chain:
-        """The scheme for the batch engine."""
+    def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
+        """The scheme for the batch engine, for records of that many steps."""
         return chain(
             axis_filter(tuning.hme2, sensors),
             sensors,
@@ -168,6 +170,7 @@ class HME2:
             window=window_of(tuning),
             predict=input_model(tuning.hme2, sensors),
             horizon=horizon(tuning.hme.mhe, sensors),
+            steps=steps,
         )
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.chain import Chain, chain, shared
+from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.config import FilterTuning
 from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
 from owtsweep.studies.hub.models import axis_filter
@@ -30,7 +30,7 @@ class FilterEstimator:
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """One step of Algorithm 6."""
         if position is not None:
-            self.held_fix = position
+            self.held_fix = np.array(position, dtype=float)
         step = self.filter.step(specific_force, position, self.held_fix)
         innovation = None
         if position is not None:
@@ -50,9 +50,11 @@ class MKF:
         return FilterEstimator(tuning.mkf, sensors)
 
     @shared
-    def kernel(self, sensors: Sensors, tuning: Any) -> Chain:
-        """The scheme for the batch engine."""
-        return chain(axis_filter(tuning.mkf, sensors), sensors, rule=tuning.mkf.update_rule)
+    def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
+        """The scheme for the batch engine, for records of that many steps."""
+        return chain(
+            axis_filter(tuning.mkf, sensors), sensors, rule=tuning.mkf.update_rule, steps=steps
+        )
 
 
 SCHEME = MKF()

@@ -1,0 +1,101 @@
+"""Chains with settled gains, and the limits of sequences that are slow to settle."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import lcm
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.chain import Chain
+
+Complex = NDArray[np.complex128]
+
+#: Cycles from which a limit is extrapolated: two more than the modes that it removes.
+KEPT_CYCLES = 10
+#: No run is longer than this many cycles.
+MOST_CYCLES = 4096
+
+
+def settled(chain: Chain) -> Chain:
+    """The chain as it is after its transient: the last cycle of its gains from the start on.
+
+    While the window of an MHE fills, its growing windows are kept.
+    """
+    cycle, last = chain.gains.cycle, slice(-chain.gains.cycle, None)
+    gains = chain.gains
+    filter_arrays = chain.filter
+    kept = replace(
+        gains,
+        K=gains.K[last].copy(),
+        applied=gains.applied[last].copy(),
+        fresh=gains.fresh[last].copy(),
+        innovation_variance=gains.innovation_variance[last].copy(),
+        predicted=gains.predicted[last].copy(),
+        filtered=gains.filtered[last].copy(),
+    )
+    changes: dict[str, Any] = {"K": kept.K, "applied": kept.applied}
+    if filter_arrays.window > 0:
+        changes |= {name: getattr(filter_arrays, name)[last].copy() for name in ("C", "W")}
+    mhe = chain.mhe
+    if mhe.active:
+        maps = np.concatenate([mhe.maps[: mhe.horizon], mhe.maps[-1:]])
+        mhe = mhe._replace(maps=np.ascontiguousarray(maps))
+    assert len(kept.K) == cycle
+    return replace(chain, gains=kept, filter=filter_arrays._replace(**changes), mhe=mhe)
+
+
+def cycle_of(chain: Chain) -> int:
+    """Steps after which everything in the chain repeats: gains, fixes and MHE."""
+    return lcm(chain.gains.cycle, chain.filter.fix_interval, chain.mhe.interval)
+
+
+def filling(chain: Chain) -> int:
+    """Steps until every register of the chain holds data."""
+    fixes = chain.mhe.horizon + 1 if chain.mhe.active else 1
+    return fixes * chain.filter.fix_interval + chain.filter.window + chain.predictor.steps
+
+
+def longest(chain: Chain) -> int:
+    """The most steps that a run may take to settle."""
+    return MOST_CYCLES * cycle_of(chain)
+
+
+def limit(sequence: Complex) -> tuple[Complex, Array]:
+    """The limit of a sequence that a linear system with few modes makes.
+
+    Reduced rank extrapolation: weights g with sum 1 that make the weighted sum of the differences
+    least give the weighted sum of the terms, in which as many modes have vanished as there are
+    differences, less one. (Smith, Ford and Sidi, 1987, Extrapolation methods for vector sequences,
+    SIAM Review 29, 199-233.)
+
+    Parameters
+    ----------
+    sequence
+        (terms, m, n): n sequences of vectors of length m.
+
+    Returns
+    -------
+    limit
+        (m, n).
+    remainder
+        (n,): norm of the weighted sum of the differences over that of the limit. It bounds the
+        error of the limit as long as no mode stays in phase with the sequence.
+    """
+    differences = np.diff(sequence, axis=0)
+    n = sequence.shape[2]
+    found = np.empty(sequence.shape[1:], dtype=complex)
+    remainder = np.empty(n)
+    for i in range(n):
+        D = differences[:, :, i].T
+        # sum 1: the last difference with its changes against the others
+        step = D[:, :-1] - D[:, -1:]
+        g = np.linalg.lstsq(step, -D[:, -1], rcond=1e-12)[0]
+        g = np.append(g, 1.0 - np.sum(g))
+        found[:, i] = sequence[:-1, :, i].T @ g
+        scale = np.linalg.norm(found[:, i])
+        remainder[i] = np.linalg.norm(D @ g) / (scale if scale > 0.0 else 1.0)
+    return found, remainder

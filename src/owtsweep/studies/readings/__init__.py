@@ -1,0 +1,86 @@
+"""The calibration as a study: searches readings of the paper, and fair tunings, with Optuna."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owtsweep.studies.base import Block
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from rich.console import RenderableType
+
+    from owtsweep.studies.readings.config import ReadingsConfig
+
+__all__ = ["ReadingsStudy"]
+
+
+class ReadingsStudy:
+    """`owtsweep.studies.base.Study` for the search; a block is one search with one sampler seed."""
+
+    name = "readings"
+    schema_version = 1
+    numerics_version = 1
+
+    def config_type(self) -> type[ReadingsConfig]:
+        """The hub study's configuration and the section `calibration`."""
+        from owtsweep.studies.readings.config import ReadingsConfig
+
+        return ReadingsConfig
+
+    def plan(self, config: ReadingsConfig) -> list[Block]:
+        """One block per search."""
+        from owtsweep.studies.readings.searches import plan
+
+        return plan(config)
+
+    def backend(self, config: ReadingsConfig) -> str:
+        """Processes: a search is Python around kernels."""
+        return "loky"
+
+    def run(
+        self, config: ReadingsConfig, blocks: Sequence[Block]
+    ) -> Iterator[tuple[Block, pd.DataFrame]]:
+        """Run searches."""
+        from owtsweep.studies.readings.searches import run
+
+        return run(config, blocks)
+
+    def sort_columns(self) -> list[str]:
+        """What identifies a trial."""
+        return ["target", "search", "trial"]
+
+    def aggregate(self, config: ReadingsConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+        """trials (all of them) and best (the best of each search, best first)."""
+        from owtsweep.studies.readings.results import best, trials
+
+        return {"trials": trials(rows), "best": best(rows)}
+
+    def terminal(
+        self, config: ReadingsConfig, tables: Mapping[str, pd.DataFrame]
+    ) -> RenderableType:
+        """The best of each search."""
+        from owtsweep.studies.readings.results import as_text
+
+        return as_text(tables["best"])
+
+    def overview(self) -> str:
+        """Score over each parameter."""
+        return "score_over_parameters"
+
+    def draw(
+        self,
+        config: ReadingsConfig,
+        tables: Mapping[str, pd.DataFrame],
+        rows: pd.DataFrame,
+        folder: Path,
+        *,
+        only: str | None = None,
+        metadata: Mapping[str, str] | None = None,
+    ) -> list[Path]:
+        """The trail of the search."""
+        from owtsweep.studies.readings.results import draw
+
+        return draw(tables["trials"], folder, only=only, metadata=metadata)

@@ -1,0 +1,115 @@
+"""What came out of the searches: tables, and the score drawn over each parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from owtsweep.errors import InputError
+from owtsweep.studies.base import OK
+from owtsweep.studies.readings.searches import COLUMNS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from rich.console import RenderableType
+
+#: How many trials of each search `best` keeps: the best and its runners-up.
+KEPT = 5
+
+
+def trials(rows: pd.DataFrame) -> pd.DataFrame:
+    """All trials in the order in which they were made."""
+    return rows.reset_index(drop=True)
+
+
+def best(rows: pd.DataFrame) -> pd.DataFrame:
+    """The best trial of each search and its runners-up, per target, best first."""
+    done = rows[rows.status == OK]
+    ranked = done.sort_values(["target", "score", "search", "trial"], kind="stable")
+    return ranked.groupby("search", sort=False).head(KEPT).reset_index(drop=True)
+
+
+def parameters(table: pd.DataFrame) -> list[str]:
+    """The columns that hold parameters."""
+    return [column for column in table.columns if column not in COLUMNS]
+
+
+def as_text(table: pd.DataFrame) -> RenderableType:
+    """The best of each target, with its parameters."""
+    from rich.table import Table
+
+    shown = Table(title="best readings found", show_lines=True)
+    for column in ("target", "truth", "score", "parameters"):
+        shown.add_column(column)
+    for target, group in table.groupby("target", sort=True):
+        row = group.iloc[0]
+        values = {name: row[name] for name in parameters(table) if pd.notna(row[name])}
+        text = "\n".join(f"{name} = {_short(value)}" for name, value in values.items())
+        shown.add_row(str(target), str(row.truth), f"{row.score:.4g}", text)
+    return shown
+
+
+def _short(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def draw(
+    table: pd.DataFrame,
+    folder: Path,
+    *,
+    only: str | None = None,
+    metadata: Mapping[str, str] | None = None,
+) -> list[Path]:
+    """Score over each parameter: one figure with all published targets' and one per other target.
+
+    Raises
+    ------
+    InputError
+        If there is no figure of that name.
+    """
+    from owtsweep.studies.hub.figures import style
+
+    if only not in (None, "score_over_parameters"):
+        raise InputError(f"only: this run has no figure {only!r}; use score_over_parameters")
+    files: list[Path] = []
+    for target, group in table[table.status == OK].groupby("target", sort=True):
+        with style.context():
+            figure = _score_over_parameters(str(target), group)
+            stem = f"score_over_parameters_{target}"
+            files += style.save(figure, folder, stem, metadata)
+    return files
+
+
+def _score_over_parameters(target: str, table: pd.DataFrame) -> Figure:
+    from owtsweep.studies.hub.figures import style
+
+    names = [name for name in parameters(table) if table[name].notna().any()]
+    columns = min(4, max(1, len(names)))
+    lines = -(-len(names) // columns)
+    figure = style.new_figure(3.1 * columns, 2.5 * lines + 0.9)
+    axes = figure.subplots(lines, columns, sharey=True, squeeze=False)
+    lowest = table.score.min()
+    for panel, name in zip(axes.flat, names, strict=False):
+        for truth, group in table.groupby("truth", sort=True):
+            panel.plot(group[name], group.score, ".", markersize=4, alpha=0.6, label=str(truth))
+        winner = table.nsmallest(1, "score")
+        panel.plot(winner[name], winner.score, "k*", markersize=10, label="best")
+        if pd.api.types.is_float_dtype(table[name]) and table[name].max() > 20 * table[name].min():
+            panel.set_xscale("log")
+        panel.set_xlabel(name.replace("+", " +\n"), fontsize=7)
+        panel.set_ylim(lowest * 0.95, min(table.score.quantile(0.9), lowest * 4.0) * 1.02)
+    for panel in list(axes.flat)[len(names) :]:
+        panel.set_axis_off()
+    for line in axes:
+        line[0].set_ylabel("score (less is better)")
+    handles, labels = axes.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=4)
+    figure.suptitle(f"{target}: every trial, by parameter", x=0.01, ha="left")
+    style.footnote(
+        figure,
+        "Each dot is a trial. Trials above the panel's edge are not shown; trials.csv has all.",
+    )
+    return figure

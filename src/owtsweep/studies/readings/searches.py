@@ -1,0 +1,221 @@
+"""Searching with Optuna: every trial is a reading, judged on the same records.
+
+The score of a published target is the one of `studies.hub.fidelity.score`, over the schemes that
+the target judges; its whole trail is kept, the bad trials too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from owtsweep.config import as_mapping, conf_directory, group_options, require, with_values
+from owtsweep.errors import InputError
+from owtsweep.studies.base import FAILED, OK, Block
+from owtsweep.studies.hub.batch import Lanes
+from owtsweep.studies.hub.fidelity import score as scoring
+from owtsweep.studies.readings.config import ReadingsConfig
+
+#: Columns of every trial besides its parameters.
+COLUMNS = (
+    "target", "truth", "search", "trial", "score", "median_log2", "p80_log2", "winners",
+    "boundary_4s", "boundary_6s", "boundary_8s", "n_parameters", "status", "reason",
+)  # fmt: skip
+
+KINDS = ("published", "settled")
+
+#: What a trial counts as that diverges.
+DIVERGED = 50.0
+
+
+def plan(config: ReadingsConfig) -> list[Block]:
+    """One block per target, truth and sampler seed; settled targets take the config's own truth."""
+    _require_optuna()
+    calibration = config.calibration
+    blocks = []
+    for name, target in calibration.targets.items():
+        kind = str(target.get("kind"))
+        require(
+            kind in KINDS,
+            f"calibration.targets.{name}.kind: {kind!r} is none of {', '.join(KINDS)}",
+        )
+        values = tuning_values(str(target.get("tuning", config.tuning)))
+        truths = calibration.truths if kind == "published" else {"own": {}}
+        for truth, own in truths.items():
+            with_values(config, {**values, **own})  # an unknown key is refused before anything runs
+            for seed in calibration.sampler_seeds:
+                label = f"{name}, {truth}, sampler seed {seed}"
+                content = {
+                    "config": _shared(config),
+                    "target": {**target, "values": values},
+                    "target_name": name,
+                    "truth": dict(own),
+                    "truth_name": truth,
+                    "sampler_seed": seed,
+                    "trials": calibration.trials,
+                    "replicates": calibration.replicates,
+                }
+                blocks.append(Block(label, label, content, calibration.trials))
+    return blocks
+
+
+def tuning_values(name: str) -> dict[str, Any]:
+    """The dotted keys that a tuning file sets."""
+    from omegaconf import OmegaConf
+
+    path = conf_directory() / "tuning" / f"{name}.yaml"
+    require(
+        path.is_file(), f"tuning: there is no {name!r}; use {' or '.join(group_options('tuning'))}"
+    )
+    return dict(_flat(OmegaConf.to_container(OmegaConf.load(path))))
+
+
+def _flat(section: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in section.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def _shared(config: ReadingsConfig) -> dict[str, Any]:
+    whole = as_mapping(config)
+    for key in (
+        "compute",
+        "results",
+        "name",
+        "calibration",
+        "schemes",
+        "experiment",
+        "tuning",
+        "ekf",
+        "mkf",
+        "hme1",
+        "hme2",
+        "hme",
+    ):
+        whole.pop(key)
+    return whole
+
+
+def _require_optuna() -> None:
+    try:
+        import cmaes  # noqa: F401  (Optuna's CMA-ES sampler needs it)
+        import optuna  # noqa: F401
+    except ImportError as error:
+        raise InputError(
+            f"experiment=readings: {error.name} is missing; install owtsweep[calibrate]"
+        ) from error
+
+
+def run(config: ReadingsConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+    """Run each search; its rows are its trials."""
+    for block in blocks:
+        yield block, _search(config, block.content)
+
+
+def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
+    import optuna
+
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    target = content["target"]
+    base = with_values(config, {**target["values"], **content["truth"]})
+    judge = _judge(base, target, content["replicates"])
+    sampler = optuna.samplers.TPESampler(seed=content["sampler_seed"], multivariate=True)
+    study = optuna.create_study(sampler=sampler)
+    if target.get("start"):
+        study.enqueue_trial(dict(target["start"]))
+    search = f"{content['target_name']}/{content['truth_name']}/{content['sampler_seed']}"
+    rows: list[dict[str, Any]] = []
+
+    def objective(trial: optuna.Trial) -> float:
+        chosen = {key: suggest(trial, key, bounds) for key, bounds in target["parameters"].items()}
+        row: dict[str, Any] = {
+            "target": content["target_name"],
+            "truth": content["truth_name"],
+            "search": search,
+            "trial": trial.number,
+            "n_parameters": len(chosen),
+            "status": OK,
+            "reason": "",
+            **chosen,
+        }
+        try:
+            values = {key: value for keys, value in chosen.items() for key in keys.split("+")}
+            row |= judge(with_values(base, values))
+        except (InputError, ArithmeticError, np.linalg.LinAlgError) as error:
+            text = " ".join(f"{type(error).__name__}: {error}".split())
+            row |= {"score": DIVERGED, "status": FAILED, "reason": text}
+        rows.append(row)
+        return float(row["score"])
+
+    study.optimize(objective, n_trials=content["trials"])
+    table = pd.DataFrame(rows)
+    return table.reindex(columns=[*COLUMNS, *(c for c in table.columns if c not in COLUMNS)])
+
+
+def suggest(trial: Any, key: str, bounds: Any) -> Any:
+    """Ask Optuna for a value of one parameter."""
+    if isinstance(bounds, Mapping):
+        return trial.suggest_categorical(key, list(bounds["options"]))
+    low, high, scale = bounds
+    if scale == "int":
+        return trial.suggest_int(key, low, high)
+    return trial.suggest_float(key, low, high, log=scale == "log")
+
+
+Judge = Callable[[Any], dict[str, Any]]
+
+
+def _judge(base: ReadingsConfig, target: Mapping[str, Any], replicates: int) -> Judge:
+    """What gives a configuration its score; the records are made once."""
+    schemes = list(target["schemes"])
+    if target["kind"] == "settled":
+        lanes = scoring.make_lanes(base, range(replicates), base.grid.natural_period)
+        return lambda config: _settled(config, schemes, lanes)
+    lanes = scoring.make_lanes(base, range(replicates))
+    others = {
+        scheme: scoring.scheme_products(base, scheme, lanes)
+        for scheme in ("EKF", "MKF", "HME1", "HME2")
+        if scheme not in schemes
+    }
+    return lambda config: _published(config, schemes, lanes, others)
+
+
+def _settled(
+    config: ReadingsConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
+) -> dict[str, Any]:
+    settled = with_values(config, {"measures.window": "settled"})
+    logs = []
+    for scheme in schemes:
+        for products in scoring.scheme_products(settled, scheme, lanes).values():
+            position = products[:2].sum(axis=0)
+            logs += [np.log(scoring.at_amplitude(position, N)) for N in config.grid.amplitude]
+    value = float(np.exp(np.mean(logs)))
+    return {"score": value if np.isfinite(value) else DIVERGED}
+
+
+def _published(
+    config: ReadingsConfig,
+    schemes: Sequence[str],
+    lanes: Mapping[float, Lanes],
+    others: Mapping[str, Mapping[float, Any]],
+) -> dict[str, Any]:
+    own = {scheme: scoring.scheme_products(config, scheme, lanes) for scheme in schemes}
+    result = scoring.score({**others, **own})
+    table = result.log_ratios
+    logs = table[table.scheme.isin(schemes)].log2.abs()
+    if len(schemes) > 1:
+        own_score = float(logs.mean()) + result.penalties
+    else:
+        own_score = float(logs.mean())
+    return {
+        "score": own_score if np.isfinite(own_score) else DIVERGED,
+        "median_log2": float(logs.median()),
+        "p80_log2": float(logs.quantile(0.8)),
+        "winners": " ".join(result.winners),
+        **{f"boundary_{period:g}s": result.boundaries[period] for period in (4.0, 6.0, 8.0)},
+    }

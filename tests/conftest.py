@@ -1,0 +1,22 @@
+"""Fixtures for all tests."""
+
+from __future__ import annotations
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def kernels() -> None:
+    """Compile the hub study's kernels (or load them from numba's cache) once per session."""
+    from owtsweep.config import compose
+    from owtsweep.studies.hub import blocks
+
+    small = [
+        "grid.natural_period=[4.0]", "grid.amplitude=[1.0]", "grid.replicates=1",
+        "record.duration=10", "measures.settling_time=1", "sensors.imu.rate=20",
+        "schemes=[HME1]", "tuning=matched",
+    ]  # fmt: skip
+    for evaluation in ("superposed", "direct"):
+        config = compose([*small, f"evaluation={evaluation}"])
+        for _ in blocks.run(config, blocks.plan(config)):  # type: ignore[arg-type]
+            pass

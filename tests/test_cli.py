@@ -1,0 +1,217 @@
+"""The command line as users and tired users meet it, in process and at small size."""
+
+import json
+import runpy
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import yaml
+
+import owtsweep
+from owtsweep.cli import main
+
+ROOT = Path(__file__).parents[1]
+SMALL = [
+    "grid.natural_period=[4.0]",
+    "grid.amplitude=[0.2,1.0]",
+    "grid.replicates=2",
+    "record.duration=40",
+]
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(ROOT / "tests"))
+
+
+def only_run(folder: str = "results") -> Path:
+    """The one run folder below `folder`."""
+    (config,) = Path(folder).glob("*/config.yaml")
+    return config.parent
+
+
+def test_sweep_writes_what_the_readme_says(capsys):
+    assert main(["sweep", *SMALL, "schemes=[MKF,HME1]", "sensors.gnss.delay=0.4"]) == 0
+    run = only_run()
+    assert {path.name for path in run.iterdir()} == {
+        "config.yaml", "manifest.json", "cases", "summary.csv", "best_scheme.csv", "figures",
+        "run.log",
+    }  # fmt: skip
+    assert {path.name for path in (run / "figures").iterdir()} == {
+        "figure_18_best_scheme.png",
+        "figure_18_best_scheme.svg",
+    }
+    assert yaml.safe_load((run / "config.yaml").read_text())["sensors"]["gnss"]["delay"] == 0.4
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.count("\n") == 1  # quiet when piped
+    assert str(run) in out
+
+
+def test_a_second_sweep_computes_nothing(capsys):
+    main(["sweep", *SMALL, "schemes=[MKF]"])
+    capsys.readouterr()
+    assert main(["sweep", *SMALL, "schemes=[MKF]"]) == 0
+    assert capsys.readouterr().out.startswith("0 cases computed, 4 were there")
+
+
+def test_figures_draws_everything_and_the_scripts_do_the_same(capsys, monkeypatch):
+    main(["sweep", *SMALL, "grid.natural_period=[4.0,6.0,8.0]"])
+    run = only_run()
+    assert main(["figures", str(run)]) == 0
+    drawn = {path.name for path in (run / "figures").iterdir()}
+    for number, period in ((15, 4), (16, 6), (17, 8)):
+        assert f"figure_{number}_mse_{period}s.png" in drawn
+    assert {"tables_6_to_9.csv", "tables_6_to_9.md", "best_scheme_velocity.svg"} <= drawn
+    for script in sorted((ROOT / "experiments").glob("*.py")):
+        capsys.readouterr()
+        monkeypatch.setattr(sys, "argv", [str(script), str(run)])
+        runpy.run_path(str(script), run_name="__main__")
+        for line in capsys.readouterr().out.splitlines():
+            assert Path(line).is_file()
+
+
+def test_show_prints_the_manifest(capsys):
+    main(["sweep", *SMALL, "schemes=[MKF]"])
+    capsys.readouterr()
+    assert main(["show", str(only_run())]) == 0
+    shown = capsys.readouterr().out
+    manifest = json.loads((only_run() / "manifest.json").read_text())
+    assert all(key in shown for key in manifest)
+
+
+def test_list_names_everything_there_is(capsys):
+    assert main(["list"]) == 0
+    shown = capsys.readouterr().out
+    for name in ("EKF", "MKF", "HME1", "HME2", "paper", "matched", "translated", "ren2019"):
+        assert name in shown
+
+
+@pytest.mark.parametrize("place", [0, 2, 5])
+def test_multirun_works_anywhere_in_the_line(place, capsys):
+    words = ["schemes=[MKF]", "sensors.gnss.delay=0.1,0.2,0.4", *SMALL[:2], "record.duration=30"]
+    words.insert(place, "--multirun" if place else "-m")
+    assert main(["sweep", *words, "grid.replicates=1"]) == 0
+    configs = [yaml.safe_load(p.read_text()) for p in Path("results").glob("*/*/config.yaml")]
+    assert sorted(c["sensors"]["gnss"]["delay"] for c in configs) == [0.1, 0.2, 0.4]
+    assert not list(Path().rglob(".hydra"))
+    assert not Path("outputs").exists()
+    assert not Path("multirun").exists()
+
+
+def test_a_multirun_with_one_bad_value_runs_nothing(capsys):
+    assert main(["sweep", *SMALL, "-m", "sensors.gnss.delay=0.1,0.123"]) == 2
+    assert "0.12 or 0.13" in capsys.readouterr().err
+    assert not Path("results").exists()
+
+
+def test_cfg_prints_the_configuration_and_stops(capsys):
+    assert main(["sweep", "--cfg", "job", "grid.replicates=3"]) == 0
+    assert yaml.safe_load(capsys.readouterr().out)["grid"]["replicates"] == 3
+    assert not Path("results").exists()
+
+
+def test_config_dir_adds_a_users_own_options(capsys):
+    Path("mine/sensors").mkdir(parents=True)
+    text = (ROOT / "conf/sensors/ren2019.yaml").read_text().replace("sigma: 0.03", "sigma: 0.01")
+    Path("mine/sensors/rtk.yaml").write_text(text)
+    assert main(["sweep", "--cfg", "--config-dir", "mine", "sensors=rtk"]) == 0
+    assert yaml.safe_load(capsys.readouterr().out)["sensors"]["gnss"]["sigma"] == 0.01
+
+
+def test_fresh_asks_before_it_deletes(capsys, monkeypatch):
+    main(["sweep", *SMALL, "schemes=[MKF]"])
+    monkeypatch.setattr("sys.stdin.isatty", lambda: False, raising=False)
+    assert main(["sweep", *SMALL, "schemes=[MKF]", "--fresh"]) == 2
+    assert "--yes" in capsys.readouterr().err
+    assert main(["sweep", "--fresh", *SMALL, "--yes", "schemes=[MKF]"]) == 0
+    assert "4 cases computed in" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["sweep", "--frech"], "--frech"),
+        (["sweeep"], "sweeep"),
+        (["figures"], "RUN"),
+        (["figures", "nowhere"], "nowhere"),
+        (["show", "nowhere"], "nowhere"),
+        (["sweep", "grid.replicats=2"], "grid.replicates"),
+        (["sweep", "tuning=mached"], "matched"),
+        (["sweep", "schemes=[{_target_:user_schemes.NoScheme}]"], "start"),
+        (["sweep", "schemes=[{_target_:user_schemes.Nothing}]"], "user_schemes.Nothing"),
+        (["sweep", "schemes=[MKF,MKF]"], "twice"),
+        (["sweep", "grid=5"], "grid"),
+        (["sweep", "--config-dir", "nowhere"], "nowhere"),
+        (["sweep", "name=a/b"], "name"),
+    ],
+)
+def test_bad_input_is_one_line_and_writes_nothing(words, says, capsys):
+    assert main(words) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("owtsweep: ")
+    assert err.count("\n") == 1
+    assert says in err
+    assert not any(Path().iterdir())
+
+
+def test_a_results_folder_that_cannot_be_written_is_refused(capsys):
+    Path("file").write_text("not a folder")
+    assert main(["sweep", *SMALL, "results=file/results"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert [path.name for path in Path().iterdir()] == ["file"]
+
+
+@pytest.mark.parametrize("how", ["raising", "not finite", "shape"])
+def test_a_users_scheme_that_fails_takes_nothing_else_down(how, capsys):
+    target = f"schemes=[MKF,{{_target_:user_schemes.Broken,how:'{how}'}}]"
+    assert main(["sweep", *SMALL, target, "compute.backend=threading"]) == 1
+    err = capsys.readouterr().err
+    assert f"broken by {how}" in err
+    assert "the same command tries them again" in err
+    cases = owtsweep.load(only_run()).cases()
+    failed = cases[cases.status == "failed"]
+    assert set(failed.scheme) == {f"broken by {how}"}
+    assert sorted(failed.replicate) == [0, 1]
+    assert all("\n" not in reason and reason for reason in failed.reason)
+    best = owtsweep.load(only_run()).best_scheme()
+    assert set(best.best) == {"MKF"} or best.empty
+
+
+def test_users_schemes_linear_or_not_stand_beside_ours():
+    target = "schemes=[MKF,{_target_:user_schemes.HoldLastFix},{_target_:user_schemes.Saturated,name:clip}]"
+    run = owtsweep.run([*SMALL, target, "compute.backend=threading", "record.duration=25"])
+    summary = run.summary()
+    position = summary[(summary.measure == "position") & (summary.window == "full")]
+    table = position.pivot_table(index="amplitude", columns="scheme", values="mean")
+    assert list(table.columns) == ["MKF", "clip", "hold"]
+    assert (table.MKF < table.hold).all()
+    assert table.loc[1.0, "clip"] != pytest.approx(table.loc[1.0, "hold"], rel=0.01)
+    direct = run.cases()
+    assert set(direct[direct.scheme == "clip"].amplitude.dropna()) == {0.2, 1.0}
+    assert direct[direct.scheme == "hold"].amplitude.isna().all()
+
+
+def test_an_edited_scheme_is_a_new_scheme(monkeypatch):
+    import inspect
+
+    from owtsweep.config import compose
+    from owtsweep.studies.hub.blocks import plan
+
+    config = compose([*SMALL, "schemes=[{_target_:user_schemes.HoldLastFix}]"])
+    before = plan(config)[0].content
+    source = inspect.getsource(sys.modules["user_schemes"])
+    monkeypatch.setattr(inspect, "getsource", lambda _: source + "# edited")
+    assert plan(config)[0].content != before
+
+
+def test_python_interface_reads_back_what_it_ran():
+    run = owtsweep.run([*SMALL, "schemes=[MKF]", "name=mine"])
+    again = owtsweep.load(run.folder)
+    assert again.config == run.config
+    pd.testing.assert_frame_equal(again.cases(), run.cases())
+    pd.testing.assert_frame_equal(again.summary(), run.summary())
