@@ -68,6 +68,11 @@ COMMANDS = {
         "figures results/study-0a1b2c3d4e",
         _run_argument,
     ),
+    "fidelity": (
+        "Hold a run against the published numbers and statements; writes RUN/fidelity/.",
+        "fidelity results/study-0a1b2c3d4e",
+        _run_argument,
+    ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",
         "show results/study-0a1b2c3d4e",

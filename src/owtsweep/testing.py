@@ -198,7 +198,7 @@ def check_kernel(scheme: Any, sensors: Sensors, tuning: Any) -> None:
     force, fixes = _data(sensors)
     expected = _states(_run(scheme, sensors, tuning, force, fixes))
     position, velocity, _ = trajectories(
-        scheme.kernel(sensors, tuning), sensors, force @ sensors.rotation.T, fixes
+        scheme.kernel(sensors, tuning, STEPS), sensors, force @ sensors.rotation.T, fixes
     )
     error = _relative(np.hstack([position, velocity]), expected)
     assert error <= TOLERANCE, (

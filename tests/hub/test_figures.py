@@ -253,6 +253,8 @@ def run(monkeypatch):
         tuning="paper",
     )
     monkeypatch.setattr("owtsweep.studies.hub.scheme_names", lambda _: SCHEMES)
+    # what is drawn from the configuration alone: tests/hub/test_more_figures.py
+    monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
     values = aggregate.expand(rows, amplitudes)
     tables = {
         "summary": aggregate.summary(values, SCHEMES),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -36,7 +37,6 @@ class MovingHorizonEstimator:
         self.recent: list[Array] = []  # since the last tick of T_m
         self.held: Array = np.zeros(2)
         self.fix_number = -1
-        self.problems: dict[tuple[int, bool, bool], CasadiWindow] = {}
 
     def take_fix(self, fix: Array) -> None:
         """Register 2, every T_g."""
@@ -65,18 +65,14 @@ class MovingHorizonEstimator:
         n = len(self.effects)
         uses_filter = self.mhe.uses_filter(self.fix_number)
         fixed = self.mhe.is_fixed(self.fix_number)
-        key = (n, since_fix > 0, uses_filter)
-        if key not in self.problems:
-            self.problems[key] = CasadiWindow(
-                n,
-                states=6,
-                outputs=2,
-                last_node=since_fix > 0,
-                arrival=self.mhe.arrival and not fixed,
-                fixed_arrival=fixed,
-                use_first_fix=not uses_filter,
-                solver=self.solver,
-            )
+        problem = _problem(
+            n,
+            last_node=since_fix > 0,
+            arrival=self.mhe.arrival and not fixed,
+            fixed_arrival=fixed,
+            use_first_fix=not uses_filter,
+            solver=self.solver,
+        )
         M = self.sensors.fix_interval
         weights = self.mhe.weights
         effects = [*self.effects] + ([self._effect()] if since_fix else [])
@@ -89,7 +85,7 @@ class MovingHorizonEstimator:
             x0 = self.states[self.fix_number - self.mhe.length]
         deviation = np.sqrt(np.diagonal(weights.link_covariance))
         scale = np.kron([np.sqrt(weights.fix_variance), deviation[1], deviation[2]], [1.0, 1.0])
-        nodes = self.problems[key].solve(
+        nodes = problem.solve(
             scale,
             np.array(self.fixes).T,
             np.array(effects).reshape(-1, 6).T,
@@ -107,6 +103,12 @@ class MovingHorizonEstimator:
         inputs = np.array(self.inputs).reshape(-1, 2)
         axes = [predict(self.model, np.zeros(3), inputs[:, [i]]) for i in range(2)]
         return np.array(axes).T.ravel()
+
+
+@lru_cache(maxsize=256)
+def _problem(intervals: int, **kind: Any) -> CasadiWindow:
+    """A window's problem on two axes; it holds no data, so all estimators share it."""
+    return CasadiWindow(intervals, states=6, outputs=2, **kind)
 
 
 class HME2Estimator:

@@ -1,0 +1,82 @@
+"""A small two-rate problem: one axis of position, velocity, acceleration and bias."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from dense import Array, Measurement, Posterior, posterior
+from owtsweep.estimation.discretisation import Discrete, Model, discretise
+from owtsweep.estimation.gains import GainSchedule, schedule
+
+SLOW = np.array([1.0, 0.0, 0.0, 0.0])
+FAST = np.array([0.0, 0.0, 1.0, -1.0])
+SLOW_VARIANCE, FAST_VARIANCE = 0.03**2, 0.15**2
+INTERVAL = 7
+STEPS = 40
+STEP = 0.1
+PRIOR = np.diag([1.0, 0.5, 2.0, 0.1])
+
+
+def model() -> Discrete:
+    """Acceleration and bias driven by white noise."""
+    A = np.zeros((4, 4))
+    A[0, 1] = A[1, 2] = 1.0
+    continuous = Model(A=A, B=np.zeros((4, 1)), Q=np.diag([0.0, 0.0, 0.8, 0.01]))
+    return discretise(continuous, STEP)
+
+
+@cache
+def gains() -> GainSchedule:
+    """Its schedule."""
+    return schedule(
+        model(),
+        slow=SLOW,
+        fast=FAST,
+        slow_variance=SLOW_VARIANCE,
+        fast_variance=FAST_VARIANCE,
+        initial_covariance=PRIOR,
+        interval=INTERVAL,
+        steps=10_000,
+    )
+
+
+class Filtered(NamedTuple):
+    """(steps, 4) each: predicted and filtered states of a run with the schedule's gains."""
+
+    predicted: Array
+    filtered: Array
+
+
+#: Any numbers will do: fast and slow (STEPS,), of which every seventh is used.
+FAST_DATA, SLOW_DATA = np.random.default_rng(11).normal(size=(2, STEPS))
+
+
+@cache
+def run() -> Filtered:
+    """The filter on the data as a plain loop over the schedule's gains."""
+    A = model().A
+    x = np.zeros(4)
+    result = Filtered(np.empty((STEPS, 4)), np.empty((STEPS, 4)))
+    for k in range(STEPS):
+        x = A @ x
+        result.predicted[k] = x
+        K = gains().K[gains().row(k)]
+        correction = K[:, 1] * (FAST_DATA[k] - FAST @ x)
+        if k % INTERVAL == 0:
+            correction = correction + K[:, 0] * (SLOW_DATA[k] - SLOW @ x)
+        x = x + correction
+        result.filtered[k] = x
+    return result
+
+
+@cache
+def smoothed(last: int) -> Posterior:
+    """Dense solution given the data of steps 0 ... last."""
+    measurements = [Measurement(k, FAST, FAST_DATA[k], FAST_VARIANCE) for k in range(last + 1)]
+    measurements += [
+        Measurement(k, SLOW, SLOW_DATA[k], SLOW_VARIANCE) for k in range(0, last + 1, INTERVAL)
+    ]
+    return posterior(model(), PRIOR, np.zeros((last + 1, 1)), measurements)

@@ -1,0 +1,48 @@
+"""Eq. (10): the exact integrals by quadrature, the printed sums by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import quad_vec
+from scipy.linalg import expm
+
+from owtsweep.estimation.discretisation import Model, discretise
+
+STEP = 0.3
+
+
+def any_model() -> Model:
+    random = np.random.default_rng(0)
+    half = random.normal(size=(3, 3))
+    return Model(A=random.normal(size=(3, 3)), B=random.normal(size=(3, 2)), Q=half @ half.T)
+
+
+def test_exact_is_the_integral() -> None:
+    model = any_model()
+    discrete = discretise(model, STEP)
+
+    def noise(s: float) -> np.ndarray:
+        return expm(model.A * s) @ model.Q @ expm(model.A * s).T
+
+    np.testing.assert_allclose(discrete.A, expm(model.A * STEP), rtol=1e-12)
+    np.testing.assert_allclose(
+        discrete.B, quad_vec(lambda s: expm(model.A * s) @ model.B, 0.0, STEP)[0], rtol=1e-10
+    )
+    np.testing.assert_allclose(discrete.Q, quad_vec(noise, 0.0, STEP)[0], rtol=1e-10)
+    assert discrete.step == STEP
+
+
+def test_first_order_is_the_print_made_symmetric() -> None:
+    model = any_model()
+    A, B, Q = model.A, model.B, model.Q
+    discrete = discretise(model, STEP, "first_order")
+    np.testing.assert_allclose(discrete.A, np.eye(3) + A * STEP)
+    np.testing.assert_allclose(discrete.B, STEP * B + STEP**2 / 2 * A @ B)
+    expected = Q * STEP + (Q @ A + A.T @ Q) / 2 * STEP**2 + A @ Q @ A.T * STEP**3 / 3
+    np.testing.assert_allclose(discrete.Q, expected)
+
+
+def test_other_methods_are_refused() -> None:
+    with pytest.raises(ValueError, match="method is 'euler'"):
+        discretise(any_model(), STEP, "euler")
