@@ -95,9 +95,7 @@ def error_spectrum(
     return ErrorSpectrum(frequency, position, velocity)
 
 
-def _batch(
-    chain: Chain, sensors: Sensors, frequency: Array, settle: float
-) -> tuple[Array, Array]:
+def _batch(chain: Chain, sensors: Sensors, frequency: Array, settle: float) -> tuple[Array, Array]:
     """Mean over a cycle of |h - 1|^2 and of |h_v - iw|^2, (n,) each."""
     cycle = cycle_of(chain)
     steps = max(round(settle / sensors.step / cycle), 1) * cycle

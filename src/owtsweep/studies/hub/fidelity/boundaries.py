@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.fidelity.evidence import DIGITS, Evidence
 from owtsweep.studies.hub.fidelity.inference import Comparison, Side, interval
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: HME2 has the lesser position MSE below the boundary, HME1 above it.
 LOWER, UPPER = "HME2", "HME1"
@@ -18,7 +20,7 @@ LOWER, UPPER = "HME2", "HME1"
 class Boundary:
     """An amplitude (m), or a ratio of two, with its 95 % bootstrap interval over the replicates.
 
-    NaN where one scheme is better at every amplitude.
+    NaN where there is none; `label` says so.
     """
 
     label: str
@@ -35,17 +37,16 @@ def boundary_at(evidence: Evidence, natural_period: float) -> Boundary | None:
     """The boundary at one period (s); None where the run lacks a scheme or the period."""
     from owtsweep.studies.hub.boundary import boundary
 
-    if not _has(evidence, natural_period):
+    rows = _rows(evidence, natural_period)
+    if rows is None:
         return None
     try:
-        table = boundary(evidence.rows, lower=LOWER, upper=UPPER, window=evidence.window)
+        row = boundary(rows, lower=LOWER, upper=UPPER, window=evidence.window).iloc[0]
     except InputError:  # cases run directly have no products to find a root of
         return None
-    found = table[np.round(table["natural_period"].astype(float), DIGITS) == natural_period]
-    if not len(found):
-        return None
-    row = found.iloc[0]
     label = f"boundary at {natural_period:g} s"
+    if row.wins:
+        label += f" (none: {row.wins} is better at every amplitude)"
     return Boundary(label, float(row.boundary), float(row.ci_low), float(row.ci_high))
 
 
@@ -53,15 +54,20 @@ def ratio_of_boundaries(evidence: Evidence, period: float, to: float) -> Boundar
     """The boundary at one period over that at another (s); None where either is missing."""
     from owtsweep.studies.hub.boundary import boundary_ratio
 
-    if not (_has(evidence, period) and _has(evidence, to)):
+    rows = _rows(evidence, period, to)
+    if rows is None:
         return None
     try:
-        ratio = boundary_ratio(
-            evidence.rows, period, to, lower=LOWER, upper=UPPER, window=evidence.window
-        )
+        ratio = boundary_ratio(rows, period, to, lower=LOWER, upper=UPPER, window=evidence.window)
     except InputError:
         return None
     return Boundary(f"boundary at {period:g} s over that at {to:g} s", *map(float, ratio))
+
+
+def all_boundaries(evidence: Evidence) -> dict[float, Boundary]:
+    """Natural period (s) -> boundary, for the run's periods that have both schemes."""
+    found = {period: boundary_at(evidence, period) for period in sorted(evidence.periods)}
+    return {period: item for period, item in found.items() if item is not None}
 
 
 def within(boundary: Boundary, low: float, high: float) -> tuple[Comparison, ...]:
@@ -69,7 +75,13 @@ def within(boundary: Boundary, low: float, high: float) -> tuple[Comparison, ...
     return boundary.against(low, "above"), boundary.against(high, "below")
 
 
-def _has(evidence: Evidence, period: float) -> bool:
-    rows = evidence.finished
-    here = rows[(np.round(rows["natural_period"].astype(float), DIGITS) == period)]
-    return {LOWER, UPPER} <= set(here["scheme"])
+def _rows(evidence: Evidence, *periods: float) -> pd.DataFrame | None:
+    """The cases of both schemes at these periods, or None if there are none of one of them."""
+    finished = evidence.finished
+    chosen = finished[
+        finished["scheme"].isin([LOWER, UPPER])
+        & finished["natural_period"].astype(float).round(DIGITS).isin(periods)
+    ]
+    wanted = {(scheme, period) for scheme in (LOWER, UPPER) for period in periods}
+    there = zip(chosen["scheme"], chosen["natural_period"].astype(float).round(DIGITS), strict=True)
+    return chosen if wanted <= set(there) else None

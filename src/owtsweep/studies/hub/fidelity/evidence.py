@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,6 +15,8 @@ from owtsweep.studies.hub.aggregate import COINCIDENCE, expand
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from owtsweep.studies.hub.fidelity.histories import Histories
 
 #: The grid of sections 5.3-5.4: natural periods (s), amplitudes (m), schemes.
 PERIODS = (3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
@@ -47,8 +49,7 @@ class Evidence:
     window
         "full" or "settled".
     histories
-        Measures of single time histories at 3.8 s: name -> (replicates,), see
-        `fidelity.histories`; empty where they were not made.
+        Time histories at 3.8 s; None where the run's schemes or spectrum do not allow them.
     """
 
     rows: pd.DataFrame
@@ -56,7 +57,7 @@ class Evidence:
     periods: tuple[float, ...]
     amplitudes: tuple[float, ...]
     window: str
-    histories: Mapping[str, Array]
+    histories: Histories | None = None
 
     @cached_property
     def finished(self) -> pd.DataFrame:
@@ -72,44 +73,40 @@ class Evidence:
     @cached_property
     def _by_case(self) -> dict[tuple[str, str, float, float], pd.Series[float]]:
         keys = ["scheme", "measure", "natural_period", "amplitude"]
-        return {
-            (scheme, measure, round(period, DIGITS), round(amplitude, DIGITS)): group.set_index(
-                "replicate"
-            )["value"].sort_index()
-            for (scheme, measure, period, amplitude), group in self.values.groupby(keys)
-        }
+        exact = self.values.round({"natural_period": DIGITS, "amplitude": DIGITS})
+        cases: dict[tuple[str, str, float, float], pd.Series[float]] = {}
+        for key, group in exact.groupby(keys):
+            cases[key] = group.set_index("replicate")["value"].sort_index()  # type: ignore[index]
+        return cases
 
-    def has(self, schemes: Iterable[str], cell: Cell, measure: str = "position") -> bool:
-        """Whether every one of the schemes has a value in the cell."""
-        return self.paired(schemes, cell, measure) is not None
+    def common(self, keys: Sequence[tuple[str, Cell, str]]) -> list[Array] | None:
+        """(replicates,) for each (scheme, cell, measure), over the replicates that all have.
+
+        Returns None if one has nothing or no replicate is common to all.
+        """
+        found = []
+        for scheme, cell, measure in keys:
+            period, amplitude = (round(number, DIGITS) for number in cell)
+            series = self._by_case.get((scheme, measure, period, amplitude))
+            if series is None:
+                return None
+            found.append(series)
+        shared = found[0].index
+        for series in found[1:]:
+            shared = shared.intersection(series.index)
+        return [series[shared].to_numpy() for series in found] if len(shared) else None
 
     def paired(
-        self, schemes: Iterable[str], cell: Cell, measure: str = "position"
+        self, schemes: Sequence[str], cell: Cell, measure: str = "position"
     ) -> dict[str, Array] | None:
-        """Scheme -> (replicates,) over the replicates that all of them finished.
-
-        Returns None if a scheme has nothing there or no replicate is common to all.
-        """
-        found = {
-            scheme: self._by_case.get(
-                (scheme, measure, round(cell.natural_period, DIGITS), round(cell.amplitude, DIGITS))
-            )
-            for scheme in schemes
-        }
-        present = {scheme: series for scheme, series in found.items() if series is not None}
-        if len(present) < len(found) or not present:
-            return None
-        common = None
-        for series in present.values():
-            common = series.index if common is None else common.intersection(series.index)
-        if common is None or len(common) == 0:
-            return None
-        return {scheme: series[common].to_numpy() for scheme, series in present.items()}
+        """Scheme -> (replicates,) in one cell, over the replicates that all of them finished."""
+        found = self.common([(scheme, cell, measure) for scheme in schemes])
+        return None if found is None else dict(zip(schemes, found, strict=True))
 
     def samples(self, scheme: str, cell: Cell, measure: str) -> Array | None:
         """(replicates,) of one scheme, or None."""
-        found = self.paired([scheme], cell, measure)
-        return None if found is None else found[scheme]
+        found = self.common([(scheme, cell, measure)])
+        return None if found is None else found[0]
 
     def best_other(self, scheme: str, cell: Cell) -> tuple[str, Array, Array] | None:
         """The best by mean position MSE of the paper's other schemes, beside `scheme`.

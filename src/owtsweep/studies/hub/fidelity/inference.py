@@ -53,9 +53,7 @@ class Comparison:
     p: float
 
 
-def mean_ratio(
-    label: str, a: Array, b: Array | float, threshold: float, side: Side
-) -> Comparison:
+def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: Side) -> Comparison:
     """The ratio of two means against a threshold, paired over the replicates.
 
     "mean(a) / mean(b) < threshold" is "mean(a - threshold b) < 0", so the test is the paired t
@@ -67,8 +65,9 @@ def mean_ratio(
     label
         Where it is compared.
     a, b
-        (replicates,) each, in the same order; `b` may be a number that is known exactly. `b` must
-        be positive.
+        (replicates,) each, in the same order, not negative; `b` may be a number that is known
+        exactly. The interval starts at 0 at the least and is NaN where `b` is too scattered for
+        one; the claim is undecided then.
     threshold, side
         The claim.
     """
@@ -100,7 +99,7 @@ def _fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
         return float("nan"), float("nan")
     half = A * B - variance[0, 1]
     root = np.sqrt(max(half * half - square * (A * A - variance[0, 0]), 0.0))
-    return float((half - root) / square), float((half + root) / square)
+    return max(float((half - root) / square), 0.0), float((half + root) / square)
 
 
 def interval(

@@ -28,7 +28,7 @@ MEASURES = ("x", "y", "vx", "vy")
 #: Published HME1/HME2 boundaries: natural period (s) -> amplitude (m), section 5.3.
 BOUNDARIES = {4.0: 0.3, 6.0: 1.0}
 WINNER_PENALTY = 0.5
-BOUNDARY_WEIGHT = 0.25
+BOUNDARY_WEIGHT = 0.5
 #: What a boundary that does not exist counts as, in log2.
 NO_BOUNDARY = 4.0
 

@@ -12,18 +12,22 @@ F9 and F11 concern time histories: `fidelity.history_statements`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import pairwise
 
-from owtsweep.studies.hub.fidelity.boundaries import boundary_at, ratio_of_boundaries, within
-from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, PERIODS, SCHEMES, Cell, Evidence, cells
-from owtsweep.studies.hub.fidelity.inference import Claim, Comparison, Side, mean_ratio
+from owtsweep.studies.hub.fidelity.boundaries import ratio_of_boundaries
+from owtsweep.studies.hub.fidelity.claims import against_best, all_cells, boundary_claims
+from owtsweep.studies.hub.fidelity.evidence import (
+    AMPLITUDES,
+    SCHEMES,
+    Cell,
+    Evidence,
+    cells,
+)
+from owtsweep.studies.hub.fidelity.inference import Claim, Comparison, mean_ratio
 
 #: Conditions of tables 6-9.
 TABLE_CELLS = {6: Cell(4.0, 0.2), 7: Cell(8.0, 0.2), 8: Cell(8.0, 1.0), 9: Cell(3.0, 2.0)}
-#: A boundary read off a logarithmic axis is known to a factor of 2: the paper's own amplitudes
-#: around it are .2 and .5 m at 4 s, .7 and 2 m at 6 s.
-BOUNDARY_TOLERANCE = 2.0
 #: F6 calls 20-30 % an improvement, so "nearly equal" must be closer than that.
 NEARLY_EQUAL = 0.8
 #: "About 20-30 %": half the printed range to either side of it.
@@ -39,8 +43,8 @@ def f1(evidence: Evidence) -> list[Claim]:
     small = [a for a in AMPLITUDES if a < 0.1]
     large = [a for a in AMPLITUDES if a >= 0.1]
     return [
-        _against_best("EKF is best below 0.1 m", evidence, "EKF", cells(amplitudes=small), "below"),
-        _against_best(
+        against_best("EKF is best below 0.1 m", evidence, "EKF", cells(amplitudes=small), "below"),
+        against_best(
             "EKF is not best at 0.1 m and above", evidence, "EKF", cells(amplitudes=large), "above"
         ),
     ]
@@ -65,8 +69,10 @@ def f2(evidence: Evidence) -> list[Claim]:
         label = f"{cell}: {least} / {largest}"
         close.append(mean_ratio(label, found[least], found[largest], NEARLY_EQUAL, "above"))
     return [
-        _against_best("MKF is best at (4 s, 0.5 m) and (5 s, 0.5 m)", evidence, "MKF", named, "below"),
-        _against_best("MKF is best nowhere else", evidence, "MKF", rest, "above"),
+        against_best(
+            "MKF is best at (4 s, 0.5 m) and (5 s, 0.5 m)", evidence, "MKF", named, "below"
+        ),
+        against_best("MKF is best nowhere else", evidence, "MKF", rest, "above"),
         Claim("MKF, HME1 and HME2 are nearly equal there", tuple(close), tuple(missing)),
     ]
 
@@ -78,7 +84,7 @@ def f3(evidence: Evidence) -> list[Claim]:
     off a plot whose amplitudes are some factor of 2 apart. Beyond that tolerance, (b) HME2 / HME1
     is below 1 at all amplitudes under 0.15 m and (c) above 1 at all amplitudes over 0.6 m.
     """
-    return _boundary_claims(evidence, 4.0, 0.3)
+    return boundary_claims(evidence, 4.0, 0.3)
 
 
 def f4(evidence: Evidence) -> list[Claim]:
@@ -88,7 +94,7 @@ def f4(evidence: Evidence) -> list[Claim]:
     at F3. Beyond that tolerance, (b) HME2 / HME1 is below 1 at all amplitudes under 0.5 m and (c)
     above 1 at all amplitudes over 2 m.
     """
-    return _boundary_claims(evidence, 6.0, 1.0)
+    return boundary_claims(evidence, 6.0, 1.0)
 
 
 def f5(evidence: Evidence) -> list[Claim]:
@@ -100,12 +106,8 @@ def f5(evidence: Evidence) -> list[Claim]:
     (8 s, 0.1 m), the smallest amplitude that F1 leaves to others than EKF, HME2 over the best of
     the other three is below 1.
     """
-    top = _all_cells(
-        "", evidence, ("HME2", "HME1"), cells(amplitudes=AMPLITUDES[-1:]), "above"
-    )
-    bottom = _all_cells(
-        "", evidence, ("HME2", "HME1"), cells(amplitudes=AMPLITUDES[:1]), "below"
-    )
+    top = all_cells("", evidence, ("HME2", "HME1"), cells(amplitudes=AMPLITUDES[-1:]), "above")
+    bottom = all_cells("", evidence, ("HME2", "HME1"), cells(amplitudes=AMPLITUDES[:1]), "below")
     ratio = ratio_of_boundaries(evidence, 8.0, 4.0)
     return [
         Claim(
@@ -118,8 +120,8 @@ def f5(evidence: Evidence) -> list[Claim]:
             () if ratio is None else (ratio.against(1.0, "above"),),
             ("boundary at 4 s and 8 s",) if ratio is None else (),
         ),
-        _against_best("HME1 is best at (3 s, 10 m)", evidence, "HME1", [Cell(3.0, 10.0)], "below"),
-        _against_best("HME2 is best at (8 s, 0.1 m)", evidence, "HME2", [Cell(8.0, 0.1)], "below"),
+        against_best("HME1 is best at (3 s, 10 m)", evidence, "HME1", [Cell(3.0, 10.0)], "below"),
+        against_best("HME2 is best at (8 s, 0.1 m)", evidence, "HME2", [Cell(8.0, 0.1)], "below"),
     ]
 
 
@@ -147,7 +149,7 @@ def f6(evidence: Evidence) -> list[Claim]:
 def f7(evidence: Evidence) -> list[Claim]:
     """HME1 / HME2 of the position MSE at the condition of table 9 (3 s, 2 m): below 1."""
     text = "HME1 is more accurate than HME2 at (3 s, 2 m)"
-    return [_all_cells(text, evidence, ("HME1", "HME2"), [TABLE_CELLS[9]], "below")]
+    return [all_cells(text, evidence, ("HME1", "HME2"), [TABLE_CELLS[9]], "below")]
 
 
 def f8(evidence: Evidence) -> list[Claim]:
@@ -158,7 +160,7 @@ def f8(evidence: Evidence) -> list[Claim]:
     """
     text = "HME2's velocity is better than HME1's at tables 6-9"
     there = list(TABLE_CELLS.values())
-    return [_all_cells(text, evidence, ("HME2", "HME1"), there, "below", measure="velocity")]
+    return [all_cells(text, evidence, ("HME2", "HME1"), there, "below", measure="velocity")]
 
 
 def f10(evidence: Evidence) -> list[Claim]:
@@ -173,13 +175,14 @@ def f10(evidence: Evidence) -> list[Claim]:
         for period in (4.0, 6.0, 8.0):
             for measure in ("position", "velocity"):
                 for smaller, larger in pairwise(AMPLITUDES):
-                    a = evidence.samples(scheme, Cell(period, larger), measure)
-                    b = evidence.samples(scheme, Cell(period, smaller), measure)
+                    found = evidence.common(
+                        [(scheme, Cell(period, amp), measure) for amp in (larger, smaller)]
+                    )
                     label = f"{scheme}, {period:g} s, {smaller:g} to {larger:g} m, {measure}"
-                    if a is None or b is None or len(a) != len(b):
+                    if found is None:
                         missing.append(label)
                     else:
-                        comparisons.append(mean_ratio(label, a, b, 1.0, "above"))
+                        comparisons.append(mean_ratio(label, found[0], found[1], 1.0, "above"))
     text = "every scheme's MSE grows from each amplitude to the next"
     return [Claim(text, tuple(comparisons), tuple(missing))]
 
@@ -188,59 +191,3 @@ def f10(evidence: Evidence) -> list[Claim]:
 STATEMENTS: dict[str, Callable[[Evidence], list[Claim]]] = {
     "F1": f1, "F2": f2, "F3": f3, "F4": f4, "F5": f5, "F6": f6, "F7": f7, "F8": f8, "F10": f10,
 }  # fmt: skip
-
-
-def _against_best(
-    text: str, evidence: Evidence, scheme: str, where: Sequence[Cell], side: Side
-) -> Claim:
-    """A scheme over the best of the paper's others, against 1 in all the cells."""
-    comparisons: list[Comparison] = []
-    missing: list[str] = []
-    for cell in where:
-        found = evidence.best_other(scheme, cell)
-        if found is None:
-            missing.append(str(cell))
-        else:
-            name, own, other = found
-            comparisons.append(mean_ratio(f"{cell}: {scheme} / {name}", own, other, 1.0, side))
-    return Claim(text, tuple(comparisons), tuple(missing))
-
-
-def _all_cells(
-    text: str,
-    evidence: Evidence,
-    schemes: tuple[str, str],
-    where: Sequence[Cell],
-    side: Side,
-    *,
-    measure: str = "position",
-) -> Claim:
-    """The first scheme over the second, against 1 in all the cells."""
-    first, second = schemes
-    comparisons: list[Comparison] = []
-    missing: list[str] = []
-    for cell in where:
-        found = evidence.paired(schemes, cell, measure)
-        if found is None:
-            missing.append(str(cell))
-        else:
-            label = f"{cell}: {first} / {second}"
-            comparisons.append(mean_ratio(label, found[first], found[second], 1.0, side))
-    return Claim(text, tuple(comparisons), tuple(missing))
-
-
-def _boundary_claims(evidence: Evidence, period: float, printed: float) -> list[Claim]:
-    low, high = printed / BOUNDARY_TOLERANCE, printed * BOUNDARY_TOLERANCE
-    found = boundary_at(evidence, period)
-    below = cells([period], [a for a in AMPLITUDES if a < low])
-    above = cells([period], [a for a in AMPLITUDES if a > high])
-    pair = ("HME2", "HME1")
-    return [
-        Claim(
-            f"the boundary at {period:g} s lies in {low:g}-{high:g} m",
-            () if found is None else within(found, low, high),
-            (f"boundary at {period:g} s",) if found is None else (),
-        ),
-        _all_cells(f"HME2 is better below {low:g} m", evidence, pair, below, "below"),
-        _all_cells(f"HME1 is better above {high:g} m", evidence, pair, above, "above"),
-    ]

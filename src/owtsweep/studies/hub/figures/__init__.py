@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,9 +16,23 @@ if TYPE_CHECKING:
 
     from owtsweep.studies.hub.config import HubConfig
 
+logger = logging.getLogger(__name__)
+
+#: What draws a figure of a name into a folder.
+Drawing = Callable[[Path, str], list[Path]]
+
 #: Natural periods (s) whose MSE over amplitude the paper shows, and the figure's number.
 PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
 MAP = "figure_18_best_scheme"
+#: Figures 9-14: name -> what of a time history they show, and whether zoomed in.
+TIME_HISTORIES = {
+    "figure_09_position": ("position", False),
+    "figure_10_position_zoom": ("position", True),
+    "figure_11_velocity": ("velocity", False),
+    "figure_12_velocity_zoom": ("velocity", True),
+    "figure_13_acceleration": ("acceleration", True),
+    "figure_14_bias": ("bias", False),
+}
 
 
 def draw_all(
@@ -30,18 +46,30 @@ def draw_all(
 ) -> list[Path]:
     """Draw every figure of a run, or the one called `only`; returns the files.
 
+    A figure that this run cannot have (no scheme of it settles, say) is left out with a logged
+    warning, unless it is the one asked for.
+
     Raises
     ------
     InputError
-        If there is no figure of that name.
+        If there is no figure of that name, or the run cannot have it.
     """
-    drawings = _drawings(config, tables, rows, metadata)
+    drawings = {
+        **_drawings(config, tables, rows, metadata),
+        **_illustrations(config, rows, metadata),
+    }
     if only is not None and only not in drawings:
         raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")
     files: list[Path] = []
     for name, draw in drawings.items():
-        if only in (None, name):
+        if only not in (None, name):
+            continue
+        try:
             files += draw(folder, name)
+        except InputError as error:
+            if only is not None:
+                raise
+            logger.warning("%s is left out: %s", name, error)
     return files
 
 
@@ -50,8 +78,8 @@ def _drawings(
     tables: Mapping[str, pd.DataFrame],
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None,
-) -> dict[str, Callable[[Path, str], list[Path]]]:
-    """Name -> what draws it into a folder."""
+) -> dict[str, Drawing]:
+    """Name -> what draws it from the run's results."""
     from owtsweep.studies.hub import aggregate, scheme_names
     from owtsweep.studies.hub.figures import best_scheme_map, mse_over_amplitude, style
     from owtsweep.studies.hub.figures.tables import tables_6_to_9, to_markdown
@@ -63,7 +91,7 @@ def _drawings(
     same = aggregate.coinciding(values, names)
     failures = int((rows["status"] == FAILED).sum())
 
-    def mse(period: float) -> Callable[[Path, str], list[Path]]:
+    def mse(period: float) -> Drawing:
         def draw(folder: Path, name: str) -> list[Path]:
             with style.context():
                 figure = mse_over_amplitude.draw(
@@ -73,7 +101,7 @@ def _drawings(
 
         return draw
 
-    def best(criterion: str) -> Callable[[Path, str], list[Path]]:
+    def best(criterion: str) -> Drawing:
         def draw(folder: Path, name: str) -> list[Path]:
             with style.context():
                 figure = best_scheme_map.draw(
@@ -96,7 +124,7 @@ def _drawings(
         write_atomically(files[1], to_markdown(table))
         return files
 
-    drawings: dict[str, Callable[[Path, str], list[Path]]] = {}
+    drawings: dict[str, Drawing] = {}
     drawings[MAP] = best(config.measures.criterion)
     drawings["best_scheme_velocity"] = best("velocity")
     for period in sorted(set(tables["summary"].natural_period)):
@@ -104,3 +132,42 @@ def _drawings(
         drawings[f"{number}mse_{period:g}s"] = mse(period)
     drawings["tables_6_to_9"] = published
     return drawings
+
+
+def _illustrations(
+    config: HubConfig, rows: pd.DataFrame, metadata: Mapping[str, str] | None
+) -> dict[str, Drawing]:
+    """Name -> what draws it from the configuration: a record, its spectrum, time histories."""
+    from owtsweep.studies.hub import aggregate, scheme_names
+    from owtsweep.studies.hub.figures import (
+        error_spectra,
+        record_and_spectrum,
+        style,
+        time_histories,
+    )
+    from owtsweep.studies.hub.histories import histories
+
+    simulated = cache(lambda: histories(config))
+
+    def history(folder: Path, name: str) -> list[Path]:
+        quantity, zoom = TIME_HISTORIES[name]
+        figure = time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning)
+        return style.save(figure, folder, name, metadata)
+
+    def record(folder: Path, name: str) -> list[Path]:
+        return style.save(record_and_spectrum.draw_record(config), folder, name, metadata)
+
+    def spectrum(folder: Path, name: str) -> list[Path]:
+        return style.save(record_and_spectrum.draw_spectrum(config), folder, name, metadata)
+
+    def errors(folder: Path, name: str) -> list[Path]:
+        values = aggregate.expand(rows, list(config.grid.amplitude))
+        same = aggregate.coinciding(values, scheme_names(config))
+        return style.save(error_spectra.draw(config, coinciding=same), folder, name, metadata)
+
+    return {
+        "figure_03_record": record,
+        "figure_04_spectrum": spectrum,
+        **dict.fromkeys(TIME_HISTORIES, history),
+        "error_spectra": errors,
+    }

@@ -83,12 +83,7 @@ def draw(
         axes = figure.add_subplot()
         rows = shown.to_dict("records")
         labelled = len(rows) <= MOST_LABELS
-        for row in rows:
-            place = periods.index(row["natural_period"]), amplitudes.index(row["amplitude"])
-            _colour(axes, row, schemes, *place, rasterized=not labelled)
-            if labelled:
-                _label(axes, row, schemes, *place, tall=tall)
-        _scales(axes, periods, amplitudes)
+        draw_cells(axes, rows, schemes, periods, amplitudes, labels=_labels(tall, labelled))
         axes.set_title(
             f"Best scheme by {criterion} MSE (x + y)\n"
             f"{style.describe_window(window)}, tuning: {tuning}{_per_cell(replicates, failures)}",
@@ -103,6 +98,45 @@ def draw(
         )
         style.footnote(figure, _explanations(rows, coinciding, failures, labelled=labelled))
     return figure
+
+
+def draw_cells(
+    axes: Axes,
+    rows: Sequence[dict[Any, Any]],
+    schemes: Sequence[str],
+    periods: Sequence[float],
+    amplitudes: Sequence[float],
+    *,
+    labels: str = "two lines",
+) -> None:
+    """Draw the cells of a map; cell (i, j) has its centre at period number i, amplitude number j.
+
+    Parameters
+    ----------
+    rows
+        Rows of best_scheme.csv of one criterion and window.
+    schemes
+        All schemes compared.
+    periods, amplitudes
+        The axes of the map, increasing.
+    labels
+        What stands in a cell: best and next best on "two lines" or "one line", the "best" alone,
+        or "none".
+    """
+    for row in rows:
+        place = periods.index(row["natural_period"]), amplitudes.index(row["amplitude"])
+        _colour(axes, row, schemes, *place, rasterized=labels == "none")
+        if labels == "best":
+            row = {**row, "runner_up": ""}
+        if labels != "none":
+            _label(axes, row, schemes, *place, tall=labels == "two lines")
+    _scales(axes, periods, amplitudes)
+
+
+def _labels(tall: bool, labelled: bool) -> str:
+    if not labelled:
+        return "none"
+    return "two lines" if tall else "one line"
 
 
 def _colour(

@@ -1,0 +1,14 @@
+"""Figure 12 of Ren et al. (2019): velocity estimates at 3.8 s, zoomed in.
+
+    python experiments/figure_12.py [RUN]
+
+draws it for a run that is there, or for the default study (which it runs or finishes first).
+"""
+
+import sys
+
+import owtsweep
+
+run = owtsweep.load(sys.argv[1]) if len(sys.argv) > 1 else owtsweep.run()
+for file in run.draw("figure_12_velocity_zoom"):
+    print(file)

@@ -1,0 +1,20 @@
+"""The best-scheme maps of two tunings side by side, with the HME1/HME2 boundary and its reasons.
+
+    python experiments/two_maps.py PAPER_RUN MATCHED_RUN [FILE_STEM]
+
+draws them for two runs that are there, into FILE_STEM.png and .svg (default: two_maps, here).
+"""
+
+import sys
+from pathlib import Path
+
+import owtsweep
+from owtsweep.studies.hub.figures import style, two_maps
+
+if len(sys.argv) not in (3, 4):
+    sys.exit(f"usage: python {sys.argv[0]} PAPER_RUN MATCHED_RUN [FILE_STEM]")
+paper, matched = owtsweep.load(sys.argv[1]), owtsweep.load(sys.argv[2])
+stem = Path(sys.argv[3] if len(sys.argv) == 4 else "two_maps")
+metadata = {"paper": paper.hash, "matched": matched.hash}
+for file in style.save(two_maps.draw(paper, matched), stem.parent, stem.name, metadata):
+    print(file)

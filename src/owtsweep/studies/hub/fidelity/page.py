@@ -1,0 +1,145 @@
+"""One document, two renderings: Markdown with links to its figures, HTML that holds them."""
+
+from __future__ import annotations
+
+import base64
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+#: Plain and readable, printable, no font or file from elsewhere.
+CSS = """
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto;
+  padding: 0 1rem; }
+h1, h2, h3 { line-height: 1.2; margin: 2rem 0 .6rem; }
+h2 { border-bottom: 1px solid #ccc; padding-bottom: .2rem; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; font-size: .85rem; margin: .8rem 0; }
+th, td { border-bottom: 1px solid #ddd; padding: .25rem .6rem; text-align: left;
+  vertical-align: top; }
+th { border-bottom: 2px solid #888; }
+td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+td.good { background: #e3f2e6; } td.bad { background: #fbe5dd; } td.open { background: #f3f1e1; }
+figure { margin: 1rem 0; } img { max-width: 100%; height: auto; }
+figcaption { font-size: .85rem; color: #555; }
+"""
+#: How a cell that is one of these words is coloured.
+CLASSES = {
+    "yes": "good", "reproduced": "good", "consistent": "good", "no": "bad", "not reproduced": "bad",
+    "undecided": "open", "missing": "open",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading of level 1 to 3."""
+
+    text: str
+    level: int = 2
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """Running text."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Bullets:
+    """A list."""
+
+    items: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Text in columns; columns named in `numbers` are set to the right."""
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    numbers: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG file and what it shows."""
+
+    path: Path
+    caption: str
+
+
+Block = Heading | Paragraph | Bullets | Table | Picture
+
+
+def to_markdown(blocks: Sequence[Block], folder: Path) -> str:
+    """The document as Markdown; pictures are linked relative to `folder`."""
+    return "\n\n".join(_markdown(block, folder) for block in blocks) + "\n"
+
+
+def _markdown(block: Block, folder: Path) -> str:
+    match block:
+        case Heading(text, level):
+            return f"{'#' * level} {text}"
+        case Paragraph(text):
+            return text
+        case Bullets(items):
+            return "\n".join(f"- {item}" for item in items)
+        case Picture(path, caption):
+            return f"![{caption}]({path.relative_to(folder).as_posix()})"
+        case Table(columns, rows, numbers):
+            rule = ["---:" if column in numbers else "---" for column in columns]
+            return "\n".join(_line(cells) for cells in (columns, rule, *rows))
+
+
+def _line(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def to_html(blocks: Sequence[Block], title: str) -> str:
+    """The document as one HTML file without anything from outside."""
+    body = "\n".join(_html(block) for block in blocks)
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{html.escape(title)}</title>\n<style>{CSS}</style>\n</head>\n"
+        f"<body>\n{body}\n</body>\n</html>\n"
+    )
+
+
+def _html(block: Block) -> str:
+    match block:
+        case Heading(text, level):
+            return f"<h{level}>{html.escape(text)}</h{level}>"
+        case Paragraph(text):
+            return f"<p>{html.escape(text)}</p>"
+        case Bullets(items):
+            return "<ul>\n" + "\n".join(f"<li>{html.escape(item)}</li>" for item in items) + "</ul>"
+        case Picture(path, caption):
+            data = base64.b64encode(path.read_bytes()).decode()
+            text = html.escape(caption)
+            return (
+                f'<figure><img alt="{text}" src="data:image/png;base64,{data}">'
+                f"<figcaption>{text}</figcaption></figure>"
+            )
+        case Table(columns, rows, numbers):
+            head = "".join(_cell("th", column, column in numbers) for column in columns)
+            lines = [
+                "".join(
+                    _cell("td", cell, column in numbers)
+                    for column, cell in zip(columns, row, strict=True)
+                )
+                for row in rows
+            ]
+            inside = "\n".join(f"<tr>{line}</tr>" for line in lines)
+            return (
+                f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n'
+                f"<tbody>\n{inside}\n</tbody></table></div>"
+            )
+
+
+def _cell(tag: str, text: str, number: bool) -> str:
+    classes = [*(["number"] if number else []), *([CLASSES[text]] if text in CLASSES else [])]
+    attribute = f' class="{" ".join(classes)}"' if classes else ""
+    return f"<{tag}{attribute}>{html.escape(text)}</{tag}>"

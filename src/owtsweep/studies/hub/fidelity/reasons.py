@@ -1,0 +1,156 @@
+"""Why a number is missed: its parts in the run against the parts that the print implies.
+
+For a linear scheme MSE(N) = N^2 A + 2 N C + F with the amplitude N. Tables 7 and 8 are one natural
+period at two amplitudes, so (neglecting C) they give the print's own F and A; F belongs to the
+sensors and the scheme alone and holds at every period.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.fidelity.evidence import DIGITS, Cell, Evidence
+from owtsweep.studies.hub.fidelity.score import published_numbers
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: The conditions of tables 7 and 8: one period, two amplitudes.
+WEAK, STRONG = Cell(8.0, 0.2), Cell(8.0, 1.0)
+
+
+class Terms(NamedTuple):
+    """The parts of an MSE at one amplitude, all in its own unit: N^2 A, 2 N C, F."""
+
+    motion: float
+    cross: float
+    noise: float
+
+
+def implied_floor(scheme: str, measure: str) -> float:
+    """F of the print, from tables 7 and 8."""
+    table = published_numbers()
+    chosen = table[(table["scheme"] == scheme) & (table["measure"] == measure)]
+    value = chosen.set_index(["natural_period", "amplitude"])["published"]
+    return float(_floor(value[WEAK], value[STRONG]))
+
+
+def floors_of_records(evidence: Evidence, scheme: str, measure: str) -> Array:
+    """F of the run's single records, by the way in which the print's is found: with C in it."""
+    chosen = _superposed(evidence, scheme, WEAK.natural_period, measure)
+    chosen = chosen[chosen["window"] == evidence.window]
+    A, C, F = (chosen[name].to_numpy(dtype=float) for name in ("motion", "cross", "noise"))
+    weak, strong = (N**2 * A + 2.0 * N * C + F for N in (WEAK.amplitude, STRONG.amplitude))
+    return np.asarray(_floor(weak, strong))
+
+
+def _floor(weak: Any, strong: Any) -> Any:
+    A = (strong - weak) / (STRONG.amplitude**2 - WEAK.amplitude**2)
+    return weak - WEAK.amplitude**2 * A
+
+
+def _superposed(
+    evidence: Evidence, scheme: str, natural_period: float, measure: str
+) -> pd.DataFrame:
+    """The superposed rows of one scheme, period and measure in both windows."""
+    rows = evidence.finished
+    return rows[
+        (rows["scheme"] == scheme)
+        & (rows["measure"] == measure)
+        & (rows["natural_period"].round(DIGITS) == natural_period)
+        & rows["amplitude"].isna()
+    ]
+
+
+def terms(evidence: Evidence, scheme: str, cell: Cell, measure: str) -> Terms | None:
+    """The parts of the run's mean; None where the cases were run directly."""
+    chosen = _superposed(evidence, scheme, cell.natural_period, measure)
+    chosen = chosen[chosen["window"] == evidence.window]
+    if chosen.empty:
+        return None
+    A, C, F = chosen[["motion", "cross", "noise"]].mean()
+    return Terms(float(cell.amplitude**2 * A), float(2.0 * cell.amplitude * C), float(F))
+
+
+def start_up_share(evidence: Evidence, scheme: str, cell: Cell, measure: str) -> float:
+    """The part of the full record's squared error that was made before the settling time.
+
+    NaN where the cases were run directly.
+    """
+    chosen = _superposed(evidence, scheme, cell.natural_period, measure)
+    N = cell.amplitude
+    mse = N**2 * chosen["motion"] + 2.0 * N * chosen["cross"] + chosen["noise"]
+    total = (mse * chosen["n_samples"]).groupby(chosen["window"]).sum()
+    if not {"full", "settled"} <= set(total.index):
+        return float("nan")
+    return float(1.0 - total["settled"] / total["full"])
+
+
+def reason(evidence: Evidence, scheme: str, cell: Cell, measure: str, published: float) -> str:
+    """What makes a missed number miss, from the run's parts and the print's.
+
+    The cause named is the part (noise or motion) whose replacement by the print's own brings the
+    number closer to the print; the sentence gives both.
+    """
+    own = terms(evidence, scheme, cell, measure)
+    if own is None:
+        return "its parts are unknown: evaluation=superposed separates motion from noise"
+    total = sum(own)
+    floor = implied_floor(scheme, measure)
+    if floor <= 0.0:
+        return f"{_shares(own)}; the print implies no positive noise floor to compare with"
+    motion = max(published - floor, 0.0)
+    with_noise = _distance(total - own.noise + floor, published)
+    with_motion = _distance(total - own.motion + motion, published)
+    sentences = [_shares(own), f"its noise floor is {own.noise / floor:.3g} times the print's"]
+    doubt = _doubt(evidence, scheme, measure, floor)
+    if doubt:
+        sentences.append(doubt)
+    if motion > 0.0:
+        sentences.append(f"its motion term {own.motion / motion:.3g} times")
+    else:
+        sentences.append("the print leaves no room for a motion term")
+    cause = "noise floor" if with_noise < with_motion else "motion term"
+    left = min(with_noise, with_motion)
+    sentences.append(
+        f"mainly the {cause}: with the print's own the number would be within a factor of "
+        f"{2.0**left:.2f}"
+    )
+    share = start_up_share(evidence, scheme, cell, measure)
+    if np.isfinite(share) and evidence.window == "full":
+        sentences.append(f"{_percent(share)} of its squared error is made before the settling time")
+    return "; ".join(sentences)
+
+
+def _distance(value: float, published: float) -> float:
+    """|log2| of the ratio; infinite where the exchanged part leaves nothing."""
+    return abs(float(np.log2(value / published))) if value > 0.0 else float("inf")
+
+
+def _doubt(evidence: Evidence, scheme: str, measure: str, floor: float) -> str:
+    """Whether the print's floor could be that of a single record whose C is not negligible."""
+    records = floors_of_records(evidence, scheme, measure)
+    if len(records) < 2:
+        return ""
+    low, high = np.percentile(records, [2.5, 97.5])
+    if not low <= floor <= high:
+        return ""
+    return (
+        f"but the print's {floor:.1e} is not well known: single records of this run imply "
+        f"{low:.1e} to {high:.1e} in the same way"
+    )
+
+
+def _shares(own: Terms) -> str:
+    total = sum(own)
+    product = f", {_percent(own.cross / total)} their product"
+    return f"ours is {_percent(own.motion / total)} motion, {_percent(own.noise / total)} noise" + (
+        product if abs(own.cross) > 0.005 * total else ""
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.0f} %"

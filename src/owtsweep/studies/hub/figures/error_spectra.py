@@ -1,0 +1,205 @@
+"""Error per unit of motion over the motion's frequency, and what noise alone leaves.
+
+The panel that says why one scheme wins: it errs less with the motion, or it errs less without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum
+from owtsweep.studies.hub.figures import style
+from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
+from owtsweep.studies.hub.palette import style_of
+from owtsweep.studies.hub.schemes import resolve_all
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+#: Points of a curve, evenly spaced in log frequency.
+POINTS = 150
+#: A curve reaches beyond the band by these factors, and stays below the fix rate.
+BEYOND = (0.7, 1.4)
+#: Errors below this part of the largest are not shown: nobody needs nine decades.
+DECADES = 7.5
+#: The floors stand to the right of the band, on this part of the axis (in its own fraction).
+FLOOR_SPAN = (0.9, 1.0)
+UNITS = {"position": "m²", "velocity": "m²/s²"}
+
+
+@dataclass(frozen=True)
+class SchemeErrors:
+    """What a scheme makes of motion and of noise; `floor` is None where it does not settle."""
+
+    spectrum: ErrorSpectrum
+    floor: NoiseFloor | None
+
+
+def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeErrors]:
+    """Error spectra and noise floors of all schemes of a study that have a kernel.
+
+    A scheme whose response does not settle with this tuning is absent.
+    """
+    known = sensing.sensors(config.sensors)
+    low, high = config.band
+    # a motion at a multiple of the fix rate stands still for the GNSS
+    highest = min(BEYOND[1] * high, max(high, 0.95 / known.fix_step))
+    frequency = np.geomspace(BEYOND[0] * low, highest, points)
+    phase = frequency * known.fix_step
+    frequency = frequency[np.abs(phase - np.round(phase)) > 0.02]
+    found: dict[str, SchemeErrors] = {}
+    for scheme in resolve_all(config.schemes):
+        if not hasattr(scheme, "kernel"):
+            continue
+        try:
+            chain = scheme.kernel(known, config)
+            spectrum = error_spectrum(chain, known, frequency)
+        except InputError:
+            continue
+        try:
+            floor = noise_floor(chain, known)
+        except InputError:
+            floor = None
+        found[scheme.name] = SchemeErrors(spectrum, floor)
+    return found
+
+
+def draw(
+    config: HubConfig,
+    *,
+    coinciding: Sequence[Sequence[str]] = (),
+    errors: dict[str, SchemeErrors] | None = None,
+) -> Figure:
+    """Draw position and velocity error spectra of a study's schemes with their noise floors.
+
+    Parameters
+    ----------
+    coinciding
+        Groups of schemes with the same numbers, for the footnote.
+    errors
+        As `compute` returns them, if they are there already.
+
+    Raises
+    ------
+    InputError
+        If no scheme of the study has an error spectrum.
+    """
+    found = compute(config) if errors is None else errors
+    with style.context():
+        figure = style.new_figure(10.0, 5.2)
+        for axes, measure in zip(figure.subplots(1, 2), UNITS, strict=True):
+            panel(axes, found, config, measure)
+        handles, labels = figure.axes[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside right upper", frameon=False)
+        figure.suptitle(
+            f"What a motion of 1 m rms adds to the settled MSE, by its frequency, tuning: "
+            f"{config.tuning}",
+            x=0.01,
+            ha="left",
+            fontsize=12,
+        )
+        same = [f"{' and '.join(group)} give the same numbers." for group in coinciding]
+        style.footnote(figure, " ".join([EXPLANATION, *same, *unsettled(config, found)]))
+    return figure
+
+
+EXPLANATION = (
+    "Curves: error from motion alone, for a sinusoid of 1 m rms along the waves; s m rms moves them"
+    " by s². Bars on the right: error from sensor noise alone, at any motion. The MSE of a record"
+    " is the average of the curve over its spectrum, times its mean square, plus the bar. Both are"
+    " settled: the start-up transient of a record is in neither."
+)
+
+
+def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
+    """Sentences on what the panel does not show."""
+    names = [scheme.name for scheme in resolve_all(config.schemes)]
+    without = {
+        "curve (no kernel, or it does not settle)": [n for n in names if n not in errors],
+        "bar (the noise does not settle)": [n for n in errors if errors[n].floor is None],
+    }
+    return [
+        f"{config.tuning}: no {what} for {', '.join(lacking)}."
+        for what, lacking in without.items()
+        if lacking
+    ]
+
+
+def panel(
+    axes: Axes,
+    errors: dict[str, SchemeErrors],
+    config: HubConfig,
+    measure: str = "position",
+    *,
+    periods: Sequence[float] | None = None,
+) -> None:
+    """Draw one measure's error spectra and noise floors, log-log, natural periods marked.
+
+    Raises
+    ------
+    InputError
+        If `errors` is empty.
+    """
+    if not errors:
+        raise InputError("schemes: none of this run has a settled error spectrum to draw")
+    names = list(errors)
+    top = 0.0
+    for name, found in errors.items():
+        look = style_of(name, names)
+        line: dict[str, Any] = {"color": look.color, "linestyle": look.line, "linewidth": 1.6}
+        values = found.spectrum.of(measure)
+        axes.loglog(found.spectrum.frequency, values, label=name, **line)
+        top = max(top, float(values.max()))
+        if found.floor is not None:
+            floor = found.floor.of(measure)
+            line["linewidth"] = 2.2
+            axes.plot(FLOOR_SPAN, (floor, floor), transform=axes.get_yaxis_transform(), **line)
+    _scales(axes, errors, config, measure, top)
+    _mark_periods(axes, config.grid.natural_period if periods is None else periods)
+    axes.set_ylabel(f"{measure} MSE, x + y ({UNITS[measure]})")
+
+
+def _scales(
+    axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measure: str, top: float
+) -> None:
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    frequency: Array = next(iter(errors.values())).spectrum.frequency
+    left, right = np.log(frequency[0]), np.log(frequency[-1])
+    # room for the bars: the curves end where these begin
+    end = left + (right - left) / (FLOOR_SPAN[0] - 0.02)
+    axes.set_xlim(frequency[0], np.exp(end))
+    least = min(float(found.spectrum.of(measure).min()) for found in errors.values())
+    axes.set_ylim(max(0.3 * least, top / 10.0**DECADES), 4.0 * top)
+    axes.axvline(np.exp(left + FLOOR_SPAN[0] * (end - left) - 0.01), color="0.6", linewidth=0.8)
+    axes.text(0.5 * sum(FLOOR_SPAN), 0.02, "noise\nalone", transform=axes.transAxes,
+              ha="center", va="bottom", fontsize=8)  # fmt: skip
+    axes.axvspan(*config.band, color="0.95", zorder=0)
+    ticks = [f for f in (0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 1.0) if frequency[0] <= f <= frequency[-1]]
+    axes.set_xticks(ticks)
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel("frequency of the motion (Hz); grey: band of the records")
+
+
+def _mark_periods(axes: Axes, periods: Sequence[float]) -> None:
+    """The natural periods as ticks of their own on the upper edge."""
+    low, high = axes.get_xlim()
+    shown = [period for period in periods if low < 1.0 / period < high]
+    for period in shown:
+        axes.axvline(1.0 / period, color="0.7", linewidth=0.7, linestyle=":", zorder=0.5)
+    upper = axes.secondary_xaxis("top")
+    upper.set_xticks([1.0 / period for period in shown], [f"{period:g}" for period in shown])
+    upper.minorticks_off()
+    upper.tick_params(labelsize=8, length=2, pad=1)
+    upper.set_xlabel("natural period (s)", fontsize=8)
+    upper.spines["top"].set_visible(False)

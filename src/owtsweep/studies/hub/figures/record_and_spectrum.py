@@ -1,0 +1,157 @@
+"""Figures 3 and 4 of Ren et al. (2019): a displacement record and its spectrum.
+
+The print's record comes from HAWC2; here it is a record of the study, drawn from Eq. (1).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.spectra import spectrum
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.figures import style
+from owtsweep.studies.hub.figures.decimate import decimate
+from owtsweep.studies.hub.histories import natural_period_of
+from owtsweep.studies.hub.records import Records, make_records
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: Length of a segment of Welch's estimate, s: it resolves the peak, half as wide as 1/64 Hz.
+SEGMENT = 200.0
+#: How long a piece of the record stands below the whole, s.
+DETAIL = 60.0
+AXES = ("x (north)", "y (east)")
+MEASURED, GIVEN, EDGE = "#0072B2", "#D55E00", "0.45"
+
+
+def draw_record(
+    config: HubConfig,
+    *,
+    natural_period: float | None = None,
+    amplitude: float = 1.0,
+    replicate: int = 0,
+) -> Figure:
+    """Draw the displacement of one record in x and y, whole and in detail.
+
+    Parameters
+    ----------
+    natural_period
+        s; 3.8 s by default (`natural_period_of`).
+    amplitude
+        What the unit record is multiplied by, m.
+    replicate
+        Number of the record.
+    """
+    period, records = _record(config, natural_period, replicate)
+    series = _displacement(records, amplitude)
+    time = records.sensors.step * np.arange(len(series))
+    start = 0.5 * max(time[-1] - DETAIL, 0.0)
+    detail = (time >= start) & (time <= start + DETAIL)
+
+    with style.context():
+        figure = style.new_figure(10.0, 5.6)
+        panels = figure.subplots(2, 2, sharey=True, width_ratios=[2, 1])
+        for line, name, values in zip(panels, AXES, series.T, strict=True):
+            for axes, chosen in zip(line, (np.full(len(time), True), detail), strict=True):
+                t, shown = decimate(time[chosen], values[chosen])
+                axes.plot(t, shown, color=MEASURED, linewidth=0.5 if chosen.all() else 1.1)
+                axes.set_xlim(t[0], t[-1])
+            line[0].set_ylabel(f"{name} (m)")
+        for axes, title in zip(panels[0], ("the record", f"{DETAIL:g} s of it"), strict=True):
+            axes.set_title(title, loc="left")
+        for axes in panels[1]:
+            axes.set_xlabel("time (s)")
+        figure.suptitle(
+            f"Hub displacement, natural period {period:g} s", x=0.01, ha="left", fontsize=12
+        )
+        style.footnote(
+            figure,
+            f"Record {replicate} of the study: random phases, spectrum of Eq. (1), waves towards "
+            f"{config.wave_direction:g}° east of north, {_scale(config, amplitude)}."
+            " The paper's Figure 3 shows a HAWC2 simulation, which is not published.",
+        )
+    return figure
+
+
+def draw_spectrum(
+    config: HubConfig,
+    *,
+    natural_period: float | None = None,
+    amplitude: float = 1.0,
+    replicate: int = 0,
+) -> Figure:
+    """Draw the spectrum of that record with Eq. (1), scaled to its variance, over it."""
+    from scipy.signal import welch
+
+    period, records = _record(config, natural_period, replicate)
+    series = _displacement(records, amplitude)
+    rate = 1.0 / records.sensors.step
+    length = min(round(SEGMENT * rate), len(series))
+    frequency, density = welch(series, fs=rate, nperseg=length, axis=0)
+    shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+    low, high = config.band
+    fine = np.linspace(low, high, 4000)
+    given = shape.density(fine)
+    given /= np.trapezoid(given, fine)
+    shown = (frequency > 0.0) & (frequency <= 1.25 * high)
+
+    with style.context():
+        figure = style.new_figure(10.0, 4.8)
+        panels = figure.subplots(1, 2, sharex=True, sharey=True)
+        for axes, name, values, estimate in zip(panels, AXES, series.T, density.T, strict=True):
+            axes.semilogy(
+                frequency[shown],
+                estimate[shown],
+                color=MEASURED,
+                marker=".",
+                markersize=3,
+                linewidth=0.9,
+                label="this record (Welch)",
+            )
+            scaled = np.var(values) * given
+            axes.semilogy(fine, scaled, color=GIVEN, linewidth=1.6, label="S(f), Eq. (1), scaled")
+            for number, edge in enumerate((low, high)):
+                axes.axvline(
+                    edge, color=EDGE, linestyle="--", label="" if number else "edges of the band"
+                )
+            axes.set_ylim(0.1 * scaled.min(), 4.0 * scaled.max())
+            axes.set_title(name, loc="left")
+            axes.set_xlabel("frequency (Hz)")
+        panels[0].set_xlim(0.0, 1.25 * high)
+        panels[0].set_ylabel("displacement spectrum (m²/Hz)")
+        panels[1].legend(loc="upper right", framealpha=1.0, edgecolor="none")
+        figure.suptitle(
+            f"Displacement spectrum, natural period {period:g} s (1/T = {1 / period:.3f} Hz)",
+            x=0.01,
+            ha="left",
+            fontsize=12,
+        )
+        segments = 2 * (len(series) // length) - 1
+        style.footnote(
+            figure,
+            f"Record {replicate}, {_scale(config, amplitude)}. Welch's estimate from {segments}"
+            f" Hann segments of {length / rate:g} s, half overlapping, one standard deviation about"
+            f" ±{100.0 * np.sqrt(1.2 / segments):.0f} %; what it shows outside the band leaks from"
+            " inside. S(f) is scaled to the record's variance; nothing is fitted.",
+        )
+    return figure
+
+
+def _record(
+    config: HubConfig, natural_period: float | None, replicate: int
+) -> tuple[float, Records]:
+    period = natural_period_of(config) if natural_period is None else natural_period
+    return period, make_records(config, period, [replicate])
+
+
+def _displacement(records: Records, amplitude: float) -> Array:
+    return np.asarray(amplitude * np.outer(records.motion[0].position, records.direction))
+
+
+def _scale(config: HubConfig, amplitude: float) -> str:
+    what = {"peak": "largest displacement", "rms": "standard deviation"}[config.normalise]
+    return f"{what} {amplitude:g} m along the waves"

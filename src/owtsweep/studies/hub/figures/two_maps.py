@@ -1,0 +1,197 @@
+"""Two tunings side by side: the best-scheme maps, the HME1/HME2 boundary, and what makes it.
+
+The third panel, below the maps and split by tuning, shows each scheme's error over the frequency of
+the motion and its noise floor: the two parts that a boundary balances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.studies.hub import aggregate, scheme_names
+from owtsweep.studies.hub.boundary import boundary
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.figures import error_spectra, style
+from owtsweep.studies.hub.figures.best_scheme_map import draw_cells
+from owtsweep.studies.hub.palette import style_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from owtsweep.sweep.runs import Run
+
+#: The schemes whose boundary is drawn: below it the first is better, above it the second.
+LOWER, UPPER = "HME2", "HME1"
+#: How far from the map's edge a boundary is drawn that lies beyond it, in cells.
+EDGE = 0.5
+
+
+def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
+    """Draw the maps of two runs, usually tuning=paper and tuning=matched, and their error spectra.
+
+    Parameters
+    ----------
+    paper, matched
+        Finished runs of the hub study, drawn left and right; their titles name their tunings.
+    criterion
+        "position" or "velocity".
+
+    Raises
+    ------
+    InputError
+        If one of them is a run of another study, or has nothing judged by that criterion, or the
+        criterion has no error spectrum.
+    """
+    from matplotlib.patches import Patch
+
+    if criterion not in error_spectra.UNITS:
+        known = " or ".join(error_spectra.UNITS)
+        raise InputError(f"criterion: {criterion!r} has no error spectrum; use {known}")
+    for argument, run in (("paper", paper), ("matched", matched)):
+        if run.study.name != "hub":
+            raise InputError(
+                f"{argument}: {run.folder} is a run of the study {run.study.name!r}; use one of hub"
+            )
+    runs = (paper, matched)
+    configs = [cast("HubConfig", run.config) for run in runs]
+    errors = [error_spectra.compute(config) for config in configs]
+    names = list(dict.fromkeys(name for config in configs for name in scheme_names(config)))
+    with style.context():
+        figure = style.new_figure(13.0, 11.0)
+        panels = figure.subplots(2, 2, height_ratios=[1.15, 1.0])
+        notes: list[str] = []
+        for run, config, axes in zip(runs, configs, panels[0], strict=True):
+            notes += _map(axes, run, config, criterion)
+        for config, found, axes in zip(configs, errors, panels[1], strict=True):
+            error_spectra.panel(axes, found, config, criterion)
+            notes += error_spectra.unsettled(config, found)
+            axes.set_title(
+                f"Settled error from a motion of 1 m rms by its frequency, tuning: {config.tuning}",
+                loc="left",
+                fontsize=10,
+            )
+        _share_scales(list(panels[1]))
+        boundary_line = figure.axes[0].plot([], [], **_LINE, label=f"{LOWER}/{UPPER} boundary")
+        handles: list[Any] = [
+            Patch(facecolor=style_of(name, names).color, label=name) for name in names
+        ]
+        figure.legend(
+            handles=[*handles, *boundary_line],
+            loc="outside upper center",
+            ncols=len(handles) + 1,
+            frameon=False,
+        )
+        style.footnote(figure, " ".join([*notes, *_explanations(configs)]))
+    return figure
+
+
+_LINE: dict[str, Any] = {
+    "color": "black", "linewidth": 2.0, "marker": "o", "markersize": 5,
+    "markeredgecolor": "white", "zorder": 5,
+}  # fmt: skip
+
+
+def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
+    """One map with its boundary; returns what the footnote has to say of it."""
+    best, window = run.best_scheme(), config.measures.window
+    shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
+    if shown.empty:
+        raise InputError(f"criterion: {run.folder} has no cell judged by {criterion} MSE")
+    names = scheme_names(config)
+    periods = sorted(set(shown["natural_period"]))
+    amplitudes = sorted(set(shown["amplitude"]))
+    draw_cells(axes, shown.to_dict("records"), names, periods, amplitudes, labels="best")
+    records = config.grid.replicates
+    axes.set_title(
+        f"Best scheme by {criterion} MSE, tuning: {config.tuning}\n"
+        f"{style.describe_window(window)}, {records} record{'s' * (records != 1)} per cell",
+        loc="left",
+        fontsize=10,
+    )
+    rows = run.cases()
+    same = aggregate.coinciding(aggregate.expand(rows, list(config.grid.amplitude)), names)
+    notes = [f"{config.tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in
+             same]  # fmt: skip
+    try:
+        found = boundary(rows, LOWER, UPPER, criterion, window)
+    except InputError:  # a scheme is not in this run, or amplitudes were run one by one
+        return [*notes, f"{config.tuning}: no boundary, since the run lacks superposed rows of it."]
+    return notes + _boundary(axes, found, periods, amplitudes, config.tuning)
+
+
+def _boundary(
+    axes: Axes,
+    found: pd.DataFrame,
+    periods: Sequence[float],
+    amplitudes: Sequence[float],
+    tuning: str,
+) -> list[str]:
+    exists = found[found["wins"] == ""]
+    if not exists.empty:
+        column = [periods.index(period) for period in exists["natural_period"]]
+        middle, low, high = (
+            _place(exists[name].to_numpy(dtype=float), amplitudes)
+            for name in ("boundary", "ci_low", "ci_high")
+        )
+        outline: dict[str, Any] = {"color": "white", "solid_capstyle": "butt", "zorder": 4}
+        axes.plot(column, middle, linewidth=5.0, **outline)
+        axes.plot(column, middle, **_LINE)
+        known = np.isfinite(low) & np.isfinite(high)
+        for width, color in ((5.0, "white"), (1.6, "black")):
+            axes.vlines(np.array(column)[known], low[known], high[known], color=color,
+                        linewidth=width, zorder=4.5)  # fmt: skip
+    notes = []
+    for winner in sorted(set(found["wins"]) - {""}):
+        listed = ", ".join(f"{T:g}" for T in found["natural_period"][found["wins"] == winner])
+        outcome = (
+            f"of the two {winner} is better at every amplitude."
+            if winner in (LOWER, UPPER)
+            else f"{LOWER} and {UPPER} do not change places once."
+        )
+        notes.append(f"{tuning}, {listed} s: no boundary; {outcome}")
+    return notes
+
+
+def _place(amplitude: Array, amplitudes: Sequence[float]) -> Array:
+    """Where an amplitude lies between the rows of the map, logarithmically; its edges at most."""
+    rows = np.arange(len(amplitudes), dtype=float)
+    if len(amplitudes) == 1:
+        return np.where(np.isnan(amplitude), np.nan, 0.0)
+    log, grid = np.log(np.maximum(amplitude, 1e-12)), np.log(np.asarray(amplitudes))
+    steps = np.diff(grid)
+    padded = np.concatenate([[grid[0] - EDGE * steps[0]], grid, [grid[-1] + EDGE * steps[-1]]])
+    return np.asarray(np.interp(log, padded, np.concatenate([[-EDGE], rows, [rows[-1] + EDGE]])))
+
+
+def _share_scales(panels: Sequence[Axes]) -> None:
+    low = min(axes.get_ylim()[0] for axes in panels)
+    high = max(axes.get_ylim()[1] for axes in panels)
+    for axes in panels:
+        axes.set_ylim(low, high)
+
+
+def _explanations(configs: Sequence[HubConfig]) -> list[str]:
+    window = {style.describe_window(config.measures.window) for config in configs}
+    scale = {config.normalise for config in configs}
+    return [
+        f"Boundary: amplitude at which the mean MSE of {LOWER} and {UPPER} is equal, with its 95 %"
+        " interval (bootstrap over the records); between two rows it is placed logarithmically.",
+        "Hatched: best and next best cannot be told apart.",
+        error_spectra.EXPLANATION,
+        "So a boundary in the maps is where the square of the amplitude times the difference of two"
+        " curves makes up for the difference of their bars"
+        + (
+            "; there the amplitude is the largest displacement, some 3 to 4 times the rms."
+            if scale == {"peak"}
+            else "."
+        )
+        + (" The maps judge the full record, with its transient." if len(window) == 1
+           and "full" in next(iter(window)) else ""),
+    ]  # fmt: skip
