@@ -8,18 +8,22 @@ VENV := .venv
 VENV_PYTHON := $(VENV)/bin/python
 INSTALLED := $(VENV)/.installed
 INSTALLED_TEST := $(VENV)/.installed-test
+INSTALLED_CALIBRATE := $(VENV)/.installed-calibrate
 
 # Compiled kernels go with the environment that compiled them.
+# Small matrices only: BLAS threads would fight the workers for the cores.
+export OPENBLAS_NUM_THREADS := 1
 export NUMBA_CACHE_DIR := $(CURDIR)/$(VENV)/numba-cache
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help sweep test clean
+.PHONY: help sweep test reproduce clean
 
 help:
 	@echo 'make sweep   run the default study; overrides: make sweep ARGS="grid.replicates=2"'
 	@echo 'make test    lint, format check, types, tests; one test: make test ARGS="-k store"'
+	@echo 'make reproduce   the search, both runs with 100 records per cell, all figures, the report'
 	@echo 'make clean   delete the environment and all caches (never results)'
 	@echo 'The Python to use (3.11 or newer): make sweep PYTHON=python3.12'
 
@@ -32,6 +36,9 @@ test: $(INSTALLED_TEST)
 	$(VENV_PYTHON) -m mypy
 	$(VENV_PYTHON) -m pytest $(ARGS)
 
+reproduce: $(INSTALLED_CALIBRATE)
+	$(VENV_PYTHON) experiments/reproduce.py $(ARGS)
+
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -type d -name __pycache__ -prune -exec rm -rf {} +
@@ -43,6 +50,10 @@ $(INSTALLED): pyproject.toml | $(VENV_PYTHON)
 
 $(INSTALLED_TEST): pyproject.toml | $(VENV_PYTHON)
 	$(VENV_PYTHON) -m pip install --disable-pip-version-check --quiet --editable '.[test]'
+	@touch $(INSTALLED) $@
+
+$(INSTALLED_CALIBRATE): pyproject.toml | $(VENV_PYTHON)
+	$(VENV_PYTHON) -m pip install --disable-pip-version-check --quiet --editable '.[calibrate]'
 	@touch $(INSTALLED) $@
 
 $(VENV_PYTHON):

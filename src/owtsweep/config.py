@@ -136,6 +136,11 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Config:
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
+    for override in overrides:
+        require(
+            not override.lstrip("+~").startswith("hydra"),
+            f"{override}: Hydra's own settings work with --multirun only",
+        )
     search = []
     if config_dir is not None:
         directory = Path(config_dir).resolve()

@@ -28,6 +28,11 @@ SOLVERS = ("qrqp", "ipopt")
 INPUTS = ("all", "averaged", "sampled")
 VARIANCE_RULES = ("sigma2", "sigma2_over_step", "sigma2_times_ratio")
 
+#: What fits a machine: a record of 1e8 steps holds gigabytes, a plan of 1e6 replicates millions
+#: of cases.
+MOST_STEPS = 100_000_000
+MOST_REPLICATES = 1_000_000
+
 #: Times are multiples of a step up to this fraction of it.
 GRAIN = 1e-6
 
@@ -109,6 +114,10 @@ def _check_grid(config: HubConfig) -> None:
         config.grid.replicates >= 1,
         f"grid.replicates: {config.grid.replicates} must be at least 1",
     )
+    require(
+        config.grid.replicates <= MOST_REPLICATES,
+        f"grid.replicates: {config.grid.replicates:.3g} is more than {MOST_REPLICATES}; lower it",
+    )
 
 
 def _check_sensors(config: HubConfig) -> None:
@@ -151,6 +160,12 @@ def _check_sensors(config: HubConfig) -> None:
 def _check_record(config: HubConfig) -> None:
     imu = config.sensors.imu
     positive("record.duration", config.record.duration, "s")
+    longest = MOST_STEPS / imu.rate
+    require(
+        config.record.duration <= longest,
+        f"record.duration: {config.record.duration:g} s is longer than {longest:g} s "
+        f"({MOST_STEPS:.0e} IMU steps); shorten it",
+    )
     multiple("record.duration", config.record.duration, 1.0 / imu.rate, "IMU step")
     require(
         config.sensors.gnss.delay < config.record.duration,
@@ -172,8 +187,8 @@ def _check_record(config: HubConfig) -> None:
         f"band=[{min(band):g},{max(band) if band[0] != band[1] else 2 * band[1]:g}]",
     )
     require(
-        band[1] <= imu.rate / 2.0,
-        f"band: {band[1]:g} Hz is beyond the Nyquist frequency {imu.rate / 2.0:g} Hz of the IMU; "
+        band[1] < imu.rate / 2.0,
+        f"band: {band[1]:g} Hz is not below the Nyquist frequency {imu.rate / 2.0:g} Hz of the IMU; "
         "lower it, or raise sensors.imu.rate",
     )
     lines((band[0], band[1]), 2.0 * config.record.duration)
