@@ -71,7 +71,7 @@ def test_a_published_target_is_judged_on_the_printed_numbers():
     row = paper.iloc[0]
     assert 0.0 < row.median_log2 < row.p80_log2
     assert len(row.winners.split()) == 4
-    assert row.n_parameters == 8
+    assert row.n_parameters == 9
     assert {block.content["truth_name"] for block in blocks} == set(config.calibration.truths)
 
 

@@ -29,7 +29,7 @@ COLUMNS = (
 KINDS = ("published", "settled")
 
 #: First spread of CMA-ES in units of each parameter's range.
-SPREAD = 0.06
+SPREAD = 0.03
 
 #: What a trial counts as that diverges.
 DIVERGED = 50.0
