@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tools import configure
+
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.hub import batch, settled
@@ -15,7 +17,6 @@ from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, e
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
-from tools import configure
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

@@ -7,13 +7,21 @@ because all of them saw the same motion and the same noise.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.studies.base import OK
+from owtsweep.studies.hub.cube import (
+    CONFIDENCE,
+    VALUE_COLUMNS,
+    Cube,
+    mean_and_error,
+    ordered_sum,
+    p_value,
+    t_quantile,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,15 +29,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-VALUE_COLUMNS = (
-    "scheme",
-    "natural_period",
-    "amplitude",
-    "measure",
-    "window",
-    "replicate",
-    "value",
-)
 SUMMARY_COLUMNS = (
     "scheme",
     "natural_period",
@@ -55,11 +54,7 @@ BEST_COLUMNS = (
     "ci_high",
     "distinguishable",
 )
-#: The order of measures in tables; others follow alphabetically.
-MEASURES = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
 CRITERIA = ("position", "velocity")
-#: Intervals cover 95 %, tests reject at 5 %.
-CONFIDENCE = 0.95
 #: Values that agree to this are equal up to rounding: the schemes are one and the same.
 COINCIDENCE = 1e-9
 
@@ -125,12 +120,12 @@ def summary(values: pd.DataFrame, schemes: Sequence[str]) -> pd.DataFrame:
     """
     import pandas as pd
 
-    cube = _Cube.of(values, schemes)
+    cube = Cube.of(values, schemes)
     if not cube.values.size:
         return pd.DataFrame(columns=list(SUMMARY_COLUMNS))
     cells = np.nonzero(np.isfinite(cube.values).any(axis=-1))
-    mean, error, n = _mean_and_error(cube.values[cells])
-    margin = _t_quantile(n - 1) * error
+    mean, error, n = mean_and_error(cube.values[cells])
+    margin = t_quantile(n - 1) * error
     table = {
         name: np.asarray(axis, dtype=object if isinstance(axis, tuple) else float)[index]
         for name, axis, index in zip(SUMMARY_COLUMNS[:5], cube.axes, cells, strict=True)
@@ -179,7 +174,7 @@ def best_scheme(
     """
     import pandas as pd
 
-    cube = _Cube.of(values, schemes)
+    cube = Cube.of(values, schemes)
     found: list[dict[str, Any]] = []
     for criterion in criteria if cube.values.size else ():
         measure_index = _position(cube.measures, criterion, "criteria")
@@ -207,7 +202,7 @@ def coinciding(values: pd.DataFrame, schemes: Sequence[str]) -> list[tuple[str, 
 
     Each group is in the order of `schemes`, so its last member is the name that `best_scheme` uses.
     """
-    cube = _Cube.of(values[values["measure"].isin(CRITERIA)], schemes)
+    cube = Cube.of(values[values["measure"].isin(CRITERIA)], schemes)
     groups: list[tuple[str, ...]] = []
     grouped: set[str] = set()
     for i, name in enumerate(schemes):
@@ -233,68 +228,6 @@ def holm(p_values: Sequence[float], *, level: float = 0.05) -> NDArray[np.bool_]
     return rejected
 
 
-@dataclass(frozen=True)
-class _Cube:
-    """Values on their product grid, NaN where there is none; every axis has a fixed order.
-
-    `values` is (scheme, natural period, amplitude, measure, window, replicate).
-    """
-
-    schemes: tuple[str, ...]
-    natural_periods: list[float]
-    amplitudes: list[float]
-    measures: tuple[str, ...]
-    windows: tuple[str, ...]
-    values: Floats
-
-    @property
-    def axes(self) -> tuple[Sequence[Any], ...]:
-        """The labels of all axes but the replicates."""
-        return self.schemes, self.natural_periods, self.amplitudes, self.measures, self.windows
-
-    @classmethod
-    def of(cls, values: pd.DataFrame, schemes: Sequence[str]) -> _Cube:
-        import pandas as pd
-
-        kept = values[values["scheme"].isin(list(schemes))]
-        names = {
-            "scheme": list(schemes),
-            "measure": sorted(set(kept["measure"]), key=_measure_order),
-            "window": sorted(set(kept["window"])),
-        }
-        labels: dict[str, Any] = dict(names)
-        codes = {
-            name: pd.Categorical(kept[name], categories=order).codes
-            for name, order in names.items()
-        }
-        for name in ("natural_period", "amplitude", "replicate"):
-            labels[name], codes[name] = np.unique(kept[name].to_numpy(), return_inverse=True)
-        shape = tuple(len(labels[name]) for name in VALUE_COLUMNS[:-1])
-        place = (
-            np.ravel_multi_index(
-                tuple(codes[name].astype(np.intp) for name in VALUE_COLUMNS[:-1]), shape
-            )
-            if len(kept)
-            else np.zeros(0, dtype=np.intp)
-        )
-        if np.unique(place).size < place.size:
-            raise InputError("rows: two values for one case; give each case of a run once")
-        cube = np.full(int(np.prod(shape)), np.nan)
-        cube[place] = kept["value"].to_numpy(dtype=float)
-        return cls(
-            schemes=tuple(schemes),
-            natural_periods=labels["natural_period"].tolist(),
-            amplitudes=labels["amplitude"].tolist(),
-            measures=tuple(names["measure"]),
-            windows=tuple(names["window"]),
-            values=cube.reshape(shape),
-        )
-
-
-def _measure_order(measure: str) -> tuple[int, str]:
-    return (MEASURES.index(measure) if measure in MEASURES else len(MEASURES), measure)
-
-
 def _position(labels: Sequence[str], label: str, argument: str) -> int:
     if label not in labels:
         raise InputError(f"{argument}: {label!r} was not measured; use {' or '.join(labels)}")
@@ -309,7 +242,7 @@ def _compare(cell: Floats, schemes: Sequence[str]) -> dict[str, Any] | None:
         return None
     samples = cell[np.ix_(took_part, common)]
     names = [schemes[index] for index in took_part.tolist()]
-    means = _ordered_sum(samples) / samples.shape[1]
+    means = ordered_sum(samples) / samples.shape[1]
 
     everyone = np.arange(len(names))
     best, like_best = _least(means, samples, everyone)
@@ -324,15 +257,15 @@ def _compare(cell: Floats, schemes: Sequence[str]) -> dict[str, Any] | None:
 
     runner_up, _ = _least(means, samples, others)
     difference = means[runner_up] - means[best]
-    _, error, n = _mean_and_error(samples[runner_up] - samples[best])
-    margin = _t_quantile(n - 1) * error
+    _, error, n = mean_and_error(samples[runner_up] - samples[best])
+    margin = t_quantile(n - 1) * error
     return row | {
         "runner_up": names[runner_up],
         "mse_runner_up": float(means[runner_up]),
         "difference": float(difference),
         "ci_low": float(difference - margin),
         "ci_high": float(difference + margin),
-        "p": _p_value(float(difference), float(error), int(n)) if told_apart else 1.0,
+        "p": p_value(float(difference), float(error), int(n)) if told_apart else 1.0,
     }
 
 
@@ -351,40 +284,3 @@ def _same(one: Floats, other: Floats) -> bool:
     one, other = one[both], other[both]
     scale = np.maximum(np.abs(one), np.abs(other))
     return one.size > 0 and bool(np.all(np.abs(one - other) <= COINCIDENCE * scale))
-
-
-def _ordered_sum(samples: Floats) -> Floats:
-    """Sum over the last axis strictly in order, so that its bits depend on nothing else.
-
-    `np.sum` groups its terms by the shape of the array; a running sum does not.
-    """
-    total: Floats = np.cumsum(samples, axis=-1)[..., -1]
-    return total
-
-
-def _mean_and_error(samples: Floats) -> tuple[Floats, Floats, NDArray[np.intp]]:
-    """Mean, its standard error (NaN for one sample) and count over the last axis without NaN."""
-    present = np.isfinite(samples)
-    n = present.sum(axis=-1)
-    mean = _ordered_sum(np.where(present, samples, 0.0)) / n
-    deviation = np.where(present, samples - mean[..., np.newaxis], 0.0)
-    error = np.sqrt(_ordered_sum(deviation**2) / np.where(n > 1, n * (n - 1.0), np.nan))
-    return mean, error, n
-
-
-def _t_quantile(freedom: NDArray[np.intp]) -> Floats:
-    from scipy.special import stdtrit
-
-    quantile: Floats = stdtrit(np.maximum(freedom, 1), 0.5 + CONFIDENCE / 2.0)
-    return quantile
-
-
-def _p_value(difference: float, error: float, n: int) -> float:
-    """Two-sided paired t-test; 1 where nothing can be tested."""
-    from scipy.special import stdtr
-
-    if n < 2:
-        return 1.0
-    if error == 0.0:
-        return 1.0 if difference == 0.0 else 0.0
-    return float(2.0 * stdtr(n - 1, -abs(difference) / error))

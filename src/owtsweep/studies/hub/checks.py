@@ -188,8 +188,8 @@ def _check_record(config: HubConfig) -> None:
     )
     require(
         band[1] < imu.rate / 2.0,
-        f"band: {band[1]:g} Hz is not below the Nyquist frequency {imu.rate / 2.0:g} Hz of the IMU; "
-        "lower it, or raise sensors.imu.rate",
+        f"band: {band[1]:g} Hz is not below the Nyquist frequency {imu.rate / 2.0:g} Hz of the "
+        "IMU; lower it, or raise sensors.imu.rate",
     )
     lines((band[0], band[1]), 2.0 * config.record.duration)
 

@@ -133,14 +133,15 @@ def _step_responses(impulse: Array) -> Array:
 def _total(energy: Array) -> tuple[float, float]:
     """Sum of energies per cycle with the tail that is not there, and the tail's uncertainty.
 
-    In the end one real mode is left, and energies fall by a constant factor.
+    In the end one real mode is left, and energies fall by a constant factor. One that takes more
+    than `MOST_CYCLES` to fall by e is none that a record would ever see settle.
     """
     total = float(np.sum(energy))
     last = energy[-3:]
     if last[-1] <= 1e-12 * total:
         return total, 0.0
     before, factor = last[1:] / last[:-1]
-    if factor >= 1.0:
+    if factor >= 1.0 - 1.0 / MOST_CYCLES:
         return total, np.inf
     tail = float(last[-1] * factor / (1.0 - factor))
     return total + tail, float(tail * abs(factor - before) / (1.0 - factor))

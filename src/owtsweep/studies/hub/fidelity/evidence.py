@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -71,13 +71,15 @@ class Evidence:
         return expand(inside, list(self.amplitudes))
 
     @cached_property
-    def _by_case(self) -> dict[tuple[str, str, float, float], pd.Series[float]]:
-        keys = ["scheme", "measure", "natural_period", "amplitude"]
-        exact = self.values.round({"natural_period": DIGITS, "amplitude": DIGITS})
-        cases: dict[tuple[str, str, float, float], pd.Series[float]] = {}
-        for key, group in exact.groupby(keys):
-            cases[key] = group.set_index("replicate")["value"].sort_index()  # type: ignore[index]
-        return cases
+    def _by_case(self) -> dict[tuple[str, str, float, float], tuple[Array, Array]]:
+        """(scheme, measure, period, amplitude) -> replicates in order, and their values."""
+        values = self.values.sort_values("replicate", kind="stable")
+        replicate, value = values["replicate"].to_numpy(), values["value"].to_numpy()
+        exact = values.round({"natural_period": DIGITS, "amplitude": DIGITS})
+        groups: dict[Any, Any] = exact.groupby(
+            ["scheme", "measure", "natural_period", "amplitude"]
+        ).indices
+        return {case: (replicate[index], value[index]) for case, index in groups.items()}
 
     def common(self, keys: Sequence[tuple[str, Cell, str]]) -> list[Array] | None:
         """(replicates,) for each (scheme, cell, measure), over the replicates that all have.
@@ -87,14 +89,16 @@ class Evidence:
         found = []
         for scheme, cell, measure in keys:
             period, amplitude = (round(number, DIGITS) for number in cell)
-            series = self._by_case.get((scheme, measure, period, amplitude))
-            if series is None:
+            case = self._by_case.get((scheme, measure, period, amplitude))
+            if case is None:
                 return None
-            found.append(series)
-        shared = found[0].index
-        for series in found[1:]:
-            shared = shared.intersection(series.index)
-        return [series[shared].to_numpy() for series in found] if len(shared) else None
+            found.append(case)
+        shared = found[0][0]
+        for replicates, _ in found[1:]:
+            shared = np.intersect1d(shared, replicates, assume_unique=True)
+        if not len(shared):
+            return None
+        return [values[np.isin(replicates, shared)] for replicates, values in found]
 
     def paired(
         self, schemes: Sequence[str], cell: Cell, measure: str = "position"

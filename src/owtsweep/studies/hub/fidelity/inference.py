@@ -13,7 +13,8 @@ from typing import Literal
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.aggregate import CONFIDENCE, holm
+from owtsweep.studies.hub.aggregate import holm
+from owtsweep.studies.hub.cube import CONFIDENCE
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.aggregate import CONFIDENCE
+from owtsweep.studies.hub.cube import CONFIDENCE
 from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
 from owtsweep.studies.hub.fidelity.inference import MISSING, UNDECIDED, mean_ratio
 from owtsweep.studies.hub.fidelity.reasons import reason

@@ -7,6 +7,7 @@ sensors and the scheme alone and holds at every period.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -30,6 +31,7 @@ class Terms(NamedTuple):
     noise: float
 
 
+@cache
 def implied_floor(scheme: str, measure: str) -> float:
     """F of the print, from tables 7 and 8."""
     table = published_numbers()
