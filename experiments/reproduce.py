@@ -1,4 +1,4 @@
-"""Everything behind docs/reproduction.md: the search, both runs, all figures, the report.
+"""Everything behind docs/reproduction.md: the search, the runs, all figures, the reports.
 
     python experiments/reproduce.py [REPLICATES]
 
@@ -12,9 +12,16 @@ from pathlib import Path
 
 import owtsweep
 from owtsweep.cli import main
+from owtsweep.studies.hub.figures import style, two_maps
 
-REPLICATES = int(sys.argv[1]) if len(sys.argv) > 1 else 100
+REPLICATES = sys.argv[1] if len(sys.argv) > 1 else "100"
 REFERENCE = Path("results/reference")
+#: Run -> its overrides. The third tells what tuning alone changes: matched on the reading's truth.
+RUNS = {
+    "paper": ["experiment=paper", "tuning=paper"],
+    "matched": ["tuning=matched"],
+    "matched_on_paper": ["experiment=matched_on_paper", "tuning=matched"],
+}
 KEPT = (
     "config.yaml", "manifest.json", "summary.csv", "best_scheme.csv", "trials.csv", "best.csv",
     "figures/*.png", "figures/*.csv", "figures/*.md", "fidelity/*.csv", "fidelity/*.md",
@@ -40,16 +47,14 @@ def keep(run: Path, name: str) -> None:
 
 
 step("sweep", "experiment=readings", "name=readings")
-step("figures", "results/readings")
 keep(Path("results/readings"), "readings")
-for tuning in ("paper", "matched"):
-    step("sweep", f"tuning={tuning}", f"name={tuning}", f"grid.replicates={REPLICATES}")
-    step("figures", f"results/{tuning}")
-    step("fidelity", f"results/{tuning}")
-    keep(Path(f"results/{tuning}"), tuning)
-
-from owtsweep.studies.hub.figures import two_maps  # noqa: E402  (heavy, and only needed now)
-
-paper, matched = (owtsweep.load(f"results/{tuning}") for tuning in ("paper", "matched"))
-for file in two_maps.save(paper, matched, REFERENCE / "two_maps"):
+for name, overrides in RUNS.items():
+    step("sweep", *overrides, f"name={name}", f"grid.replicates={REPLICATES}")
+    step("figures", f"results/{name}")
+    step("fidelity", f"results/{name}")
+    keep(Path(f"results/{name}"), name)
+paper, matched = (owtsweep.load(f"results/{name}") for name in ("paper", "matched_on_paper"))
+figure = two_maps.draw(paper, matched)
+metadata = {"paper": paper.hash, "matched": matched.hash}
+for file in style.save(figure, REFERENCE, "two_maps", metadata):
     print(file)

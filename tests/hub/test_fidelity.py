@@ -175,6 +175,10 @@ def mkf_at_two_cells(measure: str, period: float) -> dict[str, Terms]:
     return {"EKF": (10.0, 1.0), "MKF": mkf, "HME1": (2.0, 1e-3), "HME2": (1.0, 4.0)}
 
 
+def mkf_far_from_hme1(measure: str, period: float) -> dict[str, Terms]:
+    return {**mkf_at_two_cells(measure, period), "EKF": (2.1, 1e-3), "HME1": (9.0, 1.0)}
+
+
 def growing(measure: str, period: float) -> dict[str, Terms]:
     return hme2_beyond(0.3 * (period / 4.0) ** 2)
 
@@ -202,6 +206,7 @@ CASES = [
     ("F2", REPRODUCED, mkf_at_two_cells, None),
     ("F2", NOT_REPRODUCED, {**EQUAL, "MKF": (9.0, 1.0)}, None),
     ("F2", NOT_REPRODUCED, {**EQUAL, "MKF": (1.9, 0.001)}, None),
+    ("F2", NOT_REPRODUCED, mkf_far_from_hme1, None),
     ("F2", UNDECIDED, EQUAL, {"MKF": 0.3}),
     ("F3", REPRODUCED, hme2_beyond(0.3), None),
     ("F3", NOT_REPRODUCED, hme2_beyond(1.2), None),
@@ -377,12 +382,25 @@ def test_winners_and_boundaries_that_differ_are_told():
     assert value["table 8 winner"] == pytest.approx((1.0 + 1.0 / 0.075**2) / 2.0, rel=0.02)
 
 
+def test_without_a_boundary_the_cells_decide():
+    evidence = world({**EQUAL, "HME1": (1.0, 0.01)}, measures=EVERYTHING)
+    found = boundaries.all_boundaries(evidence)
+    table = fidelity_table(evidence, compare_numbers(evidence), [], found).set_index("item")
+    assert np.isnan(table.loc["boundary 4 s", "reproduced"])
+    assert table.loc["boundary 4 s", "agrees"] == "no"
+    assert "HME1 is better at every amplitude" in table.loc["boundary 4 s", "why"]
+    why = {statement.name: statement.why for statement in judgement.judge(evidence)}["F3"]
+    assert "nan" not in why
+
+
 def test_schemes_that_coincide_are_no_rivals():
     """With consistent covariances EKF is MKF: it can be best all the same."""
     twins = {**BEST_EKF, "MKF": BEST_EKF["EKF"]}
     claims = STATEMENTS["F1"](world(twins))
     assert all_of(claims) == REPRODUCED
     assert all("HME" in c.label for claim in claims for c in claim.comparisons)
+    against_mkf = STATEMENTS["F2"](world({**twins, "MKF": (9.0, 1.0)}))[1]
+    assert all(c.label.endswith(("EKF", "HME2")) for c in against_mkf.comparisons)
 
 
 def test_distances_are_quantiles_of_log_ratios(scattered):

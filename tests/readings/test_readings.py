@@ -70,6 +70,7 @@ def test_a_published_target_is_judged_on_the_printed_numbers():
     ((_, paper),) = searches.run(config, blocks[:1])
     row = paper.iloc[0]
     assert 0.0 < row.median_log2 < row.p80_log2
+    assert set(row.winners.split()) <= {"MKF", "HME1", "HME2"}
     assert len(row.winners.split()) == 4
     assert row.n_parameters == 9
     assert {block.content["truth_name"] for block in blocks} == set(config.calibration.truths)
@@ -85,6 +86,14 @@ def test_a_diverging_trial_is_kept_and_counts_as_bad(monkeypatch):
     assert rows.score[0] == searches.DIVERGED
     assert rows.status[0] == "failed"
     assert "update_rule" in rows.reason[0]
+
+
+def test_what_was_found_can_be_written_into_the_tuning_without_undoing_the_search():
+    fixed = searches.fixed_values(ONE, "paper")
+    assert "hme1.q_a" not in fixed
+    assert "hme.smoother_window" not in fixed
+    assert fixed["hme1.model"] == "sigma1"
+    assert not any(key.startswith(("mkf", "sensors", "record", "tuning")) for key in fixed)
 
 
 def test_scores_boundary_solves_the_quadratic():

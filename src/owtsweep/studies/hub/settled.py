@@ -25,8 +25,7 @@ def settled(chain: Chain) -> Chain:
 
     While the window of an MHE fills, its growing windows are kept.
     """
-    cycle, last = chain.gains.cycle, slice(-chain.gains.cycle, None)
-    gains = chain.gains
+    gains, last = chain.gains, slice(-chain.gains.cycle, None)
     filter_arrays = chain.filter
     kept = replace(
         gains,
@@ -44,7 +43,6 @@ def settled(chain: Chain) -> Chain:
     if mhe.active:
         maps = np.concatenate([mhe.maps[: mhe.horizon], mhe.maps[-1:]])
         mhe = mhe._replace(maps=np.ascontiguousarray(maps))
-    assert len(kept.K) == cycle
     return replace(chain, gains=kept, filter=filter_arrays._replace(**changes), mhe=mhe)
 
 

@@ -46,7 +46,7 @@ def plan(config: ReadingsConfig) -> list[Block]:
             kind in KINDS,
             f"calibration.targets.{name}.kind: {kind!r} is none of {', '.join(KINDS)}",
         )
-        values = tuning_values(str(target.get("tuning", config.tuning)))
+        values = fixed_values(target, config.tuning)
         truths = calibration.truths if kind == "published" else {"own": target.get("truth", {})}
         for truth, own in truths.items():
             with_values(config, {**values, **own})  # an unknown key is refused before anything runs
@@ -75,6 +75,22 @@ def tuning_values(name: str) -> dict[str, Any]:
         path.is_file(), f"tuning: there is no {name!r}; use {' or '.join(group_options('tuning'))}"
     )
     return dict(_flat(OmegaConf.to_container(OmegaConf.load(path))))
+
+
+def fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]:
+    """What a target takes from its tuning file: its schemes' values that are not searched.
+
+    So a search stays the same, and its results stay valid, when what it found is written into the
+    file.
+    """
+    searched = {key for keys in target["parameters"] for key in keys.split("+")}
+    sections = {name.lower() for name in target["schemes"]} | {"hme"}
+    values = tuning_values(str(target.get("tuning", default)))
+    return {
+        key: value
+        for key, value in values.items()
+        if key.split(".")[0] in sections and key not in searched
+    }
 
 
 def _flat(section: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -192,12 +208,7 @@ def _judge(base: ReadingsConfig, target: Mapping[str, Any], replicates: int) -> 
         lanes = scoring.make_lanes(base, range(replicates), base.grid.natural_period)
         return lambda config: _settled(config, schemes, lanes)
     lanes = scoring.make_lanes(base, range(replicates))
-    others = {
-        scheme: scoring.scheme_products(base, scheme, lanes)
-        for scheme in ("EKF", "MKF", "HME1", "HME2")
-        if scheme not in schemes
-    }
-    return lambda config: _published(config, schemes, lanes, others)
+    return lambda config: _published(config, schemes, lanes)
 
 
 def _settled(
@@ -214,23 +225,22 @@ def _settled(
 
 
 def _published(
-    config: ReadingsConfig,
-    schemes: Sequence[str],
-    lanes: Mapping[float, Lanes],
-    others: Mapping[str, Mapping[float, Any]],
+    config: ReadingsConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
 ) -> dict[str, Any]:
-    own = {scheme: scoring.scheme_products(config, scheme, lanes) for scheme in schemes}
-    result = scoring.score({**others, **own})
-    table = result.log_ratios
-    logs = table[table.scheme.isin(schemes)].log2.abs()
-    if len(schemes) > 1:
-        own_score = float(logs.mean()) + result.penalties
-    else:
-        own_score = float(logs.mean())
-    return {
-        "score": own_score if np.isfinite(own_score) else DIVERGED,
+    """The score of the judged schemes; winners and boundaries only where HME1 and HME2 are."""
+    products = {scheme: scoring.scheme_products(config, scheme, lanes) for scheme in schemes}
+    logs = scoring.compare(products).log2.abs()
+    result: dict[str, Any] = {
+        "score": float(logs.mean()),
         "median_log2": float(logs.median()),
         "p80_log2": float(logs.quantile(0.8)),
-        "winners": " ".join(result.winners),
-        **{f"boundary_{period:g}s": result.boundaries[period] for period in (4.0, 6.0, 8.0)},
     }
+    if {"HME1", "HME2"} <= set(schemes):
+        whole = scoring.score(products)
+        result["score"] += whole.penalties
+        result["winners"] = " ".join(whole.winners)
+        for period in (4.0, 6.0, 8.0):
+            result[f"boundary_{period:g}s"] = whole.boundaries[period]
+    if not np.isfinite(result["score"]):
+        result["score"] = DIVERGED
+    return result

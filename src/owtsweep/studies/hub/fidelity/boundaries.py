@@ -20,13 +20,15 @@ LOWER, UPPER = "HME2", "HME1"
 class Boundary:
     """An amplitude (m), or a ratio of two, with its 95 % bootstrap interval over the replicates.
 
-    NaN where there is none; `label` says so.
+    NaN where there is none; `wins` is then the scheme that is better at every amplitude, or
+    "neither".
     """
 
     label: str
     value: float
     low: float
     high: float
+    wins: str = ""
 
     def against(self, threshold: float, side: Side) -> Comparison:
         """Against a threshold; undecided where there is no boundary."""
@@ -45,9 +47,11 @@ def boundary_at(evidence: Evidence, natural_period: float) -> Boundary | None:
     except InputError:  # cases run directly have no products to find a root of
         return None
     label = f"boundary at {natural_period:g} s"
-    if row.wins:
+    if row.wins == "neither":
+        label += " (none: the means cross twice, or the other way round)"
+    elif row.wins:
         label += f" (none: {row.wins} is better at every amplitude)"
-    return Boundary(label, float(row.boundary), float(row.ci_low), float(row.ci_high))
+    return Boundary(label, float(row.boundary), float(row.ci_low), float(row.ci_high), row.wins)
 
 
 def ratio_of_boundaries(evidence: Evidence, period: float, to: float) -> Boundary | None:
@@ -61,7 +65,7 @@ def ratio_of_boundaries(evidence: Evidence, period: float, to: float) -> Boundar
         ratio = boundary_ratio(rows, period, to, lower=LOWER, upper=UPPER, window=evidence.window)
     except InputError:
         return None
-    return Boundary(f"boundary at {period:g} s over that at {to:g} s", *map(float, ratio))
+    return Boundary(f"boundary at {period:g} s over that at {to:g} s", *ratio)
 
 
 def all_boundaries(evidence: Evidence) -> dict[float, Boundary]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -115,7 +115,8 @@ class Evidence:
     def best_other(self, scheme: str, cell: Cell) -> tuple[str, Array, Array] | None:
         """The best by mean position MSE of the paper's other schemes, beside `scheme`.
 
-        As in the map, a scheme that coincides with `scheme` is no other one.
+        As in the map, a scheme that coincides with `scheme` is no other one, and coinciding
+        others go by the last name.
 
         Returns
         -------
@@ -129,13 +130,19 @@ class Evidence:
         others = {name: a for name, a in found.items() if not coincide(own, a)}
         if not others:
             return None
-        best = min(others, key=lambda name: float(np.mean(others[name])))
+        best = least(others)
         return best, own, others[best]
 
 
 def coincide(a: Array, b: Array) -> bool:
     """Whether two schemes agree up to rounding in every replicate."""
     return bool(np.all(np.abs(a - b) <= COINCIDENCE * np.maximum(np.abs(a), np.abs(b))))
+
+
+def least(found: Mapping[str, Array]) -> str:
+    """The scheme of least mean; of coinciding ones the last, as in the map."""
+    best = min(found, key=lambda name: float(np.mean(found[name])))
+    return [name for name, values in found.items() if coincide(values, found[best])][-1]
 
 
 def cells(

@@ -1,6 +1,6 @@
 """F9 and F11: what the text says about the time histories at 3.8 s, as numeric tests.
 
-As in `fidelity.statements`, the docstrings are the definitions and were written before looking.
+As in `fidelity.statements`, the docstrings are the definitions and were written before judging.
 """
 
 from __future__ import annotations

@@ -67,8 +67,8 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
         Where it is compared.
     a, b
         (replicates,) each, in the same order, not negative; `b` may be a number that is known
-        exactly. The interval starts at 0 at the least and is NaN where `b` is too scattered for
-        one; the claim is undecided then.
+        exactly. The interval starts at 0 at the least and is NaN where `b` is too scattered for a
+        bounded one.
     threshold, side
         The claim.
     """
@@ -86,8 +86,7 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
     if error == 0.0 and distance == 0.0:
         t = 0.0
     low, high = _fieller(a, b, float(stdtrit(n - 1, 0.5 + CONFIDENCE / 2.0)))
-    # Without a bounded interval the denominator itself is not known to be positive.
-    p = float(2.0 * stdtr(n - 1, -abs(t))) if np.isfinite(low) else 1.0
+    p = float(2.0 * stdtr(n - 1, -abs(t)))
     return Comparison(label, A / B, low, high, threshold, side, t, p)
 
 

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.fidelity.evidence import Evidence
 from owtsweep.studies.hub.fidelity.history_statements import HISTORY_STATEMENTS
@@ -33,7 +35,7 @@ class Judged:
     text
         What the paper says.
     definition
-        The test, as written down before looking.
+        The test, as written down before judging.
     claims
         What the statement asserts, one by one.
     """
@@ -88,10 +90,13 @@ def explain(claim: Claim) -> str:
 
 def describe(comparison: Comparison) -> str:
     """A comparison in words and numbers."""
-    return (
-        f"{comparison.label} {comparison.value:.3g} [{comparison.low:.3g}, {comparison.high:.3g}], "
-        f"to be {comparison.side} {comparison.threshold:.3g}"
-    )
+    claimed = f"to be {comparison.side} {comparison.threshold:.3g}"
+    if np.isnan(comparison.value):
+        return f"{comparison.label}, {claimed}"
+    interval = f"[{comparison.low:.3g}, {comparison.high:.3g}]"
+    if np.isnan(comparison.low):
+        interval = f"(t = {comparison.t:.2g}, no bounded interval)"
+    return f"{comparison.label} {comparison.value:.3g} {interval}, {claimed}"
 
 
 def missing_text(missing: tuple[str, ...], most: int = 4) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, MultipleLocator, NullLocator
 
 from owtsweep.studies.hub.fidelity.boundaries import Boundary
 from owtsweep.studies.hub.fidelity.claims import BOUNDARY_TOLERANCE
@@ -130,7 +130,8 @@ def boundary_plot(boundaries: Mapping[float, Boundary], amplitudes: Sequence[flo
     figure = style.new_figure(7.0, 4.2)
     axes = figure.subplots()
     axes.set_yscale("log")
-    bottom, top = min(amplitudes), max(amplitudes)
+    # room for the published boundaries, whatever the run's own amplitudes
+    bottom, top = min(*amplitudes, 0.1), max(*amplitudes, 5.0)
     for period, printed in BOUNDARIES.items():
         ends = (printed / BOUNDARY_TOLERANCE, printed * BOUNDARY_TOLERANCE)
         axes.fill_between([period - 0.25, period + 0.25], *ends, **BAND)
@@ -142,15 +143,21 @@ def boundary_plot(boundaries: Mapping[float, Boundary], amplitudes: Sequence[flo
         high = np.clip([b.high for b in known.values()], bottom, top)
         axes.plot(list(known), value, "o-", color="black", markersize=5)
         axes.vlines(list(known), low, high, color="black", linewidth=1.5)
-    for period in set(boundaries) - set(known):
-        axes.text(period, bottom * 1.2, "none", ha="center", va="bottom", fontsize=9)
+    for period, none in boundaries.items():
+        if none.wins:
+            text = f"none:\n{none.wins} better\nthroughout"
+            axes.text(period, 0.92 * top, text, ha="center", va="top", fontsize=8)
+    if known:
+        axes.text(0.02, 0.97, "HME1 better", transform=axes.transAxes, va="top")
+        axes.text(0.98, 0.03, "HME2 better", transform=axes.transAxes, ha="right")
+    shown = [*boundaries, *BOUNDARIES]
+    axes.set_xlim(min(shown) - 0.5, max(shown) + 0.5)
     axes.set_ylim(bottom, top)
+    axes.xaxis.set_major_locator(MultipleLocator(1.0))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.set_xlabel("natural period (s)")
     axes.set_ylabel("motion amplitude (m)")
-    axes.text(0.02, 0.97, "HME1 better", transform=axes.transAxes, va="top")
-    axes.text(0.98, 0.03, "HME2 better", transform=axes.transAxes, ha="right")
     hollow: dict[str, Any] = {"color": "0.3", "markerfacecolor": "none", "linestyle": "none"}
     handles: list[Any] = [
         Line2D([], [], color="black", marker="o", label="this run, 95 % interval"),

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.studies.hub.fidelity.boundaries import Boundary, ratio_of_boundaries, within
-from owtsweep.studies.hub.fidelity.claims import BOUNDARY_TOLERANCE
-from owtsweep.studies.hub.fidelity.evidence import SCHEMES, Evidence
+from owtsweep.studies.hub.fidelity.claims import BOUNDARY_TOLERANCE, boundary_claims
+from owtsweep.studies.hub.fidelity.evidence import SCHEMES, Evidence, least
 from owtsweep.studies.hub.fidelity.inference import (
     MISSING,
     NOT_REPRODUCED,
     REPRODUCED,
     Claim,
+    all_of,
     mean_ratio,
 )
 from owtsweep.studies.hub.fidelity.judgement import Judged
@@ -104,8 +105,10 @@ def _boundaries(evidence: Evidence, boundaries: Mapping[float, Boundary]) -> lis
         agrees, why = "", "not published"
         if period in BOUNDARIES:
             low, high = printed / BOUNDARY_TOLERANCE, printed * BOUNDARY_TOLERANCE
-            claim = Claim("", within(found, low, high) if found else ())
-            agrees = AGREES.get(claim.verdict, claim.verdict)
+            verdict = Claim("", within(found, low, high) if found else ()).verdict
+            if found and found.wins:  # then the cells to either side decide
+                verdict = all_of(boundary_claims(evidence, period, printed))
+            agrees = AGREES.get(verdict, verdict)
             why = f"agreement: within a factor of 2, {low:g} to {high:g} m"
         rows.append(_boundary_row(f"boundary {period:g} s", printed, found, agrees, why))
     ratio = ratio_of_boundaries(evidence, 8.0, 4.0)
@@ -127,7 +130,9 @@ def _boundary_row(
         "ci_low": found.low if found else NAN,
         "ci_high": found.high if found else NAN,
         "agrees": agrees,
-        "why": f"{found.label}; {why}" if found else "period or scheme not in this run",
+        "why": f"{found.label}; {why}"
+        if found
+        else "period, scheme or superposed cases not in this run",
     }
 
 
@@ -154,13 +159,12 @@ def _winner(evidence: Evidence, number: int) -> dict[str, Any]:
     name, own, other = found
     against = mean_ratio("", own, other, 1.0, "below")
     verdict = Claim("", (against,)).verdict
-    here = min(means, key=lambda scheme: float(np.mean(means[scheme])))
     return row | {
         "reproduced": against.value,
         "ci_low": against.low,
         "ci_high": against.high,
         "agrees": AGREES.get(verdict, verdict),
-        "why": f"{row['why']}; here: {here}; best other than {winner}: {name}",
+        "why": f"{row['why']}; here: {least(means)}; best other than {winner}: {name}",
     }
 
 
@@ -186,11 +190,16 @@ def _distances(numbers: pd.DataFrame) -> list[dict[str, Any]]:
                     "ci_low": NAN,
                     "ci_high": NAN,
                     "agrees": agrees if np.isfinite(goal_of) else "",
-                    "why": f"over {size}, a factor of {2.0**value:.2f}"
-                    + (f"; agreement: at most {goal_of:g}" if np.isfinite(goal_of) else ""),
+                    "why": _distance_text(size, value, goal_of),
                 }
             )
     return rows
+
+
+def _distance_text(size: str, value: float, goal: float) -> str:
+    factor = f", a factor of {2.0**value:.2f}" if np.isfinite(value) else ""
+    agreement = f"; agreement: at most {goal:g}" if np.isfinite(goal) else ""
+    return f"over {size}{factor}{agreement}"
 
 
 def _ekf_ratio(evidence: Evidence, number: int) -> dict[str, Any]:

@@ -88,7 +88,7 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
             ncols=len(handles) + 1,
             frameon=False,
         )
-        style.footnote(figure, " ".join([*notes, *_explanations(configs)]))
+        style.footnote(figure, " ".join([*notes, *_differences(configs), *_explanations(configs)]))
     return figure
 
 
@@ -175,6 +175,16 @@ def _share_scales(panels: Sequence[Axes]) -> None:
     high = max(axes.get_ylim()[1] for axes in panels)
     for axes in panels:
         axes.set_ylim(low, high)
+
+
+def _differences(configs: Sequence[HubConfig]) -> list[str]:
+    """What is not the same in both runs besides the schemes' tuning: a reader must know."""
+    one, other = configs
+    keys = ("seed", "record", "spectrum", "normalise", "band", "wave_direction", "sensors", "grid")
+    changed = [key for key in (*keys, "measures") if getattr(one, key) != getattr(other, key)]
+    if not changed:
+        return []
+    return [f"The two runs differ not only in their tuning: {', '.join(changed)}."]
 
 
 def _explanations(configs: Sequence[HubConfig]) -> list[str]:
