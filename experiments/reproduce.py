@@ -16,11 +16,12 @@ from owtsweep.studies.hub.figures import style, two_maps
 
 REPLICATES = sys.argv[1] if len(sys.argv) > 1 else "100"
 REFERENCE = Path("results/reference")
-#: Run -> its overrides. The third tells what tuning alone changes: matched on the reading's truth.
+#: Run -> its overrides. `matched_on_paper` has the truth of `paper`: only the tuning differs.
 RUNS = {
+    "default": ["grid.replicates=20"],
     "paper": ["experiment=paper", "tuning=paper"],
     "matched": ["tuning=matched"],
-    "matched_on_paper": ["experiment=matched_on_paper", "tuning=matched"],
+    "matched_on_paper": ["experiment=paper", "tuning=matched"],
 }
 KEPT = (
     "config.yaml", "manifest.json", "summary.csv", "best_scheme.csv", "trials.csv", "best.csv",
@@ -49,7 +50,7 @@ def keep(run: Path, name: str) -> None:
 step("sweep", "experiment=readings", "name=readings")
 keep(Path("results/readings"), "readings")
 for name, overrides in RUNS.items():
-    step("sweep", *overrides, f"name={name}", f"grid.replicates={REPLICATES}")
+    step("sweep", f"grid.replicates={REPLICATES}", *overrides, f"name={name}")
     step("figures", f"results/{name}")
     step("fidelity", f"results/{name}")
     keep(Path(f"results/{name}"), name)

@@ -107,7 +107,7 @@ VALUES = [
     ("band=[0.1,0.1]", "reversed or equal"),
     ("band=[0.1]", r"two edges in Hz, e.g. band=\[0.05,0.6\]"),
     ("band=[0,0.6]", "0 Hz must be"),
-    ("band=[0.05,51]", "51 Hz is beyond the Nyquist frequency 50 Hz"),
+    ("band=[0.05,51]", "51 Hz is not below the Nyquist frequency 50 Hz"),
     ("band=[0.05,0.05001]", None),
     ("band=[0.0501,0.0502]", "holds no line"),
     ("record.duration=0", "0 s must be a finite number above zero"),

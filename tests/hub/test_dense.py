@@ -17,6 +17,7 @@ pytestmark = pytest.mark.usefixtures("kernels")
 def test_mkf_is_the_least_squares_solution(model: str) -> None:
     config = configure(
         "record.duration=3",
+        "hme.mhe.smoother_window=null",
         "measures.settling_time=1",
         f"mkf.model={model}",
         "sensors.imu.rate=10",

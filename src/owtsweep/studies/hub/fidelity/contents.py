@@ -117,10 +117,10 @@ def _statements(findings: Findings) -> list[Block]:
         Paragraph(
             "A statement is reproduced where all its claims are, not reproduced where one is not, "
             "else undecided (or missing, where the run lacks what a claim needs). A claim is "
-            "reproduced or not where the paired t test, corrected by Holm, or the bootstrap interval "
-            "puts it wholly on one side. Definitions and thresholds were written down before any "
-            "run was judged by them; winners and boundaries of earlier prototypes were known. Of "
-            "each claim the comparison that is furthest from holding is shown."
+            "reproduced or not where the paired t test, corrected by Holm, or the bootstrap "
+            "interval puts it wholly on one side. Definitions and thresholds were written "
+            "down before any run was judged by them; winners and boundaries of earlier prototypes "
+            "were known. Of each claim the comparison that is furthest from holding is shown."
         ),
         Table(["", "the paper says", "verdict", "claims tested"], rows),
         *details,

@@ -3,10 +3,10 @@
 Definitions and thresholds were written down before any run was judged by them; winners and
 boundaries of earlier prototypes were known. (After the first look one edge of the inference was
 mended: a paired t test counts also where the ratio has no bounded interval.) A test's docstring is
-its definition; the report prints it. Common to all of them: the measure is the MSE in the run's window
-(`measures.window`), position = x + y, velocity = vx + vy, unless said otherwise; the quantity is a
-ratio of two means over the replicates that all schemes concerned finished; "below 1 in all cells"
-is tested in each cell by a paired t test and over the cells by Holm's correction
+its definition; the report prints it. Common to all of them: the measure is the MSE in the run's
+window (`measures.window`), position = x + y, velocity = vx + vy, unless said otherwise; the
+quantity is a ratio of two means over the replicates that all schemes concerned finished; "below 1
+in all cells" is tested in each cell by a paired t test and over the cells by Holm's correction
 (`fidelity.inference`); cells are those of the paper's grid, and a claim that lacks one of its cells
 can fall but not stand. Boundaries are bootstrapped over the replicates (`hub.boundary`).
 F9 and F11 concern time histories: `fidelity.history_statements`.
