@@ -96,7 +96,7 @@ class HubStudy:
         only: str | None = None,
         metadata: Mapping[str, str] | None = None,
     ) -> list[Path]:
-        """Figures 15-18 and tables 6-9."""
+        """All figures and tables of the paper that the run has the data for."""
         from owtsweep.studies.hub.figures import draw_all
 
         return draw_all(config, tables, rows, folder, only=only, metadata=metadata)
