@@ -34,7 +34,7 @@ test: $(INSTALLED_TEST)
 	$(VENV_PYTHON) -m ruff check .
 	$(VENV_PYTHON) -m ruff format --check .
 	$(VENV_PYTHON) -m mypy
-	$(VENV_PYTHON) -m pytest $(ARGS)
+	$(VENV_PYTHON) -m pytest --numprocesses 2 --dist worksteal $(ARGS)
 
 reproduce: $(INSTALLED_CALIBRATE)
 	$(VENV_PYTHON) experiments/reproduce.py $(ARGS)

@@ -71,8 +71,8 @@ def _through_hydra(job: Any, options: argparse.Namespace, folder: Path) -> None:
         "hydra.sweep.subdir=.",
         f"hydra.run.dir={folder}",
         "hydra.output_subdir=null",
-        "hydra/job_logging=disabled",
-        "hydra/hydra_logging=disabled",
+        "hydra/job_logging=none",
+        "hydra/hydra_logging=none",
     ]
     own = [o for o in options.overrides if not o.startswith("results=")]
     extra = ["--config-dir", options.config_dir] if options.config_dir else []
