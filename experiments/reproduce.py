@@ -26,6 +26,11 @@ RUNS = {
     "matched": ["tuning=matched"],
     "matched_on_paper": ["experiment=paper", "tuning=matched"],
 }
+#: The paper's reading with one thing changed, HME1 against HME2: what makes the map what it is.
+ABLATIONS = {
+    "paper_all_inputs": ["hme.mhe.inputs=all"],
+    "paper_same_variance": ["hme1.r_gnss.scale=0.303"],
+}
 TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
 ALL = (
     *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png", "figures/*.csv",
@@ -37,6 +42,7 @@ KEPT = {
     "paper": ALL,
     "matched": ALL,
     "matched_on_paper": (*TABLES, "figures/figure_18*.png"),
+    **{name: (*TABLES, "summary.csv", "figures/figure_18*.png") for name in ABLATIONS},
 }
 
 
@@ -78,6 +84,10 @@ for name, overrides in RUNS.items():
     step("sweep", f"grid.replicates={REPLICATES}", *overrides, f"name={name}")
     step("figures", f"results/{name}")
     step("fidelity", f"results/{name}")
+    keep(Path(f"results/{name}"), name)
+for name, overrides in ABLATIONS.items():
+    words = ["experiment=paper", "schemes=[HME1,HME2]", f"grid.replicates={REPLICATES}"]
+    step("sweep", *words, *overrides, f"name={name}")
     keep(Path(f"results/{name}"), name)
 paper, matched = (owtsweep.load(f"results/{name}") for name in ("paper", "matched_on_paper"))
 figure = two_maps.draw(paper, matched)
