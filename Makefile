@@ -1,4 +1,4 @@
-# Two commands, each alone on a fresh clone: `make sweep` and `make test`.
+# Each alone on a fresh clone: `make sweep`, `make test`, `make reproduce`.
 # They make .venv, install what they need once, and run.
 
 PYTHON ?= python3

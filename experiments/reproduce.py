@@ -42,7 +42,7 @@ KEPT = {
     "paper": ALL,
     "matched": ALL,
     "matched_on_paper": (*TABLES, "figures/figure_18*.png"),
-    **{name: (*TABLES, "summary.csv", "figures/figure_18*.png") for name in ABLATIONS},
+    **dict.fromkeys(ABLATIONS, (*TABLES, "summary.csv", "figures/figure_18*.png")),
 }
 
 

@@ -181,7 +181,7 @@ def test_a_users_scheme_that_fails_takes_nothing_else_down(how, capsys):
     assert main(["sweep", *SMALL, target, "compute.backend=threading"]) == 1
     err = capsys.readouterr().err
     assert f"broken by {how}" in err
-    assert "the same command tries them again" in err
+    assert "the same command tries again" in err
     cases = owtsweep.load(only_run()).cases()
     failed = cases[cases.status == "failed"]
     assert set(failed.scheme) == {f"broken by {how}"}
@@ -226,3 +226,62 @@ def test_python_interface_reads_back_what_it_ran():
     assert again.config == run.config
     pd.testing.assert_frame_equal(again.cases(), run.cases())
     pd.testing.assert_frame_equal(again.summary(), run.summary())
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["-m", "grid.replicates=1,2"], "share the run folder"),
+        (["-m", "name=x", "sensors.gnss.delay=0.1,0.2"], "share the run folder"),
+        (["-m", "results=a,b", "seed=1"], "results"),
+        (["-m", "hydra/launcher=nowhere", "seed=1,2"], "launcher"),
+        (["sensors.gnss.delay=0.1,0.2"], "--multirun"),
+        (["results="], "results"),
+        (["schemes=[MKF,{_target_:sys.exit}]"], "sys.exit"),
+    ],
+)
+def test_slips_with_several_runs_are_refused(words, says, capsys):
+    assert main(["sweep", *SMALL, *words]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1
+    assert says in err
+    assert not any(Path().iterdir())
+
+
+def test_a_folder_named_by_the_user_keeps_one_run(capsys):
+    words = ["sweep", *SMALL, "schemes=[MKF]", "name=mine"]
+    assert main(words) == 0
+    assert main([*words, "sensors.gnss.sigma=0.05"]) == 2
+    assert "other settings" in capsys.readouterr().err
+    assert main([*words, "grid.amplitude=[0.2,1.0,3.0]"]) == 0
+    assert main([*words, "sensors.gnss.sigma=0.05", "--fresh", "--yes"]) == 0
+
+
+def test_failed_cases_are_counted_at_every_amplitude(capsys):
+    target = "schemes=[MKF,{_target_:user_schemes.Broken,how:raising}]"
+    assert main(["sweep", *SMALL, target, "compute.backend=threading"]) == 1
+    out, err = capsys.readouterr()
+    assert "4 cases failed" in err
+    assert out.startswith("4 cases computed")
+
+
+@pytest.mark.parametrize("name", ["manifest.json", "config.yaml"])
+@pytest.mark.parametrize("text", ["{bad", "[1]", "just text", "\x00\xff"])
+def test_damaged_files_of_a_run_give_one_line(name, text, capsys):
+    main(["sweep", *SMALL, "schemes=[MKF]"])
+    capsys.readouterr()
+    (only_run() / name).write_text(text)
+    command = "show" if name == "manifest.json" else "figures"
+    assert main([command, str(next(Path("results").iterdir()))]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1
+    assert name in err
+
+
+def test_figures_need_a_case_that_succeeded(capsys):
+    target = "schemes=[{_target_:user_schemes.Broken,how:raising}]"
+    main(["sweep", *SMALL, target, "compute.backend=threading"])
+    capsys.readouterr()
+    assert main(["figures", str(only_run())]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert not (only_run() / "figures").exists()

@@ -63,6 +63,7 @@ class Config:
             self.compute.workers >= 0,
             f"compute.workers: {self.compute.workers} is negative; use 0 for all cores",
         )
+        require(self.results.strip() != "", "results: it is empty; name a folder, e.g. results")
         require(self.seed >= 0, f"seed: {self.seed} is negative; use an integer >= 0")
         require(
             self.config_version == CONFIG_VERSION,
@@ -154,7 +155,7 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Config:
         wrong = [o for o in overrides if o.split("=")[0] in groups] or list(overrides)
         raise InputError(f"{wrong[0]}: this is a config group; name one of its options") from error
     except (HydraException, OmegaConfBaseException) as error:
-        raise InputError(_one_line(error)) from error
+        raise InputError(one_line(error)) from error
     return from_mapping(composed)
 
 
@@ -175,7 +176,7 @@ def from_mapping(mapping: Any) -> Config:
         loaded = mapping if OmegaConf.is_config(mapping) else OmegaConf.create(dict(mapping))
         plain = OmegaConf.to_container(loaded, resolve=True)
     except OmegaConfBaseException as error:
-        raise InputError(_one_line(error)) from error
+        raise InputError(one_line(error)) from error
     if not isinstance(plain, dict):
         raise InputError("config: this is a list, not a mapping of keys")
     study = get_study(str(plain.get("study", "hub")))
@@ -262,7 +263,7 @@ def _unknown_key(key: str, known: Sequence[str]) -> str:
     return f"{key}: there is no such key; {hint}"
 
 
-def _one_line(error: Exception) -> str:
+def one_line(error: Exception) -> str:
     """Hydra's and OmegaConf's messages span lines; keep what names the argument and the fault."""
     text = str(error)
     full_key = getattr(error, "full_key", None)
@@ -272,7 +273,11 @@ def _one_line(error: Exception) -> str:
         from owtsweep.studies import get_study
 
         return _unknown_key(unknown.group(1), _keys(get_study("hub").config_type()))
-    group = re.search(r"In '[^']*': Could not find '([\w-]+)/([^']+)'", text)
+    if text.startswith("Ambiguous value"):
+        key = re.search(r"argument '([^=']+)=", text)
+        name = key.group(1) if key else "override"
+        return f"{name}: several values need --multirun, or [...] where the key takes a list"
+    group = re.search(r"In '[^']*': Could not find '([\w-]+)/([^']*)'", text)
     if group is None:
         group = re.search(r"Could not (?:find|load) '?([\w-]+)/([^'.\s]+)", text)
     if group:
@@ -316,8 +321,12 @@ def load(path: Path) -> Config:
     try:
         loaded = OmegaConf.load(path)
     except Exception as error:  # the YAML library's own errors have no common, typed base
-        raise InputError(f"{path}: cannot be read as a configuration ({error})") from error
-    return from_mapping(loaded)
+        text = " ".join(str(error).split())
+        raise InputError(f"{path}: cannot be read as a configuration ({text})") from error
+    try:
+        return from_mapping(loaded)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
 
 
 def _plain(value: Any) -> Any:

@@ -78,7 +78,7 @@ def test_cases_are_sorted_and_missing_ones_are_told(study, config, caplog):
     next(run.store.cases.glob("part-*")).unlink()
     with caplog.at_level(logging.WARNING):
         assert len(run.cases()) == 6
-    assert "1 blocks of the plan are missing" in caplog.text
+    assert "of the plan's blocks 1 are missing" in caplog.text
 
 
 def test_manifest_says_what_made_the_run(faulty, config):

@@ -18,7 +18,12 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     opened = load(options.run)
     path = opened.folder / "manifest.json"
     require(path.is_file(), f"{opened.folder}: there is no manifest.json in it; run its sweep")
-    _print(json.loads(path.read_text(encoding="utf-8")), 0)
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError:
+        manifest = None
+    require(isinstance(manifest, dict), f"{path}: this is no manifest; run its sweep again")
+    _print(manifest, 0)
     return DONE
 
 

@@ -71,6 +71,7 @@ def tell(outcome: Outcome) -> None:
         print(f"failed: {failure.label}: {failure.reason}", file=sys.stderr)
     if outcome.failed:
         cases = sum(failure.cases for failure in outcome.failed)
-        print(f"{cases} cases failed; the same command tries them again", file=sys.stderr)
+        plural = "case" if cases == 1 else "cases"
+        print(f"{cases} {plural} failed; the same command tries again", file=sys.stderr)
     reused = f", {outcome.reused} were there" if outcome.reused else ""
     print(f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: {run.folder}/")

@@ -99,7 +99,8 @@ def printed(natural_period: float) -> Spectrum:
     if spectrum.peak_margin <= 1e-12:
         raise InputError(
             f"spectrum=printed has no finite peak at {natural_period:g} s (2 sqrt(c) + b = "
-            f"{spectrum.peak_margin:.2g}): use spectrum=translated"
+            f"{spectrum.peak_margin:.2g}): use spectrum=translated, or "
+            "grid.natural_period=[6,7,8]"
         )
     return spectrum
 

@@ -37,12 +37,15 @@ class Block:
         block's key, so two blocks with equal content are the same block.
     cases
         How many cases it holds, for progress.
+    cases_per_row
+        How many cases a row stands for; a failed row fails as many.
     """
 
     group: str
     label: str
     content: Mapping[str, Any]
     cases: int
+    cases_per_row: int = 1
 
 
 class Study(Protocol):

@@ -137,7 +137,7 @@ def run_task(
             computed += block.cases - sum(failure.cases for failure in failed)
             if stop is not None and stop.is_set():
                 break
-    except Exception as error:
+    except (Exception, SystemExit) as error:  # a study's code that exits must not end the sweep
         reason = _reason(error)
         details = traceback.format_exc()
     failures += [Failure(block.label, reason, block.cases) for block in left.values()]
@@ -145,9 +145,10 @@ def run_task(
 
 
 def _failures(block: Block, rows: pd.DataFrame) -> list[Failure]:
-    """The failed cases of a stored block by reason; each failed case is one row."""
+    """The failed cases of a stored block by reason."""
     reasons = rows.loc[rows["status"] == FAILED, "reason"].fillna("no reason given").value_counts()
-    return [Failure(block.label, str(reason), int(cases)) for reason, cases in reasons.items()]
+    each = block.cases_per_row
+    return [Failure(block.label, str(reason), each * int(n)) for reason, n in reasons.items()]
 
 
 def _reason(error: BaseException) -> str:

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config import Config, dump, require
+from owtsweep.config import Config, dump, load, require
 from owtsweep.studies.base import OK, Study
 from owtsweep.sweep.execute import Executor, Failure
 from owtsweep.sweep.files import check_writable, unwritable, write_atomically
-from owtsweep.sweep.keys import run_folder
+from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.log import run_log
 from owtsweep.sweep.plan import Plan, count_cases, make_plan, tasks
 from owtsweep.sweep.progress import Progress, SilentProgress
@@ -103,6 +103,11 @@ def sweep(
 def _prepare(run: Run, *, fresh: bool) -> None:
     for folder in (run.folder, run.store.cases):
         check_writable(folder)
+    for name in ("config.yaml", "manifest.json", "run.log"):
+        path = run.folder / name
+        require(not path.is_dir(), f"{path}: this is a folder where a file belongs; move it away")
+    if run.config.name is not None and not fresh:
+        _require_same_run(run)
     try:
         run.store.cases.mkdir(parents=True, exist_ok=True)
         if fresh:
@@ -110,6 +115,18 @@ def _prepare(run: Run, *, fresh: bool) -> None:
         write_atomically(run.folder / "config.yaml", dump(run.config))
     except OSError as error:
         raise unwritable(run.folder, error) from error
+
+
+def _require_same_run(run: Run) -> None:
+    """A folder named by the user must not mix two runs' tables."""
+    path = run.folder / "config.yaml"
+    if path.is_file():
+        other = run_hash(load(path))
+        require(
+            other == run.hash,
+            f"name: {run.folder} holds a run with other settings; choose another name, or add "
+            "--fresh to replace it",
+        )
 
 
 def _sweep(run: Run, plan: Plan, progress: Progress, argv: Sequence[str] | None) -> Outcome:

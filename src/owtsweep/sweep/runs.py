@@ -11,7 +11,7 @@ from owtsweep import config as configuration
 from owtsweep import studies
 from owtsweep.config import Config, require
 from owtsweep.errors import InputError
-from owtsweep.studies.base import Study
+from owtsweep.studies.base import OK, Study
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.store import Store
@@ -67,7 +67,11 @@ class Run:
                 f"{self.folder}: all {missing} blocks are missing; run the sweep that makes them"
             )
         if missing:
-            logger.warning("%s: %d blocks of the plan are missing", self.folder, missing)
+            logger.warning(
+                "%s: of the plan's blocks %d are missing; run its sweep again to compute them",
+                self.folder,
+                missing,
+            )
         return rows
 
     def stored(self) -> tuple[pd.DataFrame | None, int]:
@@ -108,11 +112,14 @@ class Run:
         """
         folder = self.folder / "figures"
         rows = self.cases()
+        require(
+            bool((rows["status"] == OK).any()),
+            f"{self.folder}: no case has succeeded, so there is nothing to draw; see its run.log",
+        )
+        tables = self.study.aggregate(self.config, rows)  # of these rows, whatever the files say
         folder.mkdir(exist_ok=True)
         metadata = {"run": self.hash, "folder": self.folder.name}
-        return self.study.draw(
-            self.config, self.tables(), rows, folder, only=only, metadata=metadata
-        )
+        return self.study.draw(self.config, tables, rows, folder, only=only, metadata=metadata)
 
     def summary(self) -> pd.DataFrame:
         """Means and intervals over the replicates: `summary.csv`."""

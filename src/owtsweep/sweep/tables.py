@@ -42,7 +42,10 @@ def read_table(folder: Path, name: str) -> pd.DataFrame:
     # Not pandas.read_csv: before pandas 3.1 it is off by one in the last bit unless told not to be,
     # and by default it reads a scheme called "NA" as a missing one.
     options = csv.ConvertOptions(null_values=[""], strings_can_be_null=False)
-    table = csv.read_csv(path, convert_options=options)
+    try:
+        table = csv.read_csv(path, convert_options=options)
+    except (pa.ArrowException, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: this is no table; run its sweep again") from error
     empty = [field.name for field in table.schema if pa.types.is_null(field.type)]
     frame: pd.DataFrame = table.to_pandas()
     return frame.astype(dict.fromkeys(empty, float))

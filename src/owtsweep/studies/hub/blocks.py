@@ -35,7 +35,8 @@ def plan(config: HubConfig) -> list[Block]:
         for first in range(0, config.grid.replicates, REPLICATES_PER_BLOCK):
             last = min(first + REPLICATES_PER_BLOCK, config.grid.replicates)
             replicates = list(range(first, last))
-            group = f"{period:g} s, replicates {first}-{last - 1}"
+            numbers = f"replicates {first}-{last - 1}" if last - first > 1 else f"replicate {first}"
+            group = f"{period:g} s, {numbers}"
             for entry, scheme in zip(config.schemes, schemes, strict=True):
                 own = {**shared, **_scheme_content(config, entry, scheme)}
                 amplitudes = [None] if _superposes(config, scheme) else config.grid.amplitude
@@ -45,10 +46,9 @@ def plan(config: HubConfig) -> list[Block]:
                     if amplitude is not None:
                         content["amplitude"] = float(amplitude)
                         label += f", {amplitude:g} m"
-                    cases = len(replicates) * (
-                        len(config.grid.amplitude) if amplitude is None else 1
-                    )
-                    blocks.append(Block(group, label, content, cases))
+                    per_row = len(config.grid.amplitude) if amplitude is None else 1
+                    cases = len(replicates) * per_row
+                    blocks.append(Block(group, label, content, cases, per_row))
     return blocks
 
 
@@ -169,7 +169,7 @@ def _by_loop(
         try:
             for measured in _looped(config, scheme, records, settled, amplitude, index):
                 yield measures.row(period, replicate, scheme.name, measured, amplitude)
-        except Exception as error:  # whatever a user's scheme raises: the rest goes on
+        except (Exception, SystemExit) as error:  # whatever a user's scheme does: the rest goes on
             reason = " ".join(f"{type(error).__name__}: {error}".split())
             yield measures.failed_row(period, replicate, scheme.name, reason, amplitude)
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.contract import Estimator, Sensors
+from owtsweep.studies.hub.contract import Estimate, Estimator, Sensors
 from owtsweep.studies.hub.sensors import Measurements
 
 
@@ -44,6 +44,8 @@ def run_estimator(estimator: Estimator, measurements: Measurements, sensors: Sen
     for k in range(steps):
         fix = measurements.fixes[k // M] if k % M == 0 else None
         estimate = estimator.update(measurements.specific_force[k], fix)
+        if not isinstance(estimate, Estimate):
+            raise TypeError(f"update gave a {type(estimate).__name__}, not an owtsweep.Estimate")
         state[k, :2] = _vector(estimate.position, "position", k)
         state[k, 2:] = _vector(estimate.velocity, "velocity", k)
         if estimate.covariance is not None:

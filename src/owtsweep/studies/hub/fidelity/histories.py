@@ -23,7 +23,7 @@ NATURAL_PERIOD = 3.8
 #: Section 5.2 does not print its amplitude (m). It finds HME1 better in position, so by Fig. 15 it
 #: lies above .3 m; .5 m is the smallest amplitude of section 5.3 that does.
 AMPLITUDE = 0.5
-#: "The error of the velocity estimate is within 0.05 m/s", m/s.
+#: The bound of F9 on the velocity error, m/s.
 VELOCITY_BOUND = 0.05
 SCHEMES = ("HME1", "HME2")
 MOST_REPLICATES = 20

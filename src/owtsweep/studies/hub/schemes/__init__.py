@@ -74,7 +74,7 @@ def _instantiate(entry: Mapping[str, Any]) -> Scheme:
     arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
     try:
         scheme = getattr(import_module(module_name), class_name)(**arguments)
-    except Exception as error:  # whatever a user's module raises while it loads
+    except (Exception, SystemExit) as error:  # whatever a user's module does while it loads
         text = " ".join(f"{type(error).__name__}: {error}".split())
         raise InputError(
             f"schemes: {target} cannot be made ({text}); it must be importable from here "
