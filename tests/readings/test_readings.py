@@ -123,7 +123,11 @@ def test_it_runs_like_every_study_and_draws_its_trail(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(
     ("change", "says"),
-    [({"kind": "guess"}, "published, settled"), ({"tuning": "mached"}, "matched")],
+    [
+        ({"kind": "guess"}, "published, settled"),
+        ({"tuning": "mached"}, "matched"),
+        ({"kind": "published", "truths": ["1000"]}, "1000s_walk1e-4"),
+    ],
 )
 def test_bad_targets_are_refused_before_anything_runs(change, says):
     with pytest.raises(InputError, match=says):

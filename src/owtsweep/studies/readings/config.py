@@ -18,9 +18,9 @@ class Calibration:
     targets
         Name -> `kind` ("published": the distance from the paper's numbers; "settled": the settled
         position MSE, its geometric mean over the grid, under `truth`), `schemes` judged, `tuning`
-        to start from, `parameters` and `start` (their values in the first trial). A parameter is a
-        key, or keys joined by "+" that share one value, with [low, high, log | linear | int] or a
-        list of options {options: [...]}.
+        to start from, `parameters`, `start` (their values in the first trial), and `truths` (all by
+        default). A parameter is a key, or keys joined by "+" that share one value, with
+        [low, high, log | linear | int] or a list of options {options: [...]}.
     truths
         Name -> overrides (sensor truth, record length, normalisation) under which "published"
         targets are searched, each on its own.

@@ -47,7 +47,7 @@ def plan(config: ReadingsConfig) -> list[Block]:
             f"calibration.targets.{name}.kind: {kind!r} is none of {', '.join(KINDS)}",
         )
         values = fixed_values(target, config.tuning)
-        truths = calibration.truths if kind == "published" else {"own": target.get("truth", {})}
+        truths = _truths(name, target, calibration.truths)
         for truth, own in truths.items():
             with_values(config, {**values, **own})  # an unknown key is refused before anything runs
             for seed in calibration.sampler_seeds:
@@ -64,6 +64,21 @@ def plan(config: ReadingsConfig) -> list[Block]:
                 }
                 blocks.append(Block(label, label, content, calibration.trials))
     return blocks
+
+
+def _truths(
+    name: str, target: Mapping[str, Any], known: Mapping[str, Any]
+) -> Mapping[str, Mapping[str, Any]]:
+    """The truths under which a target is searched: all, those it names, or its own."""
+    if target["kind"] == "settled":
+        return {"own": target.get("truth", {})}
+    wanted = target.get("truths", list(known))
+    for truth in wanted:
+        require(
+            truth in known,
+            f"calibration.targets.{name}.truths: there is no {truth!r}; use {', '.join(known)}",
+        )
+    return {truth: known[truth] for truth in wanted}
 
 
 def tuning_values(name: str) -> dict[str, Any]:
