@@ -1,6 +1,6 @@
 """How far a reading is from the print: one number, and what it is made of.
 
-The score is written down before any search: the mean absolute log2 ratio of reproduced to published
+The score, fixed before the recorded search: the mean absolute log2 ratio of reproduced to published
 over the 64 numbers of tables 6-9 (Table 7's misprint judged at 1.98e-3), plus
 `WINNER_PENALTY` for each of the four tables whose winner by position (x + y) is another one, plus
 `BOUNDARY_WEIGHT` times the absolute log2 ratio of the HME1/HME2 boundary to .3 m at 4 s and 1 m at
