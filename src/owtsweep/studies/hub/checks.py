@@ -197,7 +197,12 @@ def _check_record(config: HubConfig) -> None:
 def _check_spectrum(config: HubConfig) -> None:
     positive("spectrum.bandwidth", config.spectrum.bandwidth, "s^-2")
     for period in config.grid.natural_period:
-        spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+        peak = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth).peak_frequency
+        require(
+            config.band[0] <= peak <= config.band[1],
+            f"grid.natural_period: {period:g} s has its peak at {peak:.3g} Hz, outside band "
+            f"[{config.band[0]:g}, {config.band[1]:g}] Hz; widen band, or choose another period",
+        )
 
 
 def _check_variance(key: str, rule: Variance) -> None:
