@@ -118,31 +118,24 @@ def _run(
     consistency: bool = True,
 ) -> Sums:
     from owtsweep.studies.hub.kernels import sums as kernel
-    from owtsweep.studies.hub.kernels.chain import chain_chunk
 
-    steps, width = force.shape
+    steps = len(force)
     replicates = len(lanes.records.replicates)
-    chunk, memory = _new_chunk(chain, width)
     products = np.zeros((2, 6, 3, replicates))
     weight = 1.0 / chain.gains.innovation_variance
     precision = chain.precision if consistency else np.zeros((chain.gains.rows, 3))
-    zeros = np.zeros(width)
     amplitude, keep = direct or (1.0, False)
     squared = np.empty((steps if keep else 0, replicates))
     truth = (lanes.position, lanes.velocity)
     common = (
         lanes.records.direction * amplitude, precision, weight, chain.gains.fresh,
-        chain.gains.cycle, memory, products,
+        chain.gains.cycle,
     )  # fmt: skip
-    for k0 in range(0, steps, chunk):
-        count = min(chunk, steps - k0)
-        chain_chunk(
-            k0, count, force, fixes, zeros, chain.filter, chain.predictor, chain.mhe, memory
-        )
+    for k0, count, memory in chunks(chain, force, fixes):
         if direct is None:
-            kernel.superposed(k0, count, settled, *truth, *common)
+            kernel.superposed(k0, count, settled, *truth, *common, memory, products)
         else:
-            kernel.direct(k0, count, settled, *truth, *common, squared)
+            kernel.direct(k0, count, settled, *truth, *common, memory, products, squared)
     fresh = chain.gains.fresh[chain.gains.row(np.arange(steps))]
     late = int(np.count_nonzero(fresh[settled:]))
     return Sums(
