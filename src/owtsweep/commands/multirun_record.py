@@ -14,10 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep.cli import BAD_INPUT, DONE, FAILED
+from owtsweep.sweep.compare import MULTIRUN as RECORD
 from owtsweep.sweep.files import write_atomically
 
-#: What `compare` reads.
-RECORD = "multirun.json"
 OUTCOMES = ".outcomes"
 VERSION = 1
 

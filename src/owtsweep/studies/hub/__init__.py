@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
+    from owtsweep.studies.comparison import Comparison, Findings
     from owtsweep.studies.hub.config import HubConfig
 
 __all__ = ["HubStudy"]
@@ -100,6 +101,14 @@ class HubStudy:
         from owtsweep.studies.hub.figures import draw_all
 
         return draw_all(config, tables, rows, folder, only=only, metadata=metadata)
+
+    def compare(
+        self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
+    ) -> Findings:
+        """How map, boundary and errors move between runs."""
+        from owtsweep.studies.hub.comparing import compare
+
+        return compare(comparison, folder, metadata=metadata)
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:
