@@ -42,6 +42,24 @@ def test_the_record_names_the_runs_in_order_with_their_values():
     }
 
 
+def test_a_multirun_can_be_compared(capsys):
+    words = ["sweep", "-m", *SMALL[:-1], "schemes=[MKF,HME1]", "sensors.gnss.delay=0.4,0.2"]
+    assert main(words) == 0
+    folder, _ = record()
+    capsys.readouterr()
+    assert main(["compare", str(folder)]) == 0
+    out = capsys.readouterr().out
+    assert [line.split()[0] for line in out.splitlines()[:3]] == [
+        "sensors.gnss.delay",
+        "0.2",
+        "0.4",
+    ]
+    assert {"comparison.md", "runs.csv", "changed_cells.csv", "best_scheme_maps.png"} <= {
+        path.name for path in (folder / "comparison").iterdir()
+    }
+    assert main(words) == 0  # the comparison is in nobody's way
+
+
 def test_failed_runs_are_listed_with_the_command_that_retries_just_them(capsys):
     broken = "schemes=[MKF,{_target_:user_schemes.Broken,how:raising}]"
     words = ["sweep", "-m", *SMALL[:-1], DELAYS, broken, "compute.backend=threading"]

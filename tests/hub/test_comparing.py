@@ -186,6 +186,8 @@ def test_pairing_counts_only_what_both_have_and_little_data_claims_nothing():
     assert found.p[1:].tolist() == [1.0, 1.0]
     assert np.isnan(found.low[1:]).all()
     assert ratio(one, other, paired=True).value[0] == pytest.approx(2.0)
+    thrice = ratio(one, 3.0 * one, paired=True)  # no noise is left in a ratio of equals
+    assert (thrice.low[0], thrice.high[0]) == pytest.approx((3.0, 3.0), rel=1e-9)
     same = gap(np.array([[0.0, 0.0], [1.0, 1.0]]))
     assert same.p.tolist() == [1.0, 0.0]
 

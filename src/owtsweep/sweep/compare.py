@@ -77,7 +77,8 @@ def compare(paths: Sequence[str]) -> Compared:
     overview = _overview(comparison, findings)
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in findings.tables.items():
-        write_table(folder, name, table)
+        if len(table.columns):  # a file without columns could not be read back
+            write_table(folder, name, table)
     write_atomically(folder / "comparison.md", _report(comparison, findings, overview, every_note))
     return Compared(folder, findings, overview, every_note)
 

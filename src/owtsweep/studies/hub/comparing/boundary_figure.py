@@ -32,7 +32,7 @@ def draw(boundaries: pd.DataFrame, comparison: Comparison, *, subtitle: str) -> 
     subtitle
         What is judged.
     """
-    from matplotlib.ticker import FuncFormatter, LogLocator
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
     keys = comparison.keys
     across = ranks([run.values[keys[0]] for run in comparison.runs])
@@ -48,13 +48,21 @@ def draw(boundaries: pd.DataFrame, comparison: Comparison, *, subtitle: str) -> 
         figure = style.new_figure(max(6.8, min(1.0 + 3.4 * count, 16.0)), 4.9)
         grid = figure.subplots(1, count, squeeze=False, sharey=True, sharex=True)[0]
         periods = sorted(set(boundaries["natural_period"]))
+        ends = boundaries[["boundary", "ci_low", "ci_high"]].to_numpy(dtype=float)
+        ends = ends[np.isfinite(ends) & (ends > 0.0)]
+        narrow = bool(ends.max() < 8.0 * ends.min())  # too few round values on a log scale
+        numeric = all(isinstance(run.values[keys[0]], int | float) for run in comparison.runs)
         for axes, group in zip(grid, groups, strict=True):
-            _panel(axes, boundaries, {i: across[i] for i in group}, periods)
+            _panel(axes, boundaries, {i: across[i] for i in group}, periods, joined=numeric)
             axes.set_yscale("log")
-            axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.yaxis.set_major_locator(
+                MaxNLocator(6) if narrow else LogLocator(subs=(1.0, 2.0, 5.0))
+            )
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
-            _say_why_empty(axes, boundaries[boundaries["index"].isin(group)])
+            _say_why_empty(
+                axes, boundaries[boundaries["index"].isin(group)], {i: across[i] for i in group}
+            )
             axes.set_xticks(range(len(labels)), [labels[i] for i in range(len(labels))])
             axes.set_xlim(-0.5, len(labels) - 0.5)
             axes.set_xlabel(keys[0])
@@ -78,7 +86,12 @@ def draw(boundaries: pd.DataFrame, comparison: Comparison, *, subtitle: str) -> 
 
 
 def _panel(
-    axes: Axes, boundaries: pd.DataFrame, places: dict[int, int], periods: Sequence[float]
+    axes: Axes,
+    boundaries: pd.DataFrame,
+    places: dict[int, int],
+    periods: Sequence[float],
+    *,
+    joined: bool,
 ) -> None:
     import matplotlib as mpl
 
@@ -103,19 +116,35 @@ def _panel(
                 # A lower end of 0 has no place on a logarithmic axis: down to a hundredth.
                 axes.vlines(x[-1], max(low, 0.01 * value), high, linewidth=1.2, **look)
         axes.plot(
-            x, line, linewidth=1.4, marker=MARKERS[number % len(MARKERS)], markersize=5,
+            x, line, linewidth=1.4, linestyle="-" if joined else "none",
+            marker=MARKERS[number % len(MARKERS)], markersize=5,
             label=f"{period:g} s", **look,
         )  # fmt: skip
 
 
-def _say_why_empty(axes: Axes, found: pd.DataFrame) -> None:
-    if (found["wins"] == "").any():
+def _say_why_empty(axes: Axes, found: pd.DataFrame, places: dict[int, int]) -> None:
+    """Where no natural period has a boundary, say so; one message if that is the whole panel."""
+    if not (found["wins"] == "").any():
+        text = f"no boundary:\n{_why(found)}"
+        axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", fontsize=9)
         return
+    for index, place in places.items():
+        own = found[found["index"] == index]
+        if not (own["wins"] == "").any():
+            text = "no boundary:\n" + _why(own).replace(" at ", "\nat ")
+            axes.text(place, 0.5, text, transform=axes.get_xaxis_transform(), ha="center",
+                      va="center", fontsize=8)  # fmt: skip
+
+
+def _why(found: pd.DataFrame) -> str:
     winners = sorted(set(found["wins"]))
-    why = "not known" if not winners else f"{' or '.join(winners)} is better at every amplitude"
+    if not winners:
+        return "not known"
     if "neither" in winners:
-        why = "they do not change places once"
-    axes.text(0.5, 0.5, f"no boundary:\n{why}", transform=axes.transAxes, ha="center", fontsize=9)
+        return "they do not change places once"
+    if len(winners) > 1:
+        return "one is better at every amplitude"
+    return f"{winners[0]} is better at every amplitude"
 
 
 def _explanation(boundaries: pd.DataFrame) -> str:

@@ -59,7 +59,7 @@ def draw(
             for column, (index, title) in enumerate(zip(indices, titles, strict=True)):
                 axes = grid[row][column]
                 if index is None:
-                    _nothing(axes)
+                    _nothing(axes, "no run" if len(panels.titles[0][0].splitlines()) > 1 else "")
                     continue
                 cells = best[index].to_dict("records")
                 draw_cells(
@@ -71,6 +71,10 @@ def draw(
                 hatched |= not all(cell["distinguishable"] for cell in cells)
                 hole |= len(cells) < len(shared.cells)
                 line |= _boundary(axes, boundaries[boundaries["index"] == index], shared)
+        for row, indices in enumerate(panels.runs):  # beside an empty panel, likewise
+            leftmost = next(c for c, index in enumerate(indices) if index is not None)
+            grid[row][leftmost].tick_params(labelleft=True)
+            grid[row][leftmost].set_ylabel("motion amplitude (m)")
         for column in range(columns):  # below an empty panel the axis would have no labels
             _label_lowest([grid[row][column] for row in range(rows)], panels, column)
         handles: list[Any] = [
@@ -98,8 +102,9 @@ def draw(
     return figure
 
 
-def _nothing(axes: Axes) -> None:
-    axes.set_visible(False)
+def _nothing(axes: Axes, text: str) -> None:
+    axes.set_axis_off()
+    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", color="0.4")
 
 
 def _label_lowest(column: Sequence[Axes], panels: Panels, number: int) -> None:
