@@ -40,6 +40,8 @@ from owtsweep.sweep.keys import run_folder
 
 logger = logging.getLogger(__name__)
 
+NOT_FINISHED = "not finished"
+
 
 def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Check every combination first, then run them all, whatever becomes of one.
@@ -120,7 +122,7 @@ def _tell(
             run.folder,
             run.overrides,
             FAILED,
-            "not finished" if stopped else "its process ended without a word; see its run.log",
+            NOT_FINISHED if stopped else "its process ended without a word; see its run.log",
         )
         outcomes.append(noted.pop(run.folder, silent))
     outcomes += noted.values()  # runs of another sweeper, which cannot be foreseen
@@ -128,12 +130,15 @@ def _tell(
     if stopped:
         print(f"{len(outcomes) - len(bad)} of {len(outcomes)} runs done: {folder}/")
     for outcome in bad:
+        if outcome.reason == NOT_FINISHED:  # the same command goes on with all of them
+            print(f"{NOT_FINISHED}: {outcome.folder}", file=sys.stderr)
+            continue
         extra = ["--config-dir", options.config_dir] if options.config_dir else []
         command = shlex.join(["sweep", *extra, *outcome.overrides, f"results={folder}"])
         print(f"failed: {outcome.folder}: {outcome.reason}", file=sys.stderr)
         print(f"  retry: {PROGRAM} {command}", file=sys.stderr)
-    if bad:
-        print(f"{len(bad)} of {len(outcomes)} runs failed or are not finished", file=sys.stderr)
+    if bad and not stopped:
+        print(f"{len(bad)} of {len(outcomes)} runs failed", file=sys.stderr)
     return outcomes
 
 
