@@ -157,7 +157,7 @@ def _sweep(run: Run, plan: Plan, progress: Progress, argv: Sequence[str] | None)
                 if result.details:
                     logger.info("%s", result.details)
                 progress.advance(result.computed + sum(fail.cases for fail in result.failures))
-        results = _aggregate(run)
+        answer = _aggregate(run)
         state = "incomplete" if failed else "done"
     except KeyboardInterrupt:
         state = "interrupted"
@@ -178,7 +178,7 @@ def _sweep(run: Run, plan: Plan, progress: Progress, argv: Sequence[str] | None)
                 failed=failures,
             ),
         )
-    return Outcome(run, computed, reused, failed, seconds, results)
+    return Outcome(run, computed, reused, failed, seconds, answer)
 
 
 def _executor(run: Run) -> Executor:
