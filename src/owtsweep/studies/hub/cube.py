@@ -144,25 +144,25 @@ class Cube:
         used = superposed | direct
         labels: dict[str, list[Any]] = {
             "scheme": list(schemes),
-            "measure": sorted(set(rows["measure"][used]), key=_measure_order),
-            "window": sorted(set(rows["window"][used])),
+            "measure": sorted(_of(rows, "measure", used).unique(), key=_measure_order),
+            "window": sorted(_of(rows, "window", used).unique()),
             "amplitude": np.unique(
-                amplitudes if superposed.any() else rows["amplitude"].to_numpy(float)[direct]
+                amplitudes if superposed.any() else _of(rows, "amplitude", direct)
             ).tolist(),
         }
         for name in ("natural_period", "replicate"):
-            labels[name] = np.unique(rows[name].to_numpy()[used]).tolist()
+            labels[name] = np.unique(_of(rows, name, used)).tolist()
         per_record = [name for name in _GRID if name != "amplitude"]
         products = values = None
         if superposed.any():
             place, shape = _places(rows, superposed, labels, per_record)
             products = np.full((len(PRODUCTS), *shape), np.nan)
             for part, name in zip(products, PRODUCTS, strict=True):
-                part.reshape(-1)[place] = rows[name].to_numpy(dtype=float)[superposed]
+                part.reshape(-1)[place] = _of(rows, name, superposed)
         if direct.any():
             place, shape = _places(rows, direct, labels, _GRID)
             values = np.full(shape, np.nan)
-            values.reshape(-1)[place] = rows["value"].to_numpy(dtype=float)[direct]
+            values.reshape(-1)[place] = _of(rows, "value", direct)
         if products is not None and values is not None:
             both = np.isfinite(products[0])[:, :, np.newaxis] & np.isfinite(values)
             _require_once(not both.any())
@@ -188,11 +188,11 @@ def _places(
 
     place = np.zeros(int(chosen.sum()), dtype=np.intp)
     for name in names:
-        column = rows[name][chosen]
+        column = _of(rows, name, chosen)
         if name in ("scheme", "measure", "window"):
             codes = pd.Categorical(column, categories=list(labels[name])).codes
         else:
-            codes = np.searchsorted(np.asarray(labels[name]), column.to_numpy())
+            codes = np.searchsorted(np.asarray(labels[name]), column)
         place *= len(labels[name])
         place += codes
     shape = tuple(len(labels[name]) for name in names)
@@ -200,6 +200,12 @@ def _places(
     taken[place] = True
     _require_once(int(taken.sum()) == place.size)
     return place, shape
+
+
+def _of(rows: pd.DataFrame, name: str, chosen: NDArray[np.bool_]) -> Any:
+    """A column of the chosen rows; no copy where that is all of them."""
+    column = rows[name].array
+    return column if chosen.all() else column[chosen]
 
 
 def _require_once(once: bool) -> None:
