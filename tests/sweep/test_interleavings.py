@@ -20,6 +20,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from owtsweep.studies.base import OK, Block
+from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
@@ -63,7 +64,7 @@ class GridStudy(DummyStudy):
         content = block.content
         values = [
             np.random.default_rng([content["seed"], int(content["level"] * 1000), replicate])
-            .standard_normal(len("ABC"))["ABC".index(content["scheme"])]
+            .standard_normal(2)["AB".index(content["scheme"])]
             for replicate in content["replicates"]
         ]  # fmt: skip
         failed = [reasons[0] if reasons else ""] * len(values)
@@ -92,8 +93,8 @@ class GridStudy(DummyStudy):
 class Step(NamedTuple):
     """One sweep of a life, and what befalls it.
 
-    `stop`: Ctrl-C after so many reports, -1 never; `fault`: what happens in the block of this
-    index; `lose`: shards that vanish or are damaged afterwards, by index.
+    `stop`: Ctrl-C after so many reports, never if negative; `fault`: what happens in the block of
+    this index; `lose`: shards that vanish or are damaged afterwards, by index.
     """
 
     config: Any
@@ -126,16 +127,16 @@ CONFIGS = st.builds(
         schemes=schemes,
         grid=Grid(level, amplitude, replicates),  # type: ignore[arg-type]
     ),
-    some([*"ABC"]),
-    some([1.0, 2.0, 0.3]),
+    some([*"AB"]),
+    some([1.0, 0.3]),
     some([0.1, 0.7, 10.0]),
-    st.integers(1, 7),
+    st.sampled_from([3, 5, 6]),
 )
 FAULTS = st.tuples(
-    st.integers(0, 20), st.sampled_from(["", "", "raise", "interrupt", "silent", "case"])
+    st.integers(0, 20), st.sampled_from(["", "", "raise", "interrupt", "silent", "cases"])
 )
 LOSSES = st.lists(st.tuples(st.integers(0, 20), st.sampled_from(["gone", "cut"])), max_size=2)
-STEPS = st.builds(Step, CONFIGS, st.integers(1, 2), st.integers(-1, 5), FAULTS, LOSSES)
+STEPS = st.builds(Step, CONFIGS, st.integers(1, 2), st.integers(-2, 5), FAULTS, LOSSES)
 
 
 def live(step: Step, results: Path) -> None:
@@ -162,14 +163,12 @@ def located(config: Any, results: Path, workers: int = 1) -> Any:
 
 def content(run: Run) -> dict[str, bytes]:
     """The bytes of all tables and of the shards of the plan."""
-    from owtsweep.sweep.plan import make_plan
-
     keys = make_plan(run.study, run.config)
     paths = [*run.folder.glob("*.csv"), *(run.store.path(key) for key in keys)]
     return {path.name: path.read_bytes() for path in paths}
 
 
-@settings(max_examples=15, deadline=None, derandomize=True, database=None)
+@settings(max_examples=20, deadline=None, derandomize=True, database=None)
 @given(st.lists(STEPS, min_size=1, max_size=3), CONFIGS)
 def test_every_life_of_a_run_ends_in_the_tables_of_a_run_from_scratch(
     steps: list[Step], last: Any
@@ -186,6 +185,7 @@ def test_every_life_of_a_run_ends_in_the_tables_of_a_run_from_scratch(
         assert end.computed + end.reused == fresh.computed
         assert content(end.run) == content(fresh.run)
         pd.testing.assert_frame_equal(end.run.cases(), fresh.run.cases(), check_exact=True)
-        # Nothing that was whole and wanted was computed again.
-        kept = before & set(content(end.run))
-        assert end.reused > 0 or not kept or any(step.fault[1] or step.lose for step in steps)
+        if not any(step.fault[1] or step.lose for step in steps):
+            plan = make_plan(end.run.study, end.run.config)
+            kept = [block for key, block in plan.items() if f"part-{key}.parquet" in before]
+            assert end.reused == sum(block.cases for block in kept)

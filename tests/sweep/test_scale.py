@@ -39,7 +39,6 @@ def test_a_hundred_thousand_cases(tmp_path: Path) -> None:
     found = measure("--cases=100000", "--per-block=400", folder=tmp_path)
     assert found["cases"] == 100_000
     assert found["blocks"] == 252
-    # 100 bytes per row; decoded tables that are kept, one per block, were 20 kB each.
     assert found["peak_MB"] < BARE + 200e-6 * found["cases"]
 
 

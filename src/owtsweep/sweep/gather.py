@@ -1,7 +1,7 @@
 """Many shards as one table of rows, in bounded memory.
 
-An Arrow table of a hundred rows costs some 20 kB whatever it holds, and text costs pandas far more
-than numbers. So shards are joined a batch at a time, and text is kept as a code per row.
+An Arrow table of a hundred rows costs some 10 kB beside what it holds, and text costs pandas more
+than numbers do. So shards are joined a batch at a time, and text is kept as a code per row.
 """
 
 from __future__ import annotations

@@ -1,0 +1,165 @@
+"""What a block costs besides its computing: plan, key, status, write, read; and whole large plans.
+
+    python benchmarks/bookkeeping.py           per block, medians of 5: some seconds
+    python benchmarks/bookkeeping.py --large   also a million cases and 10 000 replicates: minutes
+
+Writes benchmarks/bookkeeping.csv. The goal: planning and bookkeeping under 2 ms per block.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from bulk_study import BulkStudy, bulk_config
+from owtsweep.config import compose
+from owtsweep.studies import get_study
+from owtsweep.sweep.plan import make_plan
+from owtsweep.sweep.run import sweep
+from owtsweep.sweep.runs import Run
+from scale import made_up_rows
+
+REPEATS = 5
+BLOCKS = 480
+GOAL_MS = 2.0
+#: What is paid once per block of a sweep; "sum" is of these.
+STAGES = ("plan and key", "status, missing", "write", "status, stored", "read and sort")
+FILE = Path(__file__).with_suffix(".csv")
+LARGE = (
+    ("--cases=1000000", "--per-block=80"),
+    ("--cases=1000000", "--per-block=8"),
+    ("--hub=10000",),
+)
+
+
+def measure() -> list[dict[str, Any]]:
+    """Milliseconds per block, medians of `REPEATS`, one row per kind of block and stage."""
+    hub = get_study("hub")
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        kinds = {
+            "hub, 80 cases": (hub, compose([f"grid.replicates={BLOCKS // 24 * 8}"])),
+            "dummy, 80 cases": (BulkStudy(), bulk_config(place, 80 * BLOCKS, 80)),
+            "dummy, 8 cases": (BulkStudy(), bulk_config(place, 8 * BLOCKS, 8)),
+        }
+        for number, (kind, (study, config)) in enumerate(kinds.items()):
+            samples = [
+                _stages(Run(place / f"{number}-{repeat}", config, study))
+                for repeat in range(REPEATS)
+            ]
+            stages = {stage: median(one[stage] for one in samples) for stage in samples[0]}
+            stages["sum"] = sum(stages[stage] for stage in STAGES)
+            found += [
+                {"block": kind, "stage": stage, "ms_per_block": round(value, 4)}
+                for stage, value in stages.items()
+            ]
+        found += _whole_sweep(place)
+    return found
+
+
+def _stages(run: Run) -> dict[str, float]:
+    """ms per block of every stage, one by one."""
+    random = np.random.default_rng(0)
+    run.store.cases.mkdir(parents=True)
+    plan, planning = _timed(lambda: make_plan(run.study, run.config))
+    rows = [_rows(run, block, random) for block in plan.values()]
+    versions = {"study": run.study.name, "schema_version": "1", "numerics_version": "1"}
+
+    def status() -> list[str]:
+        return [run.store.status(key) for key in plan]
+
+    def write() -> None:
+        for key, frame in zip(plan, rows, strict=True):
+            run.store.write(key, frame, versions)
+
+    missing, before = _timed(status)
+    _, writing = _timed(write)
+    stored, after = _timed(status)
+    (frame, lacking), reading = _timed(run.stored)
+    _, aggregating = _timed(lambda: run.study.aggregate(run.config, frame))
+    assert set(missing) == {"missing"}
+    assert set(stored) == {"done"}
+    assert not lacking
+    seconds = (planning, before, writing, after, reading, aggregating)
+    names = (*STAGES, "aggregate")
+    return {name: 1e3 * value / len(plan) for name, value in zip(names, seconds, strict=True)}
+
+
+def _rows(run: Run, block: Any, random: np.random.Generator) -> Any:
+    if run.study.name == "hub":
+        return made_up_rows(block.content, random)
+    return next(run.study.run(run.config, [block]))[1]
+
+
+def _whole_sweep(place: Path) -> list[dict[str, Any]]:
+    """Sweeps of dummy blocks from end to end: nothing stored, and all stored."""
+    first, again = [], []
+    for repeat in range(REPEATS):
+        config = bulk_config(place / f"whole-{repeat}", 80 * BLOCKS, 80, workers=1)
+        first.append(_timed(lambda config=config: sweep(BulkStudy(), config))[1])
+        again.append(_timed(lambda config=config: sweep(BulkStudy(), config))[1])
+    return [
+        {
+            "block": "dummy, 80 cases",
+            "stage": f"whole sweep, {what}",
+            "ms_per_block": round(1e3 * median(seconds) / BLOCKS, 4),
+        }
+        for what, seconds in (("nothing stored", first), ("all stored", again))
+    ]
+
+
+def _timed(work: Callable[[], Any]) -> tuple[Any, float]:
+    began = time.perf_counter()
+    result = work()
+    return result, time.perf_counter() - began
+
+
+def large() -> list[dict[str, Any]]:
+    """Seconds per stage and peak memory of whole large plans, each in its own process, once."""
+    program = Path(__file__).with_name("scale.py")
+    found = []
+    for arguments in LARGE:
+        done = subprocess.run(
+            [sys.executable, str(program), *arguments], capture_output=True, text=True, check=True
+        )
+        found.append(json.loads(done.stdout.splitlines()[-1]))
+    return found
+
+
+def write_csv(rows: list[dict[str, Any]]) -> None:
+    """The table beside this file."""
+    with FILE.open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def main() -> int:
+    """Measure, print and write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--large", action="store_true", help="also whole large plans")
+    options = parser.parse_args()
+    rows = measure()
+    for row in rows:
+        over = "  over the goal" if row["stage"] == "sum" and row["ms_per_block"] > GOAL_MS else ""
+        print(f"{row['block']:<16} {row['stage']:<30} {row['ms_per_block']:8.3f} ms{over}")
+    write_csv(rows)
+    for row in large() if options.large else ():
+        print(json.dumps(row))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
