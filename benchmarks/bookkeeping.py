@@ -3,7 +3,7 @@
     python benchmarks/bookkeeping.py           per block, medians of 5: some seconds
     python benchmarks/bookkeeping.py --large   also a million cases and 10 000 replicates: minutes
 
-Writes benchmarks/bookkeeping.csv. The goal: planning and bookkeeping under 2 ms per block.
+Writes benchmarks/bookkeeping.csv; with --write also the tables of docs/scaling.md. The goal: planning and bookkeeping under 2 ms per block.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from owtsweep.studies import get_study
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
+from page import put
 from scale import made_up_rows
 
 REPEATS = 5
@@ -163,10 +164,27 @@ def write_csv(rows: list[dict[str, Any]]) -> None:
         writer.writerows(rows)
 
 
+def _block_table(rows: list[dict[str, Any]]) -> str:
+    lines = ["| block | stage | ms | of them CPU |", "|---|---|---|---|"]
+    for row in rows:
+        figures = f"{row['ms_per_block']:.2f} | {row['cpu_ms']:.2f}"
+        lines.append(f"| {row['block']} | {row['stage']} | {figures} |")
+    return "\n".join(lines) + "\n"
+
+
+def _plan_table(plans: list[dict[str, Any]]) -> str:
+    lines = ["| cases | blocks | seconds | peak, MB |", "|---|---|---|---|"]
+    for plan in plans:
+        stages = ", ".join(f"{name} {value:.1f}" for name, value in plan["seconds"].items())
+        lines.append(f"| {plan['cases']} | {plan['blocks']} | {stages} | {plan['peak_MB']} |")
+    return "\n".join(lines) + "\n"
+
+
 def main() -> int:
     """Measure, print and write."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--large", action="store_true", help="also whole large plans")
+    parser.add_argument("--write", action="store_true", help="put the tables into docs/scaling.md")
     options = parser.parse_args()
     rows = measure()
     print(f"{'block':<16} {'stage':<30} {'ms':>8} {'cpu ms':>8}")
@@ -175,8 +193,13 @@ def main() -> int:
         figures = f"{row['ms_per_block']:8.3f} {row['cpu_ms']:8.3f}"
         print(f"{row['block']:<16} {row['stage']:<30} {figures}{over}")
     write_csv(rows)
-    for row in large() if options.large else ():
-        print(json.dumps(row))
+    plans = large() if options.large else []
+    for plan in plans:
+        print(json.dumps(plan))
+    if options.write:
+        put("bookkeeping", _block_table(rows))
+    if options.write and plans:
+        put("large", _plan_table(plans))
     return 0
 
 

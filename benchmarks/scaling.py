@@ -22,11 +22,10 @@ from typing import Any
 from owtsweep.config import compose
 from owtsweep.studies import get_study
 from owtsweep.sweep.run import sweep
+from page import put
 
 REPEATS = 5
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "scaling.md"
 BOOKKEEPING = Path(__file__).with_name("bookkeeping.csv")
-BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 #: The study whose parts are varied one by one.
 BASE = {"replicates": 16, "periods": 2, "duration": 500, "amplitudes": 10}
 #: Records of the reference engine (s): what the longer one adds is the cost of a second.
@@ -171,10 +170,7 @@ def main() -> int:
     text = tables()
     print(text)
     if options.write:
-        page = PAGE.read_text(encoding="utf-8")
-        before, rest = page.split(BEGIN)
-        _, after = rest.split(END)
-        PAGE.write_text(f"{before}{BEGIN}\n{text}{END}{after}", encoding="utf-8")
+        put("growth", text)
     return 0
 
 
