@@ -3,7 +3,8 @@
     python benchmarks/bookkeeping.py           per block, medians of 5: some seconds
     python benchmarks/bookkeeping.py --large   also a million cases and 10 000 replicates: minutes
 
-Writes benchmarks/bookkeeping.csv; with --write also the tables of docs/scaling.md. The goal: planning and bookkeeping under 2 ms per block.
+Writes benchmarks/bookkeeping.csv; with --write also the tables of docs/scaling.md. The goal:
+planning and bookkeeping under 2 ms per block.
 """
 
 from __future__ import annotations

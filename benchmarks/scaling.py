@@ -3,7 +3,7 @@
     python benchmarks/scaling.py           measure and print: a minute or two
     python benchmarks/scaling.py --write   also put the tables into docs/scaling.md
 
-Run it on a quiet machine. Bookkeeping is taken from benchmarks/bookkeeping.csv.
+Run it on a quiet machine, after benchmarks/bookkeeping.py, whose table it reads.
 """
 
 from __future__ import annotations
