@@ -60,13 +60,14 @@ class HubStudy:
     def aggregate(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """summary and best_scheme."""
         from owtsweep.studies.hub import aggregate
+        from owtsweep.studies.hub.cube import Cube
 
         names = scheme_names(config)
-        values = aggregate.expand(rows, list(config.grid.amplitude))
+        cube = Cube.of_rows(rows, names, config.grid.amplitude)
         return {
-            "summary": aggregate.summary(values, names),
+            "summary": aggregate.summary(cube, names),
             "best_scheme": aggregate.best_scheme(
-                values, names, config.measures.window, criteria=criteria(config)
+                cube, names, config.measures.window, criteria=criteria(config)
             ),
         }
 
