@@ -111,19 +111,17 @@ def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; motion and noise are made once for all of them."""
     records: Records | None = None
-    lanes: Lanes | None = None
     entries = {resolve(entry).name: entry for entry in config.schemes}
     for block in blocks:
         content = block.content
-        if records is None or lanes is None:
+        if records is None:
             records = make_records(config, content["natural_period"], content["replicates"])
-            lanes = Lanes(records)
         scheme = resolve(entries[content["scheme"]])
         amplitude = content.get("amplitude")
         settled = round(config.measures.settling_time / records.sensors.step)
         arguments = (config, scheme, records, settled, amplitude)
         if uses_kernels(config, scheme):
-            rows = list(_by_kernel(*arguments, content["natural_period"], lanes))
+            rows = list(_by_kernel(*arguments, content["natural_period"]))
         else:
             rows = list(_by_loop(*arguments, content["natural_period"]))
         yield block, _frame(rows)
@@ -144,14 +142,13 @@ def _by_kernel(
     settled: int,
     amplitude: float | None,
     period: float,
-    lanes: Lanes,
 ) -> Iterator[dict[str, Any]]:
     chain = scheme.kernel(records.sensors, config, records.steps)
     if amplitude is None:
-        sums = superposed_sums(chain, lanes, settled)
+        sums = superposed_sums(chain, Lanes(records), settled)
     else:
         keep = config.measures.extremes
-        sums = direct_sums(chain, lanes, amplitude, settled, keep_squared=keep)
+        sums = direct_sums(chain, Lanes(records), amplitude, settled, keep_squared=keep)
     for index, replicate in enumerate(records.replicates):
         if np.all(np.isfinite(sums.products[..., index])):
             for measured in measures.from_sums(sums, index):

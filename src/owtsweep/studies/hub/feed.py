@@ -1,0 +1,142 @@
+"""What the kernels are fed with: the records of eight replicates, span by span.
+
+A span is some thousand steps of specific force and truth in rows of eight lanes. Spans are made
+one after the other in the same buffers, so memory does not grow with what a record holds besides
+its motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.kernels.layout import WIDTH
+from owtsweep.studies.hub.records import Records
+
+#: Steps of a span: long enough that Python's share is small, short enough for the last cache.
+SPAN = 10_000
+
+
+class Span(NamedTuple):
+    """Step k of the record stands in row k - base; rows before step 0 are zero.
+
+    stop: first step that is not there yet; force (groups, rows, 8), m/s^2 in NED; position and
+    velocity (rows, 8): the truth along the wave, m and m/s, of the unit motion.
+    """
+
+    stop: int
+    base: int
+    force: Array
+    position: Array
+    velocity: Array
+
+
+class Lanes:
+    """The records of a block as lanes in NED, (steps, lanes) and (fixes, lanes), whole."""
+
+    def __init__(self, records: Records) -> None:
+        self.records = records
+
+    @cached_property
+    def position(self) -> Array:
+        """True displacement along the wave, (steps, replicates), m."""
+        return np.stack([motion.position for motion in self.records.motion], axis=1)
+
+    @cached_property
+    def velocity(self) -> Array:
+        """Its rate, (steps, replicates), m/s."""
+        return np.stack([motion.velocity for motion in self.records.motion], axis=1)
+
+    @cached_property
+    def _noise_force(self) -> Array:
+        R = self.records.sensors.rotation
+        return np.concatenate([noise.specific_force @ R.T for noise in self.records.noise], axis=1)
+
+    @cached_property
+    def _noise_fixes(self) -> Array:
+        return np.concatenate([noise.fixes for noise in self.records.noise], axis=1)
+
+    def at(self, amplitude: float) -> tuple[Array, Array]:
+        """Force and fixes of whole series at an amplitude (m), lanes by replicate and axis."""
+        s = self.records.sensors
+        direction = np.tile(self.records.direction, len(self.records.replicates))
+        motion = np.stack([motion.acceleration for motion in self.records.motion], axis=1)
+        count = len(self.records.noise[0].fixes)
+        fixes = np.stack(
+            [m.position_at(-s.delay, s.fix_interval, count) for m in self.records.motion], axis=1
+        )
+        return (
+            amplitude * np.repeat(motion, 2, axis=1) * direction + self._noise_force,
+            amplitude * np.repeat(fixes, 2, axis=1) * direction + self._noise_fixes,
+        )
+
+
+class Feed:
+    """Up to eight replicates of a block's records.
+
+    Without an amplitude the groups of lanes are motion, noise in x, noise in y: the motion has one
+    lane per replicate, the unit displacement along the wave, since both axes share their gains.
+    With one they are x and y of whole series at that amplitude (m).
+
+    Parameters
+    ----------
+    records
+        Records of the block.
+    first
+        The first replicate's index in the records; the next seven follow, as far as there are any.
+    amplitude
+        None for motion and noise apart.
+    """
+
+    def __init__(self, records: Records, first: int = 0, amplitude: float | None = None) -> None:
+        self.records = records
+        self.indices = range(first, min(first + WIDTH, len(records.replicates)))
+        self.amplitude = amplitude
+        self.groups = 3 if amplitude is None else 2
+
+    @property
+    def fixes(self) -> Array:
+        """(groups, fixes, 8) positions that the GNSS reports, m."""
+        sensors = self.records.sensors
+        count = len(self.records.noise[0].fixes)
+        motion = np.zeros((count, WIDTH))
+        noise = np.zeros((2, count, WIDTH))
+        for lane, index in enumerate(self.indices):
+            motion[:, lane] = self.records.motion[index].position_at(
+                -sensors.delay, sensors.fix_interval, count
+            )
+            noise[:, :, lane] = self.records.noise[index].fixes.T
+        return self._grouped(motion, noise)
+
+    def spans(self, lead: int) -> Iterator[Span]:
+        """The record from its first step to its last; `lead` rows of the span before stay."""
+        steps, R = self.records.steps, self.records.sensors.rotation
+        rows = lead + min(SPAN, steps)
+        force = np.zeros((self.groups, rows, WIDTH))
+        position, velocity = np.zeros((rows, WIDTH)), np.zeros((rows, WIDTH))
+        motion, noise = np.zeros((rows - lead, WIDTH)), np.zeros((2, rows - lead, WIDTH))
+        for k0 in range(0, steps, SPAN):
+            stop = min(k0 + SPAN, steps)
+            new, here = slice(lead, lead + stop - k0), slice(k0, stop)
+            if k0 > 0:
+                for buffer in (*force, position, velocity):
+                    buffer[:lead] = buffer[-lead:].copy()
+            for lane, index in enumerate(self.indices):
+                source = self.records.motion[index]
+                position[new, lane] = source.position[here]
+                velocity[new, lane] = source.velocity[here]
+                motion[: stop - k0, lane] = source.acceleration[here]
+                noise[:, : stop - k0, lane] = (
+                    self.records.noise[index].specific_force[here] @ R.T
+                ).T
+            force[:, new] = self._grouped(motion, noise)[:, : stop - k0]
+            yield Span(stop, k0 - lead, force, position, velocity)
+
+    def _grouped(self, motion: Array, noise: Array) -> Array:
+        if self.amplitude is None:
+            return np.concatenate([motion[None], noise])
+        return self.amplitude * motion * self.records.direction[:, None, None] + noise
