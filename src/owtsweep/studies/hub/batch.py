@@ -47,21 +47,33 @@ def superposed_sums(chain: Chain, lanes: Lanes, settled: int, *, consistency: bo
 
     Without `consistency` NEES is left at zero and its covariances are not computed.
     """
-    return superposed_sums_of([chain], lanes, settled, consistency=consistency)[0]
+    return superposed_sums_of([chain], lanes.records, settled, consistency=consistency)[0]
 
 
 def superposed_sums_of(
-    chains: Sequence[Chain], lanes: Lanes, settled: int, *, consistency: bool = True
+    chains: Sequence[Chain], records: Records, settled: int, *, consistency: bool = True
 ) -> list[Sums]:
     """`superposed_sums` of several chains, which share each span of the records as it is made."""
-    return _run(chains, lanes.records, settled, None, keep=False, consistency=consistency)
+    return _run(chains, records, settled, None, keep=False, consistency=consistency)
 
 
 def direct_sums(
     chain: Chain, lanes: Lanes, amplitude: float, settled: int, *, keep_squared: bool = False
 ) -> Sums:
     """Squared errors at one amplitude (m), as product 2."""
-    return _run([chain], lanes.records, settled, amplitude, keep=keep_squared, consistency=True)[0]
+    return direct_sums_of([chain], lanes.records, amplitude, settled, keep_squared=keep_squared)[0]
+
+
+def direct_sums_of(
+    chains: Sequence[Chain],
+    records: Records,
+    amplitude: float,
+    settled: int,
+    *,
+    keep_squared: bool = False,
+) -> list[Sums]:
+    """`direct_sums` of several chains, which share each span of the records as it is made."""
+    return _run(chains, records, settled, amplitude, keep=keep_squared, consistency=True)
 
 
 def _run(

@@ -7,7 +7,7 @@ its motion.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.records import Records
+from owtsweep.studies.hub.sensors import fix_count
 
 #: Steps of a span: long enough that Python's share is small, short enough for the last cache.
 SPAN = 10_000
@@ -36,10 +37,14 @@ class Span(NamedTuple):
 
 
 class Lanes:
-    """The records of a block as lanes in NED, (steps, lanes) and (fixes, lanes), whole."""
+    """Records that are kept whole, to be run again and again.
+
+    As arrays they are lanes in NED, (steps, lanes) and (fixes, lanes).
+    """
 
     def __init__(self, records: Records) -> None:
         self.records = records
+        _ = records.noise  # from now on it is there
 
     @cached_property
     def position(self) -> Array:
@@ -102,14 +107,14 @@ class Feed:
     def fixes(self) -> Array:
         """(groups, fixes, 8) positions that the GNSS reports, m."""
         sensors = self.records.sensors
-        count = len(self.records.noise[0].fixes)
+        count = fix_count(self.records.steps, sensors.fix_interval)
         motion = np.zeros((count, WIDTH))
         noise = np.zeros((2, count, WIDTH))
         for lane, index in enumerate(self.indices):
             motion[:, lane] = self.records.motion[index].position_at(
                 -sensors.delay, sensors.fix_interval, count
             )
-            noise[:, :, lane] = self.records.noise[index].fixes.T
+            noise[:, :, lane] = self.records.fix_noise(index).T
         return self._grouped(motion, noise)
 
     def spans(self, lead: int) -> Iterator[Span]:
@@ -119,6 +124,7 @@ class Feed:
         force = np.zeros((self.groups, rows, WIDTH))
         position, velocity = np.zeros((rows, WIDTH)), np.zeros((rows, WIDTH))
         motion, noise = np.zeros((rows - lead, WIDTH)), np.zeros((2, rows - lead, WIDTH))
+        draws = [self._force_noise(index) for index in self.indices]
         for k0 in range(0, steps, SPAN):
             stop = min(k0 + SPAN, steps)
             new, here = slice(lead, lead + stop - k0), slice(k0, stop)
@@ -130,11 +136,22 @@ class Feed:
                 position[new, lane] = source.position[here]
                 velocity[new, lane] = source.velocity[here]
                 motion[: stop - k0, lane] = source.acceleration[here]
-                noise[:, : stop - k0, lane] = (
-                    self.records.noise[index].specific_force[here] @ R.T
-                ).T
+                noise[:, : stop - k0, lane] = (draws[lane](stop - k0) @ R.T).T
             force[:, new] = self._grouped(motion, noise)[:, : stop - k0]
             yield Span(stop, k0 - lead, force, position, velocity)
+
+    def _force_noise(self, index: int) -> Callable[[int], Array]:
+        """What gives the next (steps, 2) of a replicate's noise: drawn, or kept by the records."""
+        if not self.records.keeps_noise:
+            return self.records.force_noise(index).next
+        kept, position = self.records.noise[index].specific_force, 0
+
+        def following(steps: int) -> Array:
+            nonlocal position
+            position += steps
+            return kept[position - steps : position]
+
+        return following
 
     def _grouped(self, motion: Array, noise: Array) -> Array:
         if self.amplitude is None:

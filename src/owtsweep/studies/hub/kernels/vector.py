@@ -100,7 +100,7 @@ def _define(function: Any, instruction: str) -> None:
     pairs = ((VECTOR, VECTOR), (types.float64, VECTOR), (VECTOR, types.float64))
 
     @infer_global(function)
-    class _Operator(ConcreteTemplate):  # type: ignore[misc]
+    class _Operator(ConcreteTemplate):
         cases = [signature(VECTOR, *pair) for pair in pairs]  # noqa: RUF012
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
