@@ -258,13 +258,13 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
     groups, lead = len(padded), padded.shape[1] - steps
     registers = new_registers(groups, chain.filter.window, chain.mhe.horizon)
     scratch = new_scratch(chunk, chain.filter.window, chain.predictor.steps)
-    innovation = np.zeros((chunk, WIDTH))
+    output = new_output(groups, chunk)
     found = np.empty((groups, chunk, 4, WIDTH))
     result = np.empty((steps, 4, width))
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
         runs.states(
-            k0, n, padded, -lead, positions, arrays_of(chain), registers, scratch, innovation,
+            k0, n, padded, -lead, positions, arrays_of(chain), registers, scratch, output,
             found.reshape(groups, 4 * chunk, WIDTH),
         )  # fmt: skip
         for state in range(4):

@@ -89,7 +89,11 @@ def shared(kernel: Kernel) -> Kernel:
     return cached
 
 
-_KEPT_CHAINS = 6
+#: Rows of a schedule whose covariances are worked out at once.
+_ROWS_AT_ONCE = 8192
+
+#: One of each registered scheme: with slowly settling gains a chain is some 100 MB.
+_KEPT_CHAINS = 4
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
 _LOCK = Lock()
 
@@ -201,15 +205,19 @@ def _output_covariance(
         return gains.filtered[:, :2, :2].copy()
     noise = prediction_noise(predict, steps)
     pick = SIGMA_2_STATES
-    smoothed = np.broadcast_to(axis.initial_covariance, gains.filtered.shape).copy()
-    coupling = np.zeros((gains.rows, 4, 3))
     table = C if window > 0 else gains.filtered  # with no window there is nothing to look up
-    covariances(
-        gains.filtered, gains.predicted, table, window, axis.force_row, noise.response, smoothed,
-        coupling,
-    )  # fmt: skip
-    result = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
-    cross = noise.transition @ coupling[:, pick]
-    result += cross + cross.transpose(0, 2, 1)
-    result += noise.process + axis.force_variance * noise.response.T @ noise.response
-    return np.ascontiguousarray(result[:, :2, :2])
+    result = np.empty((gains.rows, 2, 2))
+    for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
+        count = min(_ROWS_AT_ONCE, gains.rows - first)
+        smoothed = np.broadcast_to(axis.initial_covariance, (count, 4, 4)).copy()
+        coupling = np.zeros((count, 4, 3))
+        covariances(
+            gains.filtered, gains.predicted, table, window, axis.force_row, noise.response, first,
+            smoothed, coupling,
+        )  # fmt: skip
+        own = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
+        cross = noise.transition @ coupling[:, pick]
+        own += cross + cross.transpose(0, 2, 1)
+        own += noise.process + axis.force_variance * noise.response.T @ noise.response
+        result[first : first + count] = own[:, :2, :2]
+    return result

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.vector import load, store
+from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, store
 
 
 @njit
@@ -16,14 +16,14 @@ def schedule_row(k, rows, cycle):
 
 
 @njit
-def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, scratch,
-                 innovation):  # fmt: skip
+def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, scratch, output,
+                 final):  # fmt: skip
     """Algorithm 6 over steps k0 + first ... k0 + stop - 1.
 
     The specific force of step k0 + i is row source + i. The position that the first step may take
     is row q of `fixes`; the next is due after M - phase steps, then every M. Filtered states and
-    corrections go behind the window in the scratch; with neither smoother nor predictor to come,
-    only position and velocity are kept, where they are looked for.
+    corrections go behind the window in the scratch; where they are `final`, with neither smoother
+    nor predictor to come, position and velocity go to the output.
     """
     A, B, h, K = arrays.A, arrays.B, arrays.h, arrays.K
     a01, a02, a03, a12, a13, a22 = A[0, 1], A[0, 2], A[0, 3], A[1, 2], A[1, 3], A[2, 2]
@@ -37,6 +37,7 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
     X, e = scratch.X, scratch.e
     for i in range(first, stop):
         now = load(force, source + i)
+        prefetch(force, source + i + AHEAD)
         m0 = x0 + a01 * x1 + a02 * x2 + a03 * x3 + b0 * before
         m1 = x1 + a12 * x2 + a13 * x3 + b1 * before
         m2 = a22 * x2
@@ -44,22 +45,26 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
         e0, e1, e2, e3 = K[row, 0, 1] * r, K[row, 1, 1] * r, K[row, 2, 1] * r, K[row, 3, 1] * r
         if applied[row]:
             s = load(fixes, q) - m0
-            store(innovation, i, s)
+            store(output.innovation, i, s)
             e0 = e0 + K[row, 0, 0] * s
             e1 = e1 + K[row, 1, 0] * s
             e2 = e2 + K[row, 2, 0] * s
             e3 = e3 + K[row, 3, 0] * s
         x0, x1, x2, x3 = m0 + e0, m1 + e1, m2 + e2, x3 + e3
-        at = 4 * (window + i)
-        store(X, at, x0)
-        store(X, at + 1, x1)
-        store(X, at + 2, x2)
-        store(X, at + 3, x3)
-        if window > 0:
-            store(e, at, e0)
-            store(e, at + 1, e1)
-            store(e, at + 2, e2)
-            store(e, at + 3, e3)
+        if final:
+            store(output.position, i, x0)
+            store(output.velocity, i, x1)
+        else:
+            at = 4 * (window + i)
+            store(X, at, x0)
+            store(X, at + 1, x1)
+            store(X, at + 2, x2)
+            store(X, at + 3, x3)
+            if window > 0:
+                store(e, at, e0)
+                store(e, at + 1, e1)
+                store(e, at + 2, e2)
+                store(e, at + 3, e3)
         before = now
         phase += 1
         if phase == M:

@@ -68,11 +68,12 @@ def direct(k0, stop, chunk, settled, force, base, fixes, position, velocity, dir
 
 
 @njit
-def states(k0, count, force, base, fixes, chain, registers, scratch, innovation, found):
+def states(k0, count, force, base, fixes, chain, registers, scratch, output, found):
     """Filtered or smoothed states of one chunk of all groups, found (groups, 4 rows, 8)."""
     for g in range(force.shape[0]):
+        out = Output(output.position[g], output.velocity[g], output.innovation[g])
         states_chunk(
-            k0, count, force[g], base, fixes[g], chain, group_of(registers, g), scratch, innovation
+            k0, count, force[g], base, fixes[g], chain, group_of(registers, g), scratch, out
         )
         for row in range(4 * count):
             store(found[g], row, load(scratch.X, row))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import schedule_row
-from owtsweep.studies.hub.kernels.vector import load, store
+from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, store
 
 
 @njit
@@ -59,9 +59,9 @@ def superposed_span(k0, first, stop, top, position, velocity, base, output, dire
     t6, t7, t8 = load(sums, top + 6), load(sums, top + 7), load(sums, top + 8)
     t9, t10, t11 = load(sums, top + 9), load(sums, top + 10), load(sums, top + 11)
     t12, t13, t14 = load(sums, top + 12), load(sums, top + 13), load(sums, top + 14)
+    row = schedule_row(k0 + first, rows, cycle)
     for i in range(first, stop):
         k = k0 + i
-        row = schedule_row(k, rows, cycle)
         pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
         p = load(m, i) - load(position, k - base)
         v = load(mv, i) - load(velocity, k - base)
@@ -84,6 +84,9 @@ def superposed_span(k0, first, stop, top, position, velocity, base, output, dire
         t14 = t14 + (
             pp * (px * px + py * py) + 2.0 * pv * (px * vx + py * vy) + vv * (vx * vx + vy * vy)
         )
+        row += 1
+        if row == rows:
+            row = rows - cycle
     store(sums, top, t0)
     store(sums, top + 1, t1)
     store(sums, top + 2, t2)
@@ -122,6 +125,8 @@ def direct_span(k0, first, stop, top, position, velocity, base, output, directio
         at = k0 + i - base
         pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
         p, v = load(position, at), load(velocity, at)
+        prefetch(position, at + AHEAD)
+        prefetch(velocity, at + AHEAD)
         px, py = load(ex, i) - cx * p, load(ey, i) - cy * p
         vx, vy = load(evx, i) - cx * v, load(evy, i) - cy * v
         t2 = t2 + px * px

@@ -6,7 +6,7 @@ doubles: it stays in registers, and every operation on it is packed. Lanes never
 operation is the IEEE operation of its lane, so the bits are those of a loop over lanes.
 
 Inside kernels: `load(rows, i)` and `store(rows, i, vector)` move row i of a C-contiguous (n, 8)
-array, unchecked; `zero()` is eight zeros; `+ - * /` take vectors and floats.
+array, unchecked; `prefetch(rows, i)` asks for one early; `zero()` is eight zeros; `+ - * /` take vectors and floats.
 """
 
 from __future__ import annotations
@@ -15,13 +15,16 @@ import operator
 from typing import Any
 
 from llvmlite import ir
-from numba.core import types
+from numba.core import cgutils, types
 from numba.core.datamodel import models
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, register_model
 
 #: Lanes of a vector: one 512-bit register, two of 256 bits, four of 128.
 WIDTH = 8
+
+#: Rows ahead of their use that streams from memory are asked for.
+AHEAD = 32
 
 _DOUBLE = ir.DoubleType()
 _LLVM = ir.VectorType(_DOUBLE, WIDTH)
@@ -74,6 +77,26 @@ def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(rows, types.intp, VECTOR), codegen
+
+
+@intrinsic
+def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
+    """Ask for row i, which may lie outside, before it is needed.
+
+    The hardware foresees the next rows of a stream but stops at each page, every 64 rows.
+    """
+    _check(rows)
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        address = _address(context, builder, sig.args[0], *args)
+        address = builder.bitcast(address, ir.IntType(8).as_pointer())
+        flag = ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [address.type, flag, flag, flag])
+        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+        builder.call(function, [address, flag(0), flag(3), flag(1)])
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp), codegen
 
 
 @intrinsic
