@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
 from machine import machine, seconds
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")

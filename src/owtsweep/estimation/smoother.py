@@ -13,7 +13,6 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.gains import GainSchedule
 
-
 #: Rows of a schedule whose gains are solved for at once.
 _ROWS_AT_ONCE = 8192
 

@@ -6,7 +6,8 @@ doubles: it stays in registers, and every operation on it is packed. Lanes never
 operation is the IEEE operation of its lane, so the bits are those of a loop over lanes.
 
 Inside kernels: `load(rows, i)` and `store(rows, i, vector)` move row i of a C-contiguous (n, 8)
-array, unchecked; `prefetch(rows, i)` asks for one early; `zero()` is eight zeros; `+ - * /` take vectors and floats.
+array, unchecked; `prefetch(rows, i)` asks for one early; `zero()` is eight zeros; `+ - * /` take
+vectors and floats.
 """
 
 from __future__ import annotations
