@@ -75,7 +75,7 @@ def test_window_covariances_are_the_dense_ones(window: int, inputs: int) -> None
     smoothed = np.zeros_like(gains.filtered)
     coupling = np.zeros((gains.rows, 4, 3))
     covariances(
-        gains.filtered, gains.predicted, C, window, problem.FAST, response, 0, smoothed, coupling
+        gains.filtered, gains.predicted, C, window, problem.FAST, response, smoothed, coupling
     )
     for k in (window, 10, problem.STEPS - 1):
         joint = problem.smoothed(k).covariance

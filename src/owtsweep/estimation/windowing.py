@@ -31,7 +31,7 @@ def products(C, window, cycle, W):
 
 
 @njit
-def covariances(Pf, Pm, C, window, h, response, first, smoothed, coupling):
+def covariances(Pf, Pm, C, window, h, response, smoothed, coupling, first=0):
     """Smoothed covariance at the start of each window, and its coupling to the inputs' noise.
 
     Row i of `smoothed` and `coupling` belongs to k = first + i; rows with k < window are left as

@@ -15,7 +15,7 @@ from owtsweep.config import as_mapping
 from owtsweep.studies.base import Block
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub.batch import Sums, direct_sums_of, superposed_sums_of
-from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.loop import run_estimator
@@ -167,7 +167,7 @@ def _by_kernels(
     result: dict[int, list[dict[str, Any]] | Exception] = {}
     for number, scheme in schemes.items():
         try:
-            chains[number] = scheme.kernel(records.sensors, config, records.steps)
+            chains[number] = chain_for_runs(scheme, records.sensors, config, records.steps)
         except Exception as error:  # raised when its block is due: the others come first
             result[number] = error
     if not chains:

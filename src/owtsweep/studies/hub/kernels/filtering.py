@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from owtsweep.compiled import njit
+from owtsweep.studies.hub.kernels.horizon import ALL as ALL  # where others look for it
+from owtsweep.studies.hub.kernels.horizon import AVERAGED as AVERAGED
 from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, store
 
 
