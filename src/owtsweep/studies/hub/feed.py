@@ -119,26 +119,59 @@ class Feed:
 
     def spans(self, lead: int) -> Iterator[Span]:
         """The record from its first step to its last; `lead` rows of the span before stay."""
-        steps, R = self.records.steps, self.records.sensors.rotation
-        rows = lead + min(SPAN, steps)
-        force = np.zeros((self.groups, rows, WIDTH))
-        position, velocity = np.zeros((rows, WIDTH)), np.zeros((rows, WIDTH))
-        motion, noise = np.zeros((rows - lead, WIDTH)), np.zeros((2, rows - lead, WIDTH))
-        draws = [self._force_noise(index) for index in self.indices]
+        from owtsweep.studies.hub.kernels import feeding
+
+        steps = self.records.steps
+        size = min(SPAN, steps)
+        apart = np.zeros((3, lead + size, WIDTH))
+        truth = np.zeros((2, lead + size, WIDTH))
+        whole = apart if self.amplitude is None else np.zeros((2, lead + size, WIDTH))
+        motion = [self.records.motion[index] for index in self.indices]
+        fill = self._noise(size)
         for k0 in range(0, steps, SPAN):
             stop = min(k0 + SPAN, steps)
-            new, here = slice(lead, lead + stop - k0), slice(k0, stop)
             if k0 > 0:
-                for buffer in (*force, position, velocity):
-                    buffer[:lead] = buffer[-lead:].copy()
-            for lane, index in enumerate(self.indices):
-                source = self.records.motion[index]
-                position[new, lane] = source.position[here]
-                velocity[new, lane] = source.velocity[here]
-                motion[: stop - k0, lane] = source.acceleration[here]
-                noise[:, : stop - k0, lane] = (draws[lane](stop - k0) @ R.T).T
-            force[:, new] = self._grouped(motion, noise)[:, : stop - k0]
-            yield Span(stop, k0 - lead, force, position, velocity)
+                for buffer in (whole, truth):
+                    feeding.keep_lead(lead, buffer)
+            for rows, name in ((truth[0], "position"), (truth[1], "velocity"),
+                               (apart[0], "acceleration")):  # fmt: skip
+                sources = tuple(getattr(series, name) for series in motion)
+                feeding.gather(k0, stop - k0, lead, sources, rows)
+            fill(stop - k0, lead, apart)
+            if self.amplitude is not None:
+                direction = self.records.direction
+                feeding.whole_series(stop - k0, lead, self.amplitude, direction, apart, whole)
+            yield Span(stop, k0 - lead, whole, truth[0], truth[1])
+
+    def _noise(self, size: int) -> Callable[[int, int, Array], None]:
+        """What puts the next steps of the noise, turned into NED, into groups 1 and 2."""
+        from owtsweep.studies.hub.kernels import feeding
+
+        records, R = self.records, self.records.sensors.rotation
+        if records.keeps_noise or not np.array_equal(R, np.eye(2)):
+            draws = [self._force_noise(index) for index in self.indices]
+
+            def turned(steps: int, lead: int, force: Array) -> None:
+                for lane, draw in enumerate(draws):
+                    force[1:, lead : lead + steps, lane] = (draw(steps) @ R.T).T
+
+            return turned
+        sources = [records.force_noise(index) for index in self.indices]
+        normals, bias = np.empty((len(sources), 4, size)), np.zeros((len(sources), 2))
+        begun = False
+
+        def straight(steps: int, lead: int, force: Array) -> None:
+            nonlocal begun
+            for source, own in zip(sources, normals, strict=True):
+                source.draw(own[:, :steps])
+            one = sources[0]
+            feeding.noise(
+                steps, lead, normals, begun, bias, one.walk, one.initial, one.sigma, one.gravity,
+                force,
+            )  # fmt: skip
+            begun = True
+
+        return straight
 
     def _force_noise(self, index: int) -> Callable[[int], Array]:
         """What gives the next (steps, 2) of a replicate's noise: drawn, or kept by the records."""

@@ -80,6 +80,14 @@ class ForceNoise:
         self.initial = config.imu.bias_initial
         self.bias: list[float] | None = None
 
+    def draw(self, normals: Array) -> None:
+        """The next unit normals of bias_x, imu_x, bias_y, imu_y into (4, steps), for the kernels.
+
+        A record is taken either by this or by `next`.
+        """
+        for row, generator in zip(normals, sum(self.generators, ()), strict=True):
+            generator.standard_normal(out=row)
+
     def next(self, steps: int) -> Array:
         """The next (steps, 2) in the IMU's frame, m/s^2."""
         force = np.empty((steps, 2))
