@@ -17,11 +17,12 @@ SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 @pytest.mark.usefixtures("kernels")
 @pytest.mark.parametrize("span", [130, 512])
 @pytest.mark.parametrize("amplitude", [None, 0.7])
+@pytest.mark.parametrize("yaw", [0, 37])
 def test_spans_and_company_do_not_show(
-    span: int, amplitude: float | None, monkeypatch: pytest.MonkeyPatch
+    span: int, amplitude: float | None, yaw: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # a window of 255 steps makes longer chunks than its companions have
-    config = configure("hme.smoother_window=255", tuning="matched")
+    config = configure("hme.smoother_window=255", f"sensors.yaw={yaw}", tuning="matched")
     records = make_records(config, 4.0, range(11))
     chains = [resolve(n).kernel(records.sensors, config, records.steps) for n in SCHEMES]  # type: ignore
     assert len({batch.chunk_of(chain)[0] for chain in chains}) == 2
@@ -49,8 +50,9 @@ def test_noise_in_pieces_is_the_whole_noise() -> None:
 
 
 @pytest.mark.usefixtures("kernels")
-def test_kept_noise_is_drawn_noise() -> None:
-    config = configure()
+@pytest.mark.parametrize("yaw", [0, 37])
+def test_kept_noise_is_drawn_noise(yaw: float) -> None:
+    config = configure(f"sensors.yaw={yaw}")
     drawn, kept = make_records(config, 4.0, [0, 1]), make_records(config, 4.0, [0, 1])
     chain = resolve("MKF").kernel(drawn.sensors, config, drawn.steps)  # type: ignore
     one = batch.superposed_sums_of([chain], drawn, 100)[0].products

@@ -9,8 +9,8 @@ from owtsweep.compiled import njit
 
 @njit
 def products(C, window, cycle, W):
-    """W_k = C_k C_{k+1} ... C_{k+window-1}, rows repeating after `cycle`."""
-    rows, n = C.shape[0], C.shape[1]
+    """W_k = C_k C_{k+1} ... C_{k+window-1} of four states, rows repeating after `cycle`."""
+    rows, n = C.shape[0], 4  # a constant, so that the loops unroll
     P = np.empty((n, n))
     for k in range(rows):
         for i in range(n):
@@ -34,12 +34,12 @@ def products(C, window, cycle, W):
 def covariances(Pf, Pm, C, window, h, response, smoothed, coupling, first=0):
     """Smoothed covariance at the start of each window, and its coupling to the inputs' noise.
 
-    Row i of `smoothed` and `coupling` belongs to k = first + i; rows with k < window are left as
-    they are. For the window s ... k = s + window: smoothed = P_{s|k} and coupling = sum over i of
+    There are four states. Row i of `smoothed` and `coupling` belongs to k = first + i; rows with
+    k < window are left as they are. For the window s ... k = s + window: smoothed = P_{s|k} and coupling = sum over i of
     C_s ... C_{s+i-1} P_{s+i|k} h response_i', the cross-covariance of the smoothing error of s
     with what the noise of the measurements h x + v of the window does to a prediction from s.
     """
-    n = Pf.shape[1]
+    n = 4  # a constant, so that the loops unroll
     outputs = response.shape[1]
     P = np.empty((window + 1, n, n))  # P_{s+i|k}
     inner = np.empty((n, n))
