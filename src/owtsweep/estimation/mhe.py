@@ -187,12 +187,18 @@ class CasadiWindow:
         self._free = slice(states if fixed_arrival else 0, None)
         if solver == "qrqp":
             options = {"print_iter": False, "print_header": False, "print_time": False}
-            self._solve = ca.qpsol("mhe", "qrqp", problem, {**options, "error_on_fail": False})
+            solve = ca.qpsol("mhe", "qrqp", problem, {**options, "error_on_fail": False})
         elif solver == "ipopt":
             quiet: dict[str, Any] = {"print_level": 0, "sb": "yes", "tol": 1e-12}
-            self._solve = ca.nlpsol("mhe", "ipopt", problem, {"ipopt": quiet, "print_time": 0})
+            solve = ca.nlpsol("mhe", "ipopt", problem, {"ipopt": quiet, "print_time": 0})
         else:
             raise ValueError(f"solver is {solver!r}, neither 'qrqp' nor 'ipopt'")
+        self._solvers = [solve]
+        if constraints:
+            # qrqp at times reports success far outside the constraints; daqp, a dual active-set
+            # method, then finds the answer
+            exact: dict[str, Any] = {"daqp": {"primal_tol": 1e-12}, "error_on_fail": False}
+            self._solvers.append(ca.qpsol("mhe", "daqp", problem, exact))
         self._gradient = ca.Function(
             "gradient", [problem["x"], parameters], [ca.gradient(problem["f"], problem["x"])]
         )
@@ -262,35 +268,44 @@ class CasadiWindow:
         return states + self._minimum(limits, scale, G, *left, *data, x0 - states[:, 0], prior)
 
     def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
-        """The minimum with `limits` (2, nodes, constraints) on the rows."""
+        """The minimum with `limits` (2, nodes, constraints) on the rows: the first that is one."""
         packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
         p = np.concatenate([packed, scale, rows.ravel("F")])
         equal = np.zeros(self._equal)
         low, high = (np.concatenate([equal, limit.ravel()]) for limit in limits)
-        found = self._solve(x0=0.0, p=p, lbg=low, ubg=high)
-        answer = np.asarray(found["x"]).ravel()
-        slope = np.asarray(self._gradient(answer, p)).ravel()[self._free]
+        for solve in self._solvers:
+            found = solve(x0=0.0, p=p, lbg=low, ubg=high)
+            answer, force = (np.asarray(found[name]).ravel() for name in ("x", "lam_g"))
+            states = answer.reshape(self._shape, order="F") * scale[:, None]
+            fault = self._slope_left(answer, p, force)
+            if not fault and self._limited:
+                fault = self._broken_limit(states, rows, limits, force[self._equal :])
+            if not fault:
+                return np.asarray(states)
+        raise ArithmeticError(f"the MHE's solver stopped {fault}")
+
+    def _slope_left(self, answer: Array, p: Array, force: Array) -> str:
+        """Whether the gradient is not small, up to what the constraints hold."""
+        slope = np.asarray(self._gradient(answer, p)).ravel()
         start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
         if self._limited:
-            force = np.asarray(found["lam_g"]).ravel()
-            self._check_limits(answer.reshape(self._shape, order="F") * scale[:, None], rows,
-                               limits, force[self._equal :].reshape(limits[0].shape))  # fmt: skip
             pull = np.asarray(self._pull(answer, p, force)).ravel()
-            slope = slope + pull[self._free]
+            slope = slope + pull
             start = np.append(start, pull)  # where constraints hold, they set the scale
+        slope = slope[self._free]
         if not np.max(np.abs(slope)) <= 1e-6 * (1.0 + np.max(np.abs(start))):
-            raise ArithmeticError(
-                f"the MHE's solver stopped at a gradient of {max(abs(slope)):.2g}"
-            )
-        return answer.reshape(self._shape, order="F") * scale[:, None]
+            return f"at a gradient of {max(abs(slope)):.2g}"
+        return ""
 
-    def _check_limits(self, states: Array, rows: Array, limits: Array, force: Array) -> None:
-        """Primal feasibility, and multipliers that only push back from a limit that is reached."""
+    def _broken_limit(self, states: Array, rows: Array, limits: Array, force: Array) -> str:
+        """Whether a limit is broken, or a multiplier pushes where no limit is reached."""
         value = (rows @ states[:, -self._limited :]).T
         width = limits[1] - limits[0]
         below, above = (value - limits[0]) / width, (limits[1] - value) / width
-        if min(np.min(below), np.min(above)) < -FEASIBILITY:
-            raise ArithmeticError("the MHE's solver stopped at a state that breaks a constraint")
+        if not min(np.min(below), np.min(above)) >= -FEASIBILITY:
+            return "at a state that breaks a constraint"
+        force = force.reshape(width.shape)
         idle = 1e-6 * (1.0 + np.max(np.abs(force)))
         if np.any((force > idle) & (above > 1e-6)) or np.any((force < -idle) & (below > 1e-6)):
-            raise ArithmeticError("the MHE's solver stopped where no constraint holds it")
+            return "where no constraint holds it"
+        return ""

@@ -18,7 +18,10 @@ from owtsweep.studies.hub.kernels.window import (
     NO_ARRIVAL,
     PRIOR,
     older_nodes,
+    put,
     solve_window,
+    square_root_information,
+    take,
     violates,
 )
 
@@ -48,7 +51,7 @@ def advance(begin, resume, force, fixes, f, h, m, state, covariance, innovation,
                 if not horizon_position(f, h, m):
                     return i
             elif fresh:
-                m.given[:] = fixes[i]
+                m.given[0], m.given[1] = fixes[i, 0], fixes[i, 1]
         resume = False
         if h.active:
             fresh = horizon_has_position(f, h, m)
@@ -62,7 +65,7 @@ def advance(begin, resume, force, fixes, f, h, m, state, covariance, innovation,
                 innovation[i, axis] = m.innovation[axis]
         else:
             variance[i] = np.nan
-            innovation[i] = np.nan
+            innovation[i, 0] = innovation[i, 1] = np.nan
         m.counter[STEP] += 1
     return rows
 
@@ -75,12 +78,11 @@ def take_sample(force, f, m):
     if row == len(m.force):
         for i in range(keep):
             old = row - keep + i
-            m.force[i] = m.force[old]
-            m.X[i] = m.X[old]
-            m.e[i] = m.e[old]
-            m.C[i] = m.C[old]
-            m.Pm[i] = m.Pm[old]
-            m.Pf[i] = m.Pf[old]
+            m.force[i, 0], m.force[i, 1] = m.force[old, 0], m.force[old, 1]
+            for register in (m.X, m.e):
+                put(register[i], 0, 0, register[old])
+            for register in (m.C, m.Pm, m.Pf):
+                put(register[i], 0, 0, register[old])
         row = keep
     for i in range(2):
         m.force[row, i] = f.rotation[i, 0] * force[0] + f.rotation[i, 1] * force[1]
@@ -95,7 +97,7 @@ def filter_step(fresh, f, m):
         f.A, f.Q, f.slow, f.fast, f.r_slow, f.r_fast, m.P, fresh, f.rule, m.K, m.Pm[row],
         m.Pf[row], m.work,
     )  # fmt: skip
-    m.P[:, :] = m.Pf[row]
+    put(m.P, 0, 0, m.Pf[row])
     applied = fresh or f.rule == MASK_ROWS
     now, before = row - f.delay, row - f.delay - 1
     for axis in range(2):
@@ -125,10 +127,12 @@ def take_fix(fresh, fix, f, h, m):
     if m.counter[STEP] > 0:
         if n == h.length:
             for i in range(n):
-                m.z[i], m.have[i] = m.z[i + 1], m.have[i + 1]
-                m.states[i], m.covariances[i] = m.states[i + 1], m.covariances[i + 1]
+                m.have[i] = m.have[i + 1]
+                m.z[i, 0], m.z[i, 1] = m.z[i + 1, 0], m.z[i + 1, 1]
+                put(m.states[i], 0, 0, m.states[i + 1])
+                put(m.covariances[i], 0, 0, m.covariances[i + 1])
                 if i > 0:
-                    m.effects[i - 1] = m.effects[i]
+                    put(m.effects[i - 1], 0, 0, m.effects[i])
         else:
             n += 1
             m.counter[LINKS] = n
@@ -153,14 +157,15 @@ def take_fix(fresh, fix, f, h, m):
     if uses_filter:
         x0 = m.states[0]
         if kind == PRIOR:
-            prior = np.linalg.inv(np.linalg.cholesky(m.covariances[0]))
+            square_root_information(m.covariances[0], m.prior)
+            prior = m.prior
     elif kind == FIXED:
         kind = PRIOR  # while the window fills, its oldest state is uncertain
     solve_window(
         n, h.transition, h.link, h.inverse_sigma, m.z, m.have, m.effects, x0, prior, kind, first,
         m.blocks, m.nodes,
     )  # fmt: skip
-    m.node[:, :] = m.nodes[n]
+    put(m.node, 0, 0, m.nodes[n])
     if h.constrained:
         older_nodes(n, m.blocks, m.nodes)
 
@@ -181,7 +186,8 @@ def horizon_position(f, h, m):
     since = m.counter[STEP] % f.fix_interval
     if not m.counter[DETERMINED]:
         if since == 0 and m.have[n]:
-            m.given[:] = m.z[n]  # too few fixes for a window: they pass through
+            # too few fixes for a window: they pass through
+            m.given[0], m.given[1] = m.z[n, 0], m.z[n, 1]
         return True
     if m.counter[STEP] % h.interval != 0:
         return True
@@ -206,7 +212,7 @@ def horizon_position(f, h, m):
 @njit
 def violates_beyond_rounding(last, f, h):
     """As `violates`, for a node predicted from one that may stand on its bound."""
-    return violates(last, h.bounds * (1.0 + 1e-9), f.rotation, f.gravity)
+    return violates(last, h.bounds * (1.0 + 1e-8), f.rotation, f.gravity)
 
 
 @njit
@@ -234,16 +240,43 @@ def after_filter(f, h, m):
 
 
 @njit
+def smoother_gain(A, filtered, predicted, work, C):
+    """C = P_{k|k} A' P_{k+1|k}^-1 by elimination, which a covariance allows without pivoting."""
+    n = len(A)
+    M, X = work[0], work[1]
+    put(M, 0, 0, predicted)
+    for i in range(n):
+        for j in range(n):
+            total = 0.0
+            for m in range(n):
+                total += A[i, m] * filtered[m, j]
+            X[i, j] = total
+    for c in range(n):
+        for i in range(c + 1, n):
+            factor = M[i, c] / M[c, c]
+            for j in range(c, n):
+                M[i, j] -= factor * M[c, j]
+            for j in range(n):
+                X[i, j] -= factor * X[c, j]
+    for i in range(n - 1, -1, -1):
+        for j in range(n):
+            total = X[i, j]
+            for m in range(i + 1, n):
+                total -= M[i, m] * C[j, m]
+            C[j, i] = total / M[i, i]
+
+
+@njit
 def output(f, m, state, covariance):
     """Smooth and predict (Algorithms 8 and 9) and say how uncertain that is."""
     row, k, window = m.counter[ROW], m.counter[STEP], f.window
     if not f.predicts:
         for axis in range(2):
             state[axis], state[2 + axis] = m.x[0, axis], m.x[1, axis]
-        covariance[:, :] = m.P[:2, :2]
+        take(covariance, m.P, 0, 0)
         return
     if window > 0 and k > 0:
-        m.C[row - 1] = np.linalg.solve(m.Pm[row], f.A @ m.Pf[row - 1]).T
+        smoother_gain(f.A, m.Pf[row - 1], m.Pm[row], m.work, m.C[row - 1])
     A, B = f.input_A, f.input_B
     for axis in range(2):
         s0 = s1 = s2 = s3 = 0.0
@@ -275,7 +308,7 @@ def output_covariance(f, m, covariance):
     """(2, 2) of the prediction's (p, v), as `chain._output_covariance` has it for a schedule."""
     row, window = m.counter[ROW], f.window
     if f.delay + window == 0:
-        covariance[:, :] = m.P[:2, :2]
+        take(covariance, m.P, 0, 0)
         return
     smoothed, coupling = m.smoothed, m.coupling
     if m.counter[STEP] >= window:

@@ -16,6 +16,40 @@ NO_ARRIVAL, PRIOR, FIXED = 0, 1, 2
 
 
 @njit
+def put(target, row, column, source):
+    """Copy a matrix into a larger one (numba takes seconds to compile an assignment of slices)."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[row + i, column + j] = source[i, j]
+
+
+@njit
+def take(target, source, row, column):
+    """Copy a part of a larger matrix."""
+    for i in range(target.shape[0]):
+        for j in range(target.shape[1]):
+            target[i, j] = source[row + i, column + j]
+
+
+@njit
+def square_root_information(P, U):
+    """U with U' U = P^-1 for a covariance (3, 3): the inverse of its Cholesky factor."""
+    L = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(i + 1):
+            total = P[i, j]
+            for m in range(j):
+                total -= L[i, m] * L[j, m]
+            L[i, j] = np.sqrt(total) if i == j else total / L[j, j]
+    for j in range(3):
+        for i in range(3):
+            total = 1.0 if i == j else 0.0
+            for m in range(i):
+                total -= L[i, m] * U[m, j]
+            U[i, j] = total / L[i, i]
+
+
+@njit
 def triangularise(M, columns):
     """Householder's reflections of M (rows, any), in place, until `columns` are triangular."""
     rows, width = M.shape
@@ -63,25 +97,26 @@ def solve_window(n, A, U, inverse_sigma, z, have, effects, x0, prior, kind, firs
                     r[i, axis] += prior[i, j] * x0[j, axis]
     for node in range(n + 1):
         if have[node] and node >= first:
-            row[:3, :3] = R
-            row[:3, 3:] = r
+            put(row, 0, 0, R)
+            put(row, 0, 3, r)
             row[3, 0] = inverse_sigma
             row[3, 1] = 0.0
             row[3, 2] = 0.0
             row[3, 3] = inverse_sigma * z[node, 0]
             row[3, 4] = inverse_sigma * z[node, 1]
             triangularise(row, 3)
-            R[:, :] = row[:3, :3]
-            r[:, :] = row[:3, 3:]
+            take(R, row, 0, 0)
+            take(r, row, 0, 3)
         if node == n:
             break
         step[:] = 0.0
         if kind == FIXED and node == 0:
-            step[:3, :3] = np.eye(3)  # stands for a factor without bound: met exactly
-            step[:3, 6:] = x0
+            for i in range(3):
+                step[i, i] = 1.0  # stands for a factor without bound: met exactly
+            put(step, 0, 6, x0)
         else:
-            step[:3, :3] = R
-            step[:3, 6:] = r
+            put(step, 0, 0, R)
+            put(step, 0, 6, r)
         for i in range(3):
             for j in range(3):
                 step[3 + i, 3 + j] = U[i, j]
@@ -96,12 +131,13 @@ def solve_window(n, A, U, inverse_sigma, z, have, effects, x0, prior, kind, firs
                         step[3 + i, 6 + axis] -= step[3 + i, j] * x0[j, axis]
         else:
             triangularise(step, 3)
-        blocks[node] = step[:3]
-        R[:, :] = step[3:, 3:6]
-        r[:, :] = step[3:, 6:]
-    row[:3, :3] = R
-    row[:3, 3:] = r
-    row[3] = 0.0
+        take(blocks[node], step, 0, 0)
+        take(R, step, 3, 3)
+        take(r, step, 3, 6)
+    put(row, 0, 0, R)
+    put(row, 0, 3, r)
+    for j in range(5):
+        row[3, j] = 0.0
     triangularise(row, 3)
     for axis in range(2):
         for i in range(2, -1, -1):

@@ -97,6 +97,7 @@ class OnlineMemory(NamedTuple):
     running: Array
     recent: Array
     held: Array
+    prior: Array
     node: Array
     nodes: Array
     blocks: Array
@@ -194,6 +195,7 @@ def new_memory(f: FilterSettings, h: HorizonSettings) -> OnlineMemory:
         running=np.zeros((2, 2)),
         recent=np.zeros(2),
         held=np.zeros(2),
+        prior=np.zeros((3, 3)),
         node=np.zeros((3, 2)),
         nodes=np.zeros((n + 2, 3, 2)),
         blocks=np.zeros((n, 3, 8)),
