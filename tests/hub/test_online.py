@@ -188,19 +188,19 @@ def test_one_by_one_is_all_at_once(name: str) -> None:
 
 
 def test_nothing_drifts_and_memory_stays() -> None:
-    """After 300 000 steps the estimate is that of one who began 50 000 steps ago."""
+    """After 120 000 steps the estimate is that of one who began 30 000 steps ago."""
     config = configure(tuning="matched")
     sensors = measured(config)[1]
     random = np.random.default_rng(1)
-    M, steps, last = sensors.fix_interval, 300_000, 50_000
+    M, steps, last = sensors.fix_interval, 120_000, 30_000
     estimators = {name: stream(name, config, sensors) for name in ("HME1", "HME2")}
     force = random.normal(size=(steps, 2))
     positions = np.full((steps, 2), np.nan)
     positions[::M] = random.normal(size=(steps // M, 2))
     for name, old in estimators.items():
         size = sum(np.asarray(item).nbytes for item in old._memory)
-        for begin in range(0, steps, 60_000):
-            part = slice(begin, begin + 60_000)
+        for begin in range(0, steps, 30_000):
+            part = slice(begin, begin + 30_000)
             found = old.run(force[part], positions[part])
         young = stream(name, config, sensors).run(force[-last:], positions[-last:])
         assert sum(np.asarray(item).nbytes for item in old._memory) == size

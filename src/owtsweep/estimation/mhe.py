@@ -115,7 +115,7 @@ def window_map(
 class CasadiWindow:
     """Eq. (11) as an optimisation problem, solved by CasADi: the oracle of `window_map`.
 
-    With `constraints` it is the only way: that many rows on every free node's state (Eq. (11h)).
+    With `constraints` it is the only way: that many rows on every free node's state.
 
     Two axes at once (states ordered as in Sigma_2: x, y, v_x, v_y, b_x, b_y), with the last node at
     the present. Variables are scaled by the standard deviations that the weights imply.

@@ -64,6 +64,11 @@ class OnlineEstimator:
         #: How often the constraints were violated, so that a problem had to be solved.
         self.solved = 0
 
+    @property
+    def step(self) -> float:
+        """The IMU's sampling interval, s."""
+        return self._sensors.step
+
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take one sample and, when there is one, a fix; return the estimate of now.
 
