@@ -21,10 +21,12 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon, horizon, transition_over
 from owtsweep.studies.hub.loop import run_estimator
+from owtsweep.studies.hub.online import Streaming
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve, under
 from owtsweep.studies.hub.sensors import Measurements, sensors
 from owtsweep.sweep.keys import run_hash
+from owtsweep.testing import check_scheme, example_sensors
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -91,6 +93,14 @@ def test_the_compiled_form_is_the_reference(arrival: str, bound: str) -> None:
     found = run_estimator(estimator, data, known).state
     assert estimator.solved > 0
     assert_same(found, run(config, data, known, fast=False), "estimate")
+
+
+@pytest.mark.parametrize("arrival", ["mkf", "none", "fixed"])
+def test_the_contract_holds_whatever_the_data(arrival: str) -> None:
+    # data of the size of kilometres: nearly every window stands on its bounds
+    changes = (f"hme.mhe.arrival={arrival}", "hme.mhe.constraints={velocity: 2, bias: 0.2}")
+    config = configure(*changes, tuning="matched")
+    check_scheme(Streaming("HME2").under(config), tuning=config, sensors=example_sensors()[1:])
 
 
 # --- one window ------------------------------------------------------------------------------

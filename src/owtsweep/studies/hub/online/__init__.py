@@ -61,11 +61,12 @@ class Streaming:
         self.linear: bool = self._scheme.linear
 
     def under(self, tuning: Any) -> Streaming:
-        """Itself; with constraints not linear."""
+        """As that tuning makes it: with constraints not linear."""
         from owtsweep.studies.hub.schemes import under
 
-        self.linear = under(self._scheme, tuning).linear
-        return self
+        made = Streaming(self.name)
+        made.linear = under(self._scheme, tuning).linear
+        return made
 
     def start(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
         """A fresh estimator."""
