@@ -1,4 +1,4 @@
-"""experiments/online_from_pipe.py: samples in, estimates out, line by line."""
+"""examples/online_from_pipe.py: samples in, estimates out, line by line."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tools import configure, measured
 
 import owtsweep
 
-SCRIPT = Path(__file__).parents[2] / "experiments" / "online_from_pipe.py"
+SCRIPT = Path(__file__).parents[2] / "examples" / "online_from_pipe.py"
 SENSORS = ["sensors.imu.rate=20", "sensors.gnss.rate=2", "hme.mhe.interval=0.1", "tuning=matched"]
 
 

@@ -1,6 +1,6 @@
 """Estimate the hub's motion while its sensors report, line by line from a pipe.
 
-    sensor_logger | python experiments/online_from_pipe.py HME1 tuning=matched > estimates.csv
+    sensor_logger | python examples/online_from_pipe.py HME1 tuning=matched > estimates.csv
 
 One line in per IMU sample: time, fx, fy (s; m/s^2 in the IMU's frame), with a fix also x, y (m, in
 NED), else nothing or two empty fields. One line out for each, at once: time, x, y, vx, vy and their
