@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
 
 __all__ = ["HubStudy"]
+
+logger = logging.getLogger(__name__)
 
 
 class HubStudy:
@@ -42,7 +45,15 @@ class HubStudy:
         from owtsweep.studies.hub.blocks import uses_kernels
         from owtsweep.studies.hub.schemes import resolve_all
 
-        compiled = all(uses_kernels(config, scheme) for scheme in resolve_all(config.schemes))
+        schemes = resolve_all(config.schemes, config)
+        for scheme in schemes:
+            if config.engine == "batch" and getattr(scheme, "constrained", False):
+                logger.warning(
+                    "%s: its constraints leave no kernel that serves all amplitudes; it runs step "
+                    "by step, amplitude by amplitude",
+                    scheme.name,
+                )
+        compiled = all(uses_kernels(config, scheme) for scheme in schemes)
         return "threading" if compiled else "loky"
 
     def run(

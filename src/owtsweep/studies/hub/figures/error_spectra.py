@@ -57,7 +57,7 @@ def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeError
     phase = frequency * known.fix_step
     frequency = frequency[np.abs(phase - np.round(phase)) > 0.02]
     found: dict[str, SchemeErrors] = {}
-    for scheme in resolve_all(config.schemes):
+    for scheme in resolve_all(config.schemes, config):
         if not hasattr(scheme, "kernel"):
             continue
         try:
@@ -122,7 +122,7 @@ EXPLANATION = (
 
 def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
     """Sentences on what the panel does not show."""
-    names = [scheme.name for scheme in resolve_all(config.schemes)]
+    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     without = {
         "curve (no kernel, or it does not settle)": [n for n in names if n not in errors],
         "bar (the noise does not settle)": [n for n in errors if errors[n].floor is None],
