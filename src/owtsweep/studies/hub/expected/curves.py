@@ -26,8 +26,8 @@ from owtsweep.studies.hub.sensors import fix_count
 MOTION_TOLERANCE = 3e-3
 NOISE_TOLERANCE = 1e-4
 #: A bias' walk is followed up to this frequency, in units of the fix rate: its energy beyond is
-#: 1e-6 of the whole and less.
-WALK_TO = 4.0
+#: 1e-4 of the whole and less.
+WALK_TO = 1.0
 
 
 @dataclass(frozen=True)
@@ -164,13 +164,17 @@ class _Prober:
             return np.asarray(np.sum(weight * values, axis=-1))
         total = np.sum(weight * _between(number, first, values), axis=-1)
 
-        def wrong(left: Array, right: Array, predicted: Array, found: Array) -> Array:
+        def large(left: Array, right: Array, part: Array) -> Array:
             shares = upto[right.astype(int)] - upto[left.astype(int)]
-            missed = np.abs(predicted - found) * shares > NOISE_TOLERANCE * total[..., None]
-            return np.asarray(np.any(missed, axis=(0, 1)))
+            return np.asarray(
+                np.any(part * shares > NOISE_TOLERANCE * total[..., None], axis=(0, 1))
+            )
+
+        def wrong(left: Array, right: Array, predicted: Array, found: Array) -> Array:
+            return large(left, right, np.abs(predicted - found))
 
         found = nodes.refined(
-            first, values, lambda n: self(probe(n)), _between, wrong, whole=True
+            first, values, lambda n: self(probe(n)), _between, wrong, matters=large, whole=True
         )
         return np.asarray(np.sum(weight * _between(number, *found), axis=-1))
 

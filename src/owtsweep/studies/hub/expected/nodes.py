@@ -84,6 +84,7 @@ def refined(
     between: Callable[[Array, Array, Array], Array],
     wrong: Callable[[Array, Array, Array, Array], Array],
     *,
+    matters: Callable[[Array, Array, Array], Array] | None = None,
     whole: bool = False,
 ) -> tuple[Array, Array]:
     """Nodes and values of a curve, intervals halved until it is what its neighbours say.
@@ -98,6 +99,8 @@ def refined(
         (x, nodes, values) -> values at x.
     wrong
         (left, right, predicted, found) -> (n,): which middles miss.
+    matters
+        (left, right, predicted) -> (n,): which middles to look at in the first place.
     whole
         Whether nodes are whole numbers.
     """
@@ -108,9 +111,13 @@ def refined(
             middle = np.rint(middle)
             inside = (middle > left) & (middle < right)
             left, right, middle = left[inside], right[inside], middle[inside]
+        predicted = between(middle, nodes, values)
+        if matters is not None:
+            some = matters(left, right, predicted)
+            left, middle, right = left[some], middle[some], right[some]
+            predicted = predicted[..., some]
         if not len(middle):
             break
-        predicted = between(middle, nodes, values)
         found = answer(middle)
         missed = wrong(left, right, predicted, found)
         order = np.argsort(np.append(nodes, middle), kind="stable")

@@ -39,96 +39,80 @@ def energies(chain: Chain, sensors: Sensors, probe: Probe, steps: int, settled: 
 
 
 def _run(chain: Chain, sensors: Sensors, probe: Probe, steps: int, settled: int) -> Array:
-    """Phasors are run until gains and answer repeat; the rest of the record is more of the same."""
+    """Phasors are run until their answer repeats; the rest of the record is more of the same."""
+    from owtsweep.studies.hub.expected.kernels import add_squares
+
     n, cycle = len(probe.angle), cycle_of(chain)
     waves = Waves(probe, steps, sensors)
-    sums = np.zeros((2, 2, n))  # window part, measure
-    cycles = Cycles(n, cycle)
+    sums = np.zeros((2, 2, n))  # part of the record, measure
+    ring = np.zeros((JUDGED + 1, 2, n))
+    rate = probe.angle / sensors.step
+    earliest = max(filling(chain), settled) + (JUDGED + 1) * cycle
+    judged = 0
     ahead = max(AHEAD, 4 * (chain.filter.window + chain.predictor.steps))
     waves.make(ahead)
     for k0, count, memory in batch.chunks(chain, waves.force, waves.fixes):
         end = k0 + count
         if end > waves.made:
             raise RuntimeError(f"a chunk of {count} steps has outrun the {ahead} steps made ahead")
-        energy = np.empty((count, 2, n))
-        for measure, source in enumerate((memory.position, memory.velocity)):
-            error = source[:count]
-            if probe.truth:
-                error = error - waves.truth(k0, end, measure)
-            square = error * error
-            energy[:, measure] = square[:, :n] + square[:, n:] if probe.phasor else square
-        split = min(max(settled - k0, 0), count)
-        sums[0] += np.sum(energy[:split], axis=0)
-        sums[1] += np.sum(energy[split:], axis=0)
-        if probe.phasor and k0 >= max(filling(chain), settled):
-            repeated = cycles.add(energy)
-            if repeated is not None:
-                sums[1] += repeated * ((steps - end) / cycle)
+        add_squares(
+            k0, count, settled, cycle, memory.position, memory.velocity, waves.wave, rate,
+            probe.phasor, probe.truth, sums, ring,
+        )  # fmt: skip
+        if probe.phasor and end >= earliest and end - judged >= JUDGED * cycle:
+            judged = end
+            complete = np.delete(ring, (end // cycle) % len(ring), axis=0)
+            if np.all(np.ptp(complete, axis=0) <= TOLERANCE * complete.max(axis=0)):
+                sums[1] += complete.mean(axis=0) * ((steps - end) / cycle)
                 break
         waves.make(min(end + ahead, steps))
     return np.stack([sums[0] + sums[1], sums[1]], axis=1)
 
 
-class Cycles:
-    """Energies of the last cycles, and whether they still change."""
-
-    def __init__(self, sinusoids: int, cycle: int) -> None:
-        self.kept = np.zeros((JUDGED * cycle, 2, sinusoids))
-        self.filled = 0
-
-    def add(self, energy: Array) -> Array | None:
-        """Take energies by step; the energy of a cycle, (2, n), once it repeats, else None."""
-        at, result = 0, None
-        while at < len(energy):
-            taken = min(len(self.kept) - self.filled, len(energy) - at)
-            self.kept[self.filled : self.filled + taken] = energy[at : at + taken]
-            self.filled, at = self.filled + taken, at + taken
-            if self.filled == len(self.kept):
-                self.filled = 0
-                cycles = self.kept.reshape(JUDGED, -1, *self.kept.shape[1:]).sum(axis=1)
-                if np.all(np.ptp(cycles, axis=0) <= TOLERANCE * cycles[-1]):
-                    result = np.asarray(cycles.mean(axis=0))
-        return result
-
-
 class Waves:
-    """A probe's sinusoids as lanes [cosines | sines], or sines alone, made as they are needed."""
+    """A probe's sinusoids as lanes [cosines | sines], or sines alone, made as they are needed.
+
+    Attributes
+    ----------
+    force, fixes
+        (steps, lanes) and (fixes, lanes): the chain's inputs.
+    wave
+        (steps, lanes): the displacement, or nothing if there is no truth to follow.
+    made
+        Steps that are filled.
+    """
 
     def __init__(self, probe: Probe, steps: int, sensors: Sensors) -> None:
-        self.probe, self.steps, self.sensors = probe, steps, sensors
+        self.probe, self.steps = probe, steps
         count = fix_count(steps, sensors.fix_interval)
         delay = sensors.delay if probe.truth else 0
         fix_steps = sensors.fix_interval * np.arange(count)[:, None] - delay
-        self.fixes = self._lanes(np.exp(1j * (probe.angle * fix_steps + probe.shift)) * probe.fix)
+        self.fixes = _lanes(
+            np.exp(1j * (probe.angle * fix_steps + probe.shift)) * probe.fix, probe.phasor
+        )
         shape = (steps, self.fixes.shape[1])
         self.force = np.zeros(shape)
         self.wave = np.empty(shape if probe.truth else (0, shape[1]))
-        self.made = 0
-        self._fine = np.exp(1j * probe.angle * np.arange(BLOCK)[:, None])
+        self.made = 0 if np.any(probe.force) else steps
 
     def make(self, end: int) -> None:
         """Fill force and wave up to the step `end` at least."""
+        from owtsweep.studies.hub.expected.kernels import make_waves
+
         probe = self.probe
+        turn = np.exp(1j * probe.angle)
         while self.made < min(end, self.steps):
-            part = slice(self.made, min(self.made + BLOCK, self.steps))
-            if np.any(probe.force):
-                start = np.exp(1j * (probe.angle * self.made + probe.shift))
-                values = start * self._fine[: part.stop - part.start]
-                self.force[part] = self._lanes(values * probe.force)
-                if probe.truth:
-                    self.wave[part] = self._lanes(values)
-            self.made = part.stop
+            # anew in every block, so that rounding does not add up
+            start = np.exp(1j * (probe.angle * self.made + probe.shift))
+            stop = min(self.made + BLOCK, self.steps)
+            make_waves(
+                self.made, stop, start.real.copy(), start.imag.copy(), turn.real.copy(),
+                turn.imag.copy(), probe.force, probe.phasor, probe.truth, self.force, self.wave,
+            )  # fmt: skip
+            self.made = stop
 
-    def truth(self, first: int, end: int, measure: int) -> Array:
-        """Displacement (measure 0) or its rate (1) over some steps, (steps, lanes)."""
-        wave = self.wave[first:end]
-        if measure == 0:
-            return wave
-        rate = self.probe.angle / self.sensors.step
-        cosine, sine = np.split(wave, 2, axis=1)
-        return np.hstack([-rate * sine, rate * cosine])
 
-    def _lanes(self, values: Complex) -> Array:
-        if not self.probe.phasor:
-            return np.ascontiguousarray(values.imag)
-        return np.ascontiguousarray(np.hstack([values.real, values.imag]))
+def _lanes(values: Complex, phasor: bool) -> Array:
+    if not phasor:
+        return np.ascontiguousarray(values.imag)
+    return np.ascontiguousarray(np.hstack([values.real, values.imag]))
