@@ -113,6 +113,10 @@ class HubStudy:
         metadata: Mapping[str, str] | None = None,
     ) -> list[Path]:
         """All figures and tables of the paper that the run has the data for."""
+        if config.engine == "expected":
+            from owtsweep.studies.hub.expected import drawing
+
+            return drawing.draw_all(config, tables, rows, folder, only=only, metadata=metadata)
         from owtsweep.studies.hub.figures import draw_all
 
         return draw_all(config, tables, rows, folder, only=only, metadata=metadata)

@@ -90,7 +90,7 @@ def judge(values: Array) -> Verdict:
     count = len(values)
     number = np.arange(count)[:, None, None]
     least = values.min(axis=0)
-    alike = values - least <= COINCIDENCE * np.abs(values)
+    alike = values - least <= COINCIDENCE * values
     best = np.max(np.where(alike, number, -1), axis=0)
     mse_best = np.take_along_axis(values, best[None], axis=0)[0]
     if count == 1:
@@ -98,9 +98,9 @@ def judge(values: Array) -> Verdict:
         return Verdict(best, np.full_like(best, -1), mse_best, nothing, np.zeros(best.shape, bool))
     # where all coincide the runner-up is any other
     same = np.where(np.all(alike, axis=0), number == best, alike)
-    others = np.where(same, np.inf, values)
-    next_least = others.min(axis=0)
-    runner_up = np.max(np.where(others - next_least <= COINCIDENCE * others, number, -1), axis=0)
+    next_least = np.where(same, np.inf, values).min(axis=0)
+    like_next = ~same & (values - next_least <= COINCIDENCE * values)
+    runner_up = np.max(np.where(like_next, number, -1), axis=0)
     mse_next = np.take_along_axis(values, runner_up[None], axis=0)[0]
     clear = mse_next - mse_best > RESOLUTION * mse_best
     return Verdict(best, runner_up, mse_best, mse_next, clear)

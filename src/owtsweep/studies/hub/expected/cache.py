@@ -26,6 +26,7 @@ from owtsweep.arrays import Array
 KEPT = 64
 _MEMORY: OrderedDict[str, dict[str, Array]] = OrderedDict()
 _LOCK = threading.Lock()
+_LOCKS: dict[str, threading.Lock] = {}
 #: Where the code stands that such numbers depend on, below the package.
 SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
 
@@ -51,18 +52,27 @@ def cached(
     text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
     with _LOCK:
-        if key in _MEMORY:
-            _MEMORY.move_to_end(key)
-            return _MEMORY[key]
-    arrays = _read(folder() / f"{key}.npz")
-    if arrays is None:
-        arrays = compute()
-        _write(folder() / f"{key}.npz", arrays)
+        mine = _LOCKS.setdefault(key, threading.Lock())
+    with mine:  # threads that need the same arrays wait for the first of them
+        arrays = _MEMORY.get(key)
+        if arrays is None:
+            arrays = _read(folder() / f"{key}.npz")
+        if arrays is None:
+            arrays = compute()
+            _write(folder() / f"{key}.npz", arrays)
     with _LOCK:
         _MEMORY[key] = arrays
+        _MEMORY.move_to_end(key)
         while len(_MEMORY) > KEPT:
-            _MEMORY.popitem(last=False)
+            _LOCKS.pop(_MEMORY.popitem(last=False)[0], None)
     return arrays
+
+
+def forget() -> None:
+    """Empty the memory; files stay."""
+    with _LOCK:
+        _MEMORY.clear()
+        _LOCKS.clear()
 
 
 def _read(path: Path) -> dict[str, Array] | None:

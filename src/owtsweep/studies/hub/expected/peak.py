@@ -22,7 +22,7 @@ from owtsweep.studies.hub.expected.cache import cached
 #: Records per rung. All rungs share their phases, so that the factor changes smoothly.
 RECORDS = 400
 #: Rungs of the ladder per octave of period.
-PER_OCTAVE = 4
+PER_OCTAVE = 2
 #: Samples per shortest period of the band: a peak between two of them is at most 0.5 % higher.
 SAMPLES = 32
 #: A name that no record of a sweep has.
