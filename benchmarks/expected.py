@@ -4,8 +4,8 @@
 
 runs the study twice under FOLDER, with records (200 per natural period unless overridden) and with
 engine=expected, compares position and velocity MSE in both windows, and times a map of 200 x 200
-cells, with curves and peak factors computed and with both cached. It writes FOLDER/expected.csv, one
-row per cell, and prints the worst of each scheme.
+cells with and without what is cached. It writes FOLDER/expected.csv, one row per cell, and prints
+the worst of each scheme.
 """
 
 import os

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from owtsweep.studies.hub.config import HubConfig
 
+#: Mean square errors in the order of tables.
+MSE = ("x", "y", "vx", "vy", "position", "velocity")
 #: Relative differences below this are within the accuracy of the curves: not distinguishable.
 RESOLUTION = 1e-3
 #: In grids of more cells summary.csv holds only what the map judges: all of it would be millions
@@ -52,11 +54,8 @@ class Expected:
 
 def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
     """One measure and window out of the rows of a study."""
-    import pandas as pd
 
-    used = rows[
-        (rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)
-    ]
+    used = rows[(rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)]
     found = tuple(name for name in schemes if (used["scheme"] == name).any())
     tables: list[pd.DataFrame] = [
         used.pivot(index="scheme", columns="natural_period", values=what).reindex(list(found))
@@ -119,7 +118,6 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 def summary(config: HubConfig, rows: pd.DataFrame, schemes: Sequence[str]) -> pd.DataFrame:
     """`SUMMARY_COLUMNS`, sorted as those of records."""
-    import pandas as pd
 
     amplitudes = np.array(sorted(config.grid.amplitude), dtype=float)
     used = rows[rows["status"] == OK]
@@ -127,6 +125,7 @@ def summary(config: HubConfig, rows: pd.DataFrame, schemes: Sequence[str]) -> pd
         judged = used["measure"] == config.measures.criterion
         used = used[judged & (used["window"] == config.measures.window)]
     order = {name: i for i, name in enumerate(schemes)}
+    place = {name: i for i, name in enumerate(MSE)}
     repeated = used.loc[used.index.repeat(len(amplitudes))].assign(
         amplitude=np.tile(amplitudes, len(used))
     )
@@ -136,8 +135,9 @@ def summary(config: HubConfig, rows: pd.DataFrame, schemes: Sequence[str]) -> pd
         ci_high=np.nan,
         n=0,
         order=repeated["scheme"].map(order),
+        place=repeated["measure"].map(place),
     )
-    keys = ["order", "natural_period", "amplitude", "measure", "window"]
+    keys = ["order", "natural_period", "amplitude", "place", "window"]
     table: pd.DataFrame = repeated.sort_values(keys, kind="stable", ignore_index=True)
     return table[list(SUMMARY_COLUMNS)]
 

@@ -37,9 +37,7 @@ def folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "owtsweep" / "expected"
 
 
-def cached(
-    what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]
-) -> dict[str, Array]:
+def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
     """Arrays by name, computed unless they are known.
 
     Parameters

@@ -23,7 +23,7 @@ from owtsweep.studies.hub.sensors import fix_count
 
 #: An interval is halved where reading its middle off misses by this part: of the curve, for
 #: motion; of the whole sum, for noise.
-MOTION_TOLERANCE = 3e-3
+MOTION_TOLERANCE = 2e-3
 NOISE_TOLERANCE = 1e-4
 #: A bias' walk is followed up to this frequency, in units of the fix rate: its energy beyond is
 #: 1e-4 of the whole and less.
@@ -109,6 +109,7 @@ class _Prober:
             )
 
         first = nodes.over_band(band, self.scales, self.steps * self.sensors.step)
+
         def answer(frequency: Array) -> Array:
             return self(inputs.motion(frequency, self.sensors))
 
@@ -144,9 +145,7 @@ class _Prober:
         number = np.arange(1.0, highest + 1.0)
         angle = inputs.walks(number, self.steps).angle
         weight = 4.0 / (2.0 * last + 1.0) / (2.0 - 2.0 * np.cos(angle))
-        return self._sum(
-            number, weight, highest, per_number, lambda n: inputs.walks(n, self.steps)
-        )
+        return self._sum(number, weight, highest, per_number, lambda n: inputs.walks(n, self.steps))
 
     def _sum(
         self,
@@ -185,6 +184,6 @@ def _between(x: Array, known: Array, values: Array) -> Array:
 
     logs = np.log(np.maximum(values, np.finfo(float).tiny))
     if len(known) < 2:
-        return np.exp(np.repeat(logs, len(x), axis=-1))
+        return np.asarray(np.exp(np.repeat(logs, len(x), axis=-1)))
     curve = PchipInterpolator(np.log(known), logs, axis=-1)
     return np.asarray(np.exp(curve(np.log(np.clip(x, known[0], known[-1])))))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,7 +40,7 @@ def draw_all(
     InputError
         If there is no figure of that name.
     """
-    from owtsweep.studies.hub import scheme_names
+    from owtsweep.studies.hub import criteria, scheme_names
     from owtsweep.studies.hub.figures import (
         MAP,
         PAPER_FIGURES,
@@ -51,9 +51,14 @@ def draw_all(
 
     names = scheme_names(config)
     window = config.measures.window
-    same = answers.coinciding(rows, names, window, answers_criteria(config))
-    look = {"window": window, "tuning": config.tuning, "coinciding": same}
-    drawings = {
+    same = answers.coinciding(rows, names, window, criteria(config))
+
+    def over_amplitude(period: float) -> Callable[[], Figure]:
+        return lambda: mse_over_amplitude.draw(
+            tables["summary"], period, names, window=window, tuning=config.tuning, coinciding=same
+        )
+
+    drawings: dict[str, Callable[[], Figure]] = {
         MAP: lambda: best(config, tables, rows, config.measures.criterion),
         "best_scheme_velocity": lambda: best(config, tables, rows, "velocity"),
         "error_spectra": lambda: error_spectra.draw(config, coinciding=same),
@@ -61,9 +66,7 @@ def draw_all(
     periods = sorted(set(rows["natural_period"]))
     for period in periods if len(periods) <= MOST_PERIODS else []:
         number = f"figure_{PAPER_FIGURES[period]}_" if period in PAPER_FIGURES else ""
-        drawings[f"{number}mse_{period:g}s"] = lambda period=period: mse_over_amplitude.draw(
-            tables["summary"], period, names, **look
-        )
+        drawings[f"{number}mse_{period:g}s"] = over_amplitude(period)
     if only is not None and only not in drawings:
         raise InputError(
             f"only: an expected study has no figure {only!r}; use {', '.join(drawings)}"
@@ -74,13 +77,6 @@ def draw_all(
             with style.context():
                 files += style.save(drawn(), folder, name, metadata)
     return files
-
-
-def answers_criteria(config: HubConfig) -> tuple[str, ...]:
-    """What coinciding schemes must agree in."""
-    from owtsweep.studies.hub import criteria
-
-    return criteria(config)
 
 
 def best(

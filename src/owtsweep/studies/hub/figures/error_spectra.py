@@ -140,7 +140,7 @@ def motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -
 
     periods = sorted(config.grid.natural_period)
     chosen = np.unique(np.linspace(0, len(periods) - 1, MOST_SPECTRA).round().astype(int))
-    frequency = np.geomspace(*config.band, 2000)
+    frequency = np.geomspace(config.band[0], config.band[1], 2000)
     shown = [periods[i] for i in chosen] if len(periods) > MOST_SPECTRA else periods
     for number, period in enumerate(shown):
         shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
@@ -205,7 +205,6 @@ def panel(
 def _scales(
     axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measure: str, top: float
 ) -> None:
-    from matplotlib.ticker import FuncFormatter, NullFormatter
 
     frequency: Array = next(iter(errors.values())).spectrum.frequency
     left, right = np.log(frequency[0]), np.log(frequency[-1])
