@@ -54,7 +54,7 @@ class Expected:
 
 def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
     """One measure and window out of the rows of a study."""
-
+    rows = _plain(rows)
     used = rows[(rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)]
     found = tuple(name for name in schemes if (used["scheme"] == name).any())
     tables: list[pd.DataFrame] = [
@@ -63,6 +63,11 @@ def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: s
     ]
     periods = tables[0].columns.to_numpy(dtype=float)
     return Expected(found, periods, tables[0].to_numpy(float), tables[1].to_numpy(float))
+
+
+def _plain(rows: pd.DataFrame) -> pd.DataFrame:
+    """Rows whose text is text: the store reads it as categories, which sort and map otherwise."""
+    return rows.astype(dict.fromkeys(("scheme", "measure", "window"), object))
 
 
 @dataclass(frozen=True)
@@ -120,6 +125,7 @@ def summary(config: HubConfig, rows: pd.DataFrame, schemes: Sequence[str]) -> pd
     """`SUMMARY_COLUMNS`, sorted as those of records."""
 
     amplitudes = np.array(sorted(config.grid.amplitude), dtype=float)
+    rows = _plain(rows)
     used = rows[rows["status"] == OK]
     if len(amplitudes) * len(config.grid.natural_period) > MOST_CELLS:
         judged = used["measure"] == config.measures.criterion
