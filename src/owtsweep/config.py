@@ -24,7 +24,7 @@ CONFIG_VERSION = 1
 RENAMED: dict[str, str] = {}
 
 BACKENDS = ("auto", "threading", "loky")
-ENGINES = ("batch", "reference")
+ENGINES = ("batch", "reference", "expected")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -145,7 +145,7 @@ def test_git_that_is_not_there_is_no_error(tmp_path, monkeypatch):
     assert git_state(tmp_path) is None
 
 
-def test_a_table_is_written_as_pandas_writes_it(tmp_path: Path) -> None:
+def test_a_table_is_written_as_pandas_writes_it(tmp_path):
     table = pd.DataFrame(
         {
             "text": ["plain", "with, comma", 'a "quote"', "", "two\nlines"],

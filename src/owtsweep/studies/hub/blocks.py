@@ -28,11 +28,11 @@ REPLICATES_PER_BLOCK = 8
 
 def plan(config: HubConfig) -> list[Block]:
     """One block per period, run of replicates and scheme (and amplitude, when run directly)."""
-    shared = _shared_content(config)
+    shared = shared_content(config)
     schemes = resolve_all(config.schemes, config)
     # Once per scheme: the blocks share these parts, or a large plan would not fit into memory.
     owns = [
-        {**shared, **_scheme_content(config, entry, scheme)}
+        {**shared, **scheme_content(config, entry, scheme)}
         for entry, scheme in zip(config.schemes, schemes, strict=True)
     ]
     blocks = []
@@ -60,7 +60,7 @@ def _superposes(config: HubConfig, scheme: Scheme) -> bool:
     return config.evaluation == "superposed" and scheme.linear
 
 
-def _shared_content(config: HubConfig) -> dict[str, Any]:
+def shared_content(config: HubConfig) -> dict[str, Any]:
     """What every block depends on; never the grid's lists."""
     whole = as_mapping(config)
     keys = (
@@ -79,7 +79,7 @@ def _shared_content(config: HubConfig) -> dict[str, Any]:
     return content
 
 
-def _scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
+def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
     """What a scheme's rows depend on: its sections of the tuning, or all for a user's scheme."""
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
     tuning = {section: _plain(attrgetter(section)(config)) for section in sections}

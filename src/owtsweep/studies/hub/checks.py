@@ -55,6 +55,10 @@ def check(config: HubConfig) -> None:
         _check_window(config, "hme.smoother_window", config.hme.smoother_window)
     if any(scheme.name == "HME2" for scheme in schemes):
         _check_mhe(config, config.hme.mhe)
+    if config.engine == "expected":
+        from owtsweep.studies.hub.expected.checks import check as check_expected
+
+        check_expected(config)
     if config.measures.extremes:
         require(
             config.evaluation == "direct",
