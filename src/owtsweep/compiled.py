@@ -17,7 +17,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-KERNEL_SOURCES = ("estimation/riccati.py", "estimation/windowing.py", "studies/hub/kernels")
+KERNEL_SOURCES = (
+    "estimation/riccati.py",
+    "estimation/windowing.py",
+    "studies/hub/kernels",
+    "studies/hub/expected/kernels.py",
+)
 
 
 def source_hash() -> str:

@@ -35,7 +35,8 @@ def covariances(Pf, Pm, C, window, h, response, smoothed, coupling, first=0):
     """Smoothed covariance at the start of each window, and its coupling to the inputs' noise.
 
     There are four states. Row i of `smoothed` and `coupling` belongs to k = first + i; rows with
-    k < window are left as they are. For the window s ... k = s + window: smoothed = P_{s|k} and coupling = sum over i of
+    k < window are left as they are. For the window s ... k = s + window: smoothed = P_{s|k} and
+    coupling = sum over i of
     C_s ... C_{s+i-1} P_{s+i|k} h response_i', the cross-covariance of the smoothing error of s
     with what the noise of the measurements h x + v of the window does to a prediction from s.
     """

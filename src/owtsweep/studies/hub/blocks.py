@@ -17,10 +17,10 @@ from owtsweep.studies.hub import measures
 from owtsweep.studies.hub.batch import Sums, direct_sums_of, superposed_sums_of
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
 from owtsweep.studies.hub.loop import run_estimator
 from owtsweep.studies.hub.records import Records, make_records
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.schemes import resolve_all, under
 from owtsweep.studies.hub.sensors import Measurements, observe
 
 #: Replicates of one block: 0-7, 8-15, ...
@@ -29,11 +29,11 @@ REPLICATES_PER_BLOCK = 8
 
 def plan(config: HubConfig) -> list[Block]:
     """One block per period, run of replicates and scheme (and amplitude, when run directly)."""
-    shared = _shared_content(config)
-    schemes = resolve_all(config.schemes)
+    shared = shared_content(config)
+    schemes = resolve_all(config.schemes, config)
     # Once per scheme: the blocks share these parts, or a large plan would not fit into memory.
     owns = [
-        {**shared, **_scheme_content(config, entry, scheme)}
+        {**shared, **scheme_content(config, entry, scheme)}
         for entry, scheme in zip(config.schemes, schemes, strict=True)
     ]
     blocks = []
@@ -61,7 +61,7 @@ def _superposes(config: HubConfig, scheme: Scheme) -> bool:
     return config.evaluation == "superposed" and scheme.linear
 
 
-def _shared_content(config: HubConfig) -> dict[str, Any]:
+def shared_content(config: HubConfig) -> dict[str, Any]:
     """What every block depends on; never the grid's lists."""
     whole = as_mapping(config)
     keys = (
@@ -80,7 +80,7 @@ def _shared_content(config: HubConfig) -> dict[str, Any]:
     return content
 
 
-def _scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
+def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
     """What a scheme's rows depend on: its sections of the tuning, or all for a user's scheme."""
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
     tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
@@ -109,6 +109,13 @@ def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
     return config.engine == "batch" and hasattr(scheme, "kernel")
 
 
+def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
+    """An estimator to be fed step by step: compiled in the batch engine, where there is such."""
+    if config.engine == "batch" and hasattr(scheme, "stream"):
+        return scheme.stream(sensors, config)  # type: ignore[no-any-return]
+    return scheme.start(sensors, config)  # type: ignore[no-any-return]
+
+
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; motion and noise are made once for all of them.
 
@@ -116,7 +123,7 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
     of an amplitude (or all that superpose) are run when the first of them is due.
     """
     records: Records | None = None
-    schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes)}
+    schemes = {s.name: under(s, config) for s in resolve_all(config.schemes)}
     ready: dict[int, list[dict[str, Any]] | Exception] = {}
     for number, block in enumerate(blocks):
         content = block.content
@@ -230,7 +237,7 @@ def _looped(
     )
     if amplitude is None:
         responses = [
-            run_estimator(scheme.start(sensors, config), part, sensors)
+            run_estimator(start(config, scheme, sensors), part, sensors)
             for part in (observed, noise)
         ]
         return list(measures.from_trajectories(responses[0], responses[1], truth, settled))
@@ -238,7 +245,7 @@ def _looped(
         amplitude * observed.specific_force + noise.specific_force,
         amplitude * observed.fixes + noise.fixes,
     )
-    response = run_estimator(scheme.start(sensors, config), whole, sensors)
+    response = run_estimator(start(config, scheme, sensors), whole, sensors)
     extremes = config.measures.extremes
     return list(
         measures.from_trajectories(None, response, amplitude * truth, settled, extremes=extremes)

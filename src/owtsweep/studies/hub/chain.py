@@ -78,7 +78,7 @@ Kernel = Callable[..., Chain]
 
 def chain_for_runs(scheme: Any, sensors: Sensors, tuning: Any, steps: int) -> Chain:
     """A scheme's chain for the batch engine, with no more memory than it needs where that helps."""
-    if getattr(type(scheme).kernel, "keeps_chains", False):
+    if getattr(scheme.kernel, "keeps_chains", False):
         made: Chain = scheme.kernel(sensors, tuning, steps, for_runs=True)
     else:
         made = scheme.kernel(sensors, tuning, steps)
