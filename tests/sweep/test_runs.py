@@ -61,7 +61,8 @@ def test_tables_are_all_tables_by_name(study, faulty, config):
     run = sweep(study, config()).run
     assert list(run.tables()) == ["order", "summary"]
     pd.testing.assert_frame_equal(run.tables()["summary"], run.summary())
-    assert sweep(faulty(**{"A1.0": "raise"}), config(level=[1.0], seed=1)).run.tables() == {}
+    nothing = faulty(**{"A1.0": "raise", "B1.0": "raise"})
+    assert sweep(nothing, config(level=[1.0], seed=1)).run.tables() == {}
 
 
 def test_folder_without_config_is_no_run(tmp_path):
