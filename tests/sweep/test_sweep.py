@@ -154,15 +154,16 @@ def test_nothing_succeeds(faulty, config, fault):
         outcome.run.summary()
 
 
-def test_whoever_kills_its_worker_fails_alone(faulty, config):
-    c = config(workers=2, backend="loky", level=[1.0, 2.0, 3.0, 4.0])
-    broken = sweep(faulty(**{"B1.0": "kill"}), c)
+@pytest.mark.parametrize("scheme", [pytest.param("A", marks=pytest.mark.faults), "B"])
+def test_whoever_kills_its_worker_fails_alone(faulty, config, scheme):
+    c = config(workers=2, backend="loky", level=[1.0, 2.0])
+    broken = sweep(faulty(**{f"{scheme}1.0": "kill"}), c)
     (failure,) = broken.failed
-    assert failure.label == "B1.0"
+    assert failure.label == f"{scheme}1.0"
     assert "TerminatedWorkerError" in failure.reason
-    assert broken.computed + broken.reused == 14
+    assert broken.computed + broken.reused == 6
     mended = sweep(faulty(), c)
-    assert (mended.reused, mended.computed, mended.failed) == (14, 2, [])
+    assert (mended.reused, mended.computed, mended.failed) == (6, 2, [])
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -77,19 +77,21 @@ class Executor:
         """
         if not tasks:
             return
-        unreported = dict(enumerate(tasks))
+        queue = list(tasks)
+        reported: set[int] = set()
         with self._sharing() as work, self._workers() as start:
             local = self._local(tell)
             try:
-                with closing(self._rounds(work, tasks, start, local)) as results:
+                with closing(self._rounds(work, queue, start, local)) as results:
                     for result in results:
-                        del unreported[result.task]
+                        reported.add(result.task)
                         kept = self._stored(result)
                         yield kept
                         if kept.disk_full:
                             raise _Stop("not computed, because the disk is full")
             except _Stop as stop:
-                yield from self._from_store(unreported, str(stop))
+                for number in sorted(set(range(len(queue))) - reported):
+                    yield self._from_store(number, queue[number], str(stop))
             finally:
                 if local is not None:
                     local.stop.set()
@@ -101,32 +103,52 @@ class Executor:
         return Local(threading.Event(), tell or (lambda cases: None))
 
     def _rounds(
-        self, work: Work, tasks: Sequence[Plan], start: Any, local: Local | None
+        self, work: Work, tasks: list[Plan], start: Callable[[int], Any], local: Local | None
     ) -> Generator[TaskResult]:
-        """All tasks, once more where a worker process died: those that were under way are
-        suspects, and run again in halves until whoever kills its worker is alone."""
+        """All tasks, again where a worker died, until whoever kills its worker is alone.
+
+        A broken pool of processes does not say whose fault it was: those under way are suspects,
+        and run again in halves. Of the task that remains each block runs alone; such tasks are
+        appended to `tasks`.
+        """
         rounds = deque([list(range(len(tasks)))])
         while rounds:
             numbers = rounds.popleft()
             sent: list[int] = []
             reported: set[int] = set()
+            guilty: dict[int, str] = {}
             try:
                 for result in self._round(work, tasks, numbers, sent, start, local):
                     reported.add(result.task)
-                    yield result
-            except (BrokenExecutor, PicklingError) as error:
+                    if isinstance(result, TaskResult):
+                        yield result
+                    else:
+                        guilty[result.task] = result.reason
+            except PicklingError as error:
+                raise _Stop(one_line(error)) from error
+            except BrokenExecutor as error:
                 suspects = [number for number in sent if number not in reported]
                 rest = numbers[len(sent) :]
-                if isinstance(error, PicklingError) or len(suspects) == 1:
-                    if isinstance(error, PicklingError):
-                        suspects, rest = suspects + rest, []
-                    blocks = {number: tasks[number] for number in suspects}
-                    yield from self._from_store(blocks, one_line(error))
-                    suspects = []
+                if len(suspects) == 1:
+                    guilty[suspects.pop()] = one_line(error)
                 elif len(suspects) == len(numbers):
                     half = len(suspects) // 2
                     suspects, rest = suspects[:half], suspects[half:]
                 rounds.extendleft(part for part in (rest, suspects) if part)
+            for number, reason in guilty.items():
+                missing = {
+                    key: block
+                    for key, block in tasks[number].items()
+                    if self.store.status(key) != "done"
+                }
+                if len(missing) < 2:
+                    yield self._from_store(number, tasks[number], reason)
+                    continue
+                done = {key: block for key, block in tasks[number].items() if key not in missing}
+                yield self._from_store(number, done, reason)
+                for key, block in missing.items():
+                    rounds.append([len(tasks)])
+                    tasks.append({key: block})
 
     def _round(
         self,
@@ -136,7 +158,7 @@ class Executor:
         sent: list[int],
         start: Callable[[int], Any],
         local: Local | None,
-    ) -> Iterator[TaskResult]:
+    ) -> Iterator[TaskResult | Lost]:
         from joblib import delayed
 
         def calls() -> Iterator[Any]:
@@ -147,12 +169,9 @@ class Executor:
         results: Any = start(len(numbers))(calls())
         try:
             for result in results:
-                if isinstance(result, TaskResult):
-                    yield result
-                elif result.final:
+                if not isinstance(result, TaskResult) and result.final:
                     raise _Stop(result.reason)
-                else:
-                    yield from self._lost(result, tasks)
+                yield result
         finally:
             if local is not None:
                 local.stop.set()
@@ -160,9 +179,6 @@ class Executor:
                 # joblib remarks that tasks were cancelled: that is what closing is for.
                 warnings.simplefilter("ignore", UserWarning)
                 results.close()
-
-    def _lost(self, lost: Lost, tasks: Sequence[Plan]) -> Iterator[TaskResult]:
-        yield from self._from_store({lost.task: tasks[lost.task]}, lost.reason)
 
     @contextmanager
     def _sharing(self) -> Iterator[Work]:
@@ -218,17 +234,16 @@ class Executor:
             result, computed=computed, failures=tuple(failures), returned=(), disk_full=disk_full
         )
 
-    def _from_store(self, tasks: Mapping[int, Plan], reason: str) -> Iterator[TaskResult]:
-        """Results of tasks that did not report: what was stored is kept."""
-        for number, blocks in sorted(tasks.items()):
-            computed = 0
-            failures = []
-            for key, block in blocks.items():
-                if self.store.status(key) == "done":
-                    computed += block.cases
-                else:
-                    failures.append(Failure(block.label, reason, block.cases))
-            yield TaskResult(number, computed, tuple(failures))
+    def _from_store(self, number: int, blocks: Plan, reason: str) -> TaskResult:
+        """The result of a task that did not report: what was stored is kept."""
+        computed = 0
+        failures = []
+        for key, block in blocks.items():
+            if self.store.status(key) == "done":
+                computed += block.cases
+            else:
+                failures.append(Failure(block.label, reason, block.cases))
+        return TaskResult(number, computed, tuple(failures))
 
 
 class _Stop(Exception):
