@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import subprocess
 import sys
 import time
@@ -14,9 +13,10 @@ from types import SimpleNamespace
 import pytest
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "sweep"))
+sys.path[:0] = [str(ROOT / "tests" / "sweep"), str(ROOT / "tests" / "faults")]
 
 from dummy_study import DummyConfig, DummyStudy, make_config  # noqa: E402
+from fault_tools import environment  # noqa: E402
 
 
 @pytest.fixture
@@ -34,13 +34,6 @@ def faulty() -> Callable[..., DummyStudy]:
 def config(tmp_path: Path) -> Callable[..., DummyConfig]:
     """A configuration whose results lie in the test's own folder."""
     return lambda **changes: make_config(changes.pop("results", tmp_path / "results"), **changes)
-
-
-def environment() -> dict[str, str]:
-    """For subprocesses: ours and the tests' modules are importable."""
-    paths = [str(ROOT / "src"), str(ROOT / "tests"), str(ROOT / "tests" / "sweep")]
-    paths.append(str(ROOT / "tests" / "faults"))
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OPENBLAS_NUM_THREADS": "1"}
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ import time
 from dataclasses import replace
 
 import pytest
+from fault_tools import content
 
 from owtsweep.config import Compute
 from owtsweep.errors import InputError
@@ -19,12 +20,6 @@ from owtsweep.sweep.run import sweep
 LEVELS = [float(level) for level in range(1, 13)]
 
 pytestmark = pytest.mark.faults
-
-
-def content(folder):
-    """Shards and tables of a run, byte for byte."""
-    paths = [*folder.glob("cases/part-*.parquet"), *folder.glob("*.csv")]
-    return {path.name: path.read_bytes() for path in paths}
 
 
 @pytest.fixture(scope="module")

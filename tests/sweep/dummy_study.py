@@ -60,6 +60,7 @@ class DummyStudy:
     name: str = "dummy"
     schema_version: int = 1
     numerics_version: int = 1
+    pause: float = 0.0
 
     def config_type(self) -> type[Config]:
         return DummyConfig
@@ -88,6 +89,7 @@ class DummyStudy:
         self, config: DummyConfig, blocks: Sequence[Block]
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
         for block in blocks:
+            time.sleep(self.pause)
             fault = self.faults.get(block.label)
             if fault == "raise":
                 raise ArithmeticError("no\n  convergence")
@@ -154,7 +156,11 @@ def make_config(results: Path, **changes: Any) -> DummyConfig:
     """A configuration on one worker; `level`, `workers` and `backend` are short for their keys."""
     config = DummyConfig(
         results=str(results),
-        compute=Compute(backend=changes.pop("backend", "auto"), workers=changes.pop("workers", 1)),
+        compute=Compute(
+            backend=changes.pop("backend", "auto"),
+            workers=changes.pop("workers", 1),
+            scheduler=changes.pop("scheduler", None),
+        ),
     )
     if "level" in changes:
         changes["grid"] = DummyGrid(changes.pop("level"))

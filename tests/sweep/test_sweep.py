@@ -9,11 +9,13 @@ import time
 import pandas as pd
 import pytest
 
+from owtsweep.commands.sweep import failure_lines
 from owtsweep.errors import InputError
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
+from owtsweep.sweep.worker import Failure
 
 
 def shards(outcome):
@@ -229,3 +231,62 @@ def test_folder_that_refuses_files_is_left_as_it_was(study, config, tmp_path, mo
     with pytest.raises(InputError, match=r"^results: .* \(Read-only file system\)"):
         sweep(study, config())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_block_that_appeared_meanwhile_is_reused(study, config):
+    """Two sweeps on one folder: the second has stored what the first is about to compute."""
+    c = config(level=[1.0, 2.0])
+
+    class StoresAll(SilentProgress):
+        def start(self, total, reused):
+            assert reused == 0
+            sweep(study, c)
+
+    first = sweep(study, c, progress=StoresAll())
+    assert (first.computed, first.reused, first.failed) == (0, 8, [])
+
+
+def test_missing_extra_is_told_before_anything_is_written(study, config, tmp_path, monkeypatch):
+    from owtsweep.sweep import run as module
+
+    monkeypatch.setattr(module, "find_spec", lambda name: None)
+    c = config(backend="dask", scheduler="tcp://127.0.0.1:9")
+    with pytest.raises(
+        InputError, match=r"^compute.backend: dask .*pip install 'owtsweep\[dask\]'"
+    ):
+        sweep(study, c)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("backend", "scheduler", "says"),
+    [
+        ("dask", None, "compute.scheduler: compute.backend=dask needs one; give tcp://host:port"),
+        ("loky", "tcp://a:1", "compute.scheduler: 'tcp://a:1' needs compute.backend=dask"),
+        ("dask", "a:1", "compute.scheduler: 'a:1' is no address"),
+        ("dask", "tcp://a", "compute.scheduler: 'tcp://a' is no address"),
+        ("dusk", None, "compute.backend: 'dusk' is none of"),
+    ],
+)
+def test_bad_scheduler_is_one_line(config, backend, scheduler, says):
+    with pytest.raises(InputError) as caught:
+        config(backend=backend, scheduler=scheduler).check()
+    assert str(caught.value).startswith(says)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "address", ["tcp://10.0.0.7:8786", "tls://node-1.site:80", "tcp://[::1]:1"]
+)
+def test_good_scheduler(config, address):
+    config(backend="dask", scheduler=address).check()
+
+
+def test_failures_are_grouped_by_reason():
+    failures = [Failure(f"block {i}", "it diverged", 2) for i in range(200)]
+    failures += [Failure(f"other {i}", f"reason {i:02}", 1) for i in range(20)]
+    lines = failure_lines(failures)
+    assert lines[0] == ("failed: 400 cases: it diverged: block 0; block 1; block 2 and 197 more")
+    assert lines[1] == "failed: 1 case: reason 00: other 0"
+    assert lines[-1] == "failed: 11 more reasons: see run.log"
+    assert len(lines) == 11

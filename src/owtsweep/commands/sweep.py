@@ -78,7 +78,8 @@ def tell(outcome: Outcome, argv: Sequence[str]) -> bool:
         for line in failure_lines(outcome.failed):
             print(line, file=sys.stderr)
         cases = sum(failure.cases for failure in outcome.failed)
-        print(f"{_cases(cases)} failed; the same command tries again:", file=sys.stderr)
+        told = f"{_cases(cases)} failed; " if cases else ""
+        print(f"{told}the same command tries again:", file=sys.stderr)
         print(f"  {same_command(argv)}", file=sys.stderr)
     reused = f", {outcome.reused} were there" if outcome.reused else ""
     print(f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: {run.folder}/")

@@ -101,6 +101,12 @@ class Backend(_Base):  # type: ignore[misc]
         ((_, arguments, _),) = func.items  # batch_size=1: run_task(work, number, ...)
         return super().submit(func, _Numbered(arguments[1], callback))
 
+    def abort_everything(self, ensure_ready: bool = True) -> None:
+        super().abort_everything(ensure_ready)
+        # The scheduler drops what nobody waits for and no worker has begun.
+        self._callbacks.clear()
+        self._results.clear()
+
     async def _collect(self) -> None:
         while self._continue:
             async for future, result in self.waiting_futures:

@@ -19,6 +19,7 @@ from owtsweep.sweep.shard import DamagedShard, decode
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.token import shared_token
 from owtsweep.sweep.worker import (
+    NOT_COMPUTED,
     Failure,
     Local,
     TaskResult,
@@ -88,7 +89,7 @@ class Executor:
                         kept = self._stored(result)
                         yield kept
                         if kept.disk_full:
-                            raise _Stop("not computed, because the disk is full")
+                            raise _Stop(NOT_COMPUTED)
             except _Stop as stop:
                 for number in sorted(set(range(len(queue))) - reported):
                     yield self._from_store(number, queue[number], str(stop))

@@ -10,7 +10,7 @@ import logging
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -109,10 +109,14 @@ def _listening(handler: logging.Handler) -> Iterator[None]:
 
 
 class _Quiet(logging.FileHandler):
-    """A file on a full disk must not print a traceback for each line."""
+    """A file on a full disk must not print a traceback for each line, nor end the sweep."""
 
     def handleError(self, record: logging.LogRecord) -> None:
         pass
+
+    def close(self) -> None:
+        with suppress(OSError):
+            super().close()
 
 
 class _Collector(logging.Handler):

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 #: A disk that is full stays full: a sweep that sees one of these does not go on computing.
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
+NOT_COMPUTED = "not computed, because the disk is full"
 
 
 @dataclass(frozen=True)
@@ -184,6 +185,9 @@ class _Task:
             except (Exception, SystemExit) as error:  # a study's code that exits ends no sweep
                 self._fail(next(iter(self.left)), one_line(error))
                 self.details.append(traceback.format_exc())
+        if self.disk_full:
+            for key in list(self.left):
+                self._fail(key, NOT_COMPUTED)
 
     def _run_study(self) -> None:
         blocks = list(self.left.values())
