@@ -202,9 +202,7 @@ class _Sweep:
                 blocks=self.seconds,
             )
             self._write_manifest(ended)
-        return Outcome(
-            self.run, self.computed, self.reused, self.failed, seconds, results
-        )
+        return Outcome(self.run, self.computed, self.reused, self.failed, seconds, results)
 
     def _compute(self, others: bool) -> None:
         store = self.run.store
