@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import threading
 import warnings
 from collections import deque
@@ -167,7 +168,8 @@ class Executor:
                 sent.append(number)
                 yield delayed(run_task)(work, number, tasks[number], local)
 
-        results: Any = start(len(numbers))(calls())
+        with _interrupts_held(self.backend == "loky"):
+            results: Any = start(len(numbers))(calls())
         try:
             for result in results:
                 if not isinstance(result, TaskResult) and result.final:
@@ -245,6 +247,23 @@ class Executor:
             else:
                 failures.append(Failure(block.label, reason, block.cases))
         return TaskResult(number, computed, tuple(failures))
+
+
+@contextmanager
+def _interrupts_held(hold: bool) -> Iterator[None]:
+    """Let Ctrl-C wait while processes are started.
+
+    They inherit it: one that is still loading its libraries does not die of the terminal's Ctrl-C
+    with a traceback.
+    """
+    if not hold or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 class _Stop(Exception):
