@@ -160,7 +160,8 @@ def test_block_that_kills_every_worker_and_a_cluster_that_dies(
     assert content(mended.run.folder) == undisturbed
 
 
-def test_guilty_block_is_told_from_the_rest(faulty, on, two_workers):
+def test_guilty_block_is_told_from_the_rest(faulty, on, two_workers, monkeypatch):
+    monkeypatch.setattr("owtsweep.sweep.cluster.PATIENCE", 200.0)  # a busy machine starts slowly
     stop = threading.Event()
 
     def replenish():

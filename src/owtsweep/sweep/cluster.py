@@ -88,7 +88,7 @@ class Backend(_Base):  # type: ignore[misc]
 
     def __init__(self, client: Client) -> None:
         super().__init__(client=client, pure=False)
-        self._lost = ""
+        self._last_seen = time.monotonic()
 
     def __reduce__(self) -> Any:
         return (DaskDistributedBackend, ())
@@ -110,6 +110,7 @@ class Backend(_Base):  # type: ignore[misc]
     async def _collect(self) -> None:
         while self._continue:
             async for future, result in self.waiting_futures:
+                self._last_seen = time.monotonic()
                 callback = self._callbacks.pop(future, None)
                 waiting = self._results.pop(future, None)
                 if callback is None:
@@ -123,16 +124,16 @@ class Backend(_Base):  # type: ignore[misc]
 
     async def _watch(self) -> None:
         """Give up when there has been nobody to work for too long."""
-        last_seen = time.monotonic()
+        self._last_seen = time.monotonic()
         while self._continue:
             await asyncio.sleep(_LOOK)
             reason = "the cluster has no workers left"
             try:
                 if await asyncio.wait_for(self.client.scheduler.ncores(), PATIENCE):
-                    last_seen = time.monotonic()
+                    self._last_seen = time.monotonic()
             except Exception:  # whatever the network does
                 reason = "the scheduler does not answer"
-            if time.monotonic() - last_seen > PATIENCE and self._callbacks and self._continue:
+            if time.monotonic() - self._last_seen > PATIENCE and self._callbacks and self._continue:
                 future, callback = self._callbacks.popitem()
                 self._results.pop(future, None)
                 callback([Lost(callback.number, reason, final=True)])
