@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import logging
 import os
 import subprocess
 
@@ -101,6 +102,8 @@ def test_tables_stay_as_they_were_if_one_does_not_fit(study, config, disk):
 
 def test_full_disk_is_told_in_plain_lines(study, config, disk, monkeypatch, capsys):
     monkeypatch.setattr(studies, "get_study", lambda name: study)
+    # The command line's handler may be there from another test, with a stream long closed.
+    monkeypatch.setattr(logging.getLogger("owtsweep"), "handlers", [])
     disk.fail(4, errno.ENOSPC, True)
     assert command.run_one(config(level=LEVELS), ["sweep", "--fresh", "--yes", "a=b c"]) == 1
     out, err = capsys.readouterr()
