@@ -18,11 +18,12 @@ export NUMBA_CACHE_DIR := $(CURDIR)/$(VENV)/numba-cache
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help sweep test reproduce clean
+.PHONY: help sweep test test-faults reproduce clean
 
 help:
 	@echo 'make sweep   run the default study; overrides: make sweep ARGS="grid.replicates=2"'
 	@echo 'make test    lint, format check, types, tests; one test: make test ARGS="-k store"'
+	@echo 'make test-faults   the slow tests: kills, full disks, a cluster, a million cases'
 	@echo 'make reproduce   the search, both runs with 100 records per cell, all figures, the report'
 	@echo 'make clean   delete the environment and all caches (never results)'
 	@echo 'The Python to use (3.11 or newer): make sweep PYTHON=python3.12'
@@ -35,6 +36,10 @@ test: $(INSTALLED_TEST)
 	$(VENV_PYTHON) -m ruff format --check .
 	$(VENV_PYTHON) -m mypy
 	$(VENV_PYTHON) -m pytest --numprocesses 2 --dist worksteal $(ARGS)
+
+# One after the other: some of them look at the clock.
+test-faults: $(INSTALLED_TEST)
+	$(VENV_PYTHON) -m pytest -m faults $(ARGS)
 
 reproduce: $(INSTALLED_CALIBRATE)
 	$(VENV_PYTHON) experiments/reproduce.py $(ARGS)

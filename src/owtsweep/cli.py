@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import shlex
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -132,15 +133,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     except InputError as error:
         print(f"owtsweep: {error}", file=sys.stderr)
         return BAD_INPUT
-    except KeyboardInterrupt:
-        print(
-            "owtsweep: interrupted; finished blocks are kept, the same command goes on from there",
-            file=sys.stderr,
-        )
+    except KeyboardInterrupt as error:
+        # A sweep says what it has stored.
+        told = str(error) or "interrupted; finished blocks are kept"
+        print(f"owtsweep: {told}; the same command goes on from there", file=sys.stderr)
+        if arguments[:1] == ["sweep"]:
+            print(f"  {same_command(arguments)}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # `owtsweep list | head`
         sys.stderr.close()
         return DONE
+
+
+def same_command(arguments: Sequence[str]) -> str:
+    """The command line that goes on with a sweep, ready to be pasted into a shell."""
+    words = [word for word in arguments if word not in ("--fresh", "--yes")]
+    return f"{PROGRAM} {shlex.join(words)}"
 
 
 def _warnings_to_stderr() -> None:

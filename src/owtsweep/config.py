@@ -23,7 +23,7 @@ CONFIG_VERSION = 1
 #: Old key -> hint. A renamed key is answered with its new name in one line.
 RENAMED: dict[str, str] = {}
 
-BACKENDS = ("auto", "threading", "loky")
+BACKENDS = ("auto", "threading", "loky", "dask")
 ENGINES = ("batch", "reference", "expected")
 
 
@@ -31,7 +31,8 @@ ENGINES = ("batch", "reference", "expected")
 class Compute:
     """How to compute: never changes a result, so never part of a key.
 
-    `workers: 0` means all cores; `backend: auto` leaves the choice to the study.
+    `workers: 0` means all cores (of the cluster, with `backend: dask`); `backend: auto` leaves the
+    choice to the study. `scheduler` is the address of a dask scheduler.
     """
 
     backend: str = "auto"
@@ -63,6 +64,7 @@ class Config:
             self.compute.workers >= 0,
             f"compute.workers: {self.compute.workers} is negative; use 0 for all cores",
         )
+        self._check_scheduler()
         require(self.results.strip() != "", "results: it is empty; name a folder, e.g. results")
         require(self.seed >= 0, f"seed: {self.seed} is negative; use an integer >= 0")
         require(
@@ -75,6 +77,23 @@ class Config:
                 re.fullmatch(r"[\w.+=,-]+", self.name) is not None and self.name not in (".", ".."),
                 f"name: {self.name!r} is no plain folder name; use letters, digits, . _ - + = ,",
             )
+
+    def _check_scheduler(self) -> None:
+        backend, scheduler = self.compute.backend, self.compute.scheduler
+        if backend != "dask":
+            require(
+                scheduler is None,
+                f"compute.scheduler: {scheduler!r} needs compute.backend=dask, not {backend}",
+            )
+            return
+        require(
+            scheduler is not None,
+            "compute.scheduler: compute.backend=dask needs one; give tcp://host:port",
+        )
+        require(
+            re.fullmatch(r"(tcp|tls)://(\[[^\]]+\]|[^:/\s]+):\d+", str(scheduler)) is not None,
+            f"compute.scheduler: {scheduler!r} is no address; give tcp://host:port",
+        )
 
 
 def with_values(config: Any, values: Mapping[str, Any]) -> Any:
