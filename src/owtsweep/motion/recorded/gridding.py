@@ -1,0 +1,266 @@
+"""Recorded channels on the uniform grid that the estimators run on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.bandlimited import BandLimited
+from owtsweep.motion.recorded.checks import Limits, gaps
+from owtsweep.motion.recorded.recording import Recording
+from owtsweep.motion.recorded.timing import timing
+
+#: Part of a sampling rate up to which a channel is kept in full.
+FULL_BAND = 0.4
+#: Highest default cut-off of motion, Hz: beyond the first two bending modes of a tower, and low
+#: enough that rounding and noise, which the acceleration carries as f^2, stay small.
+MOTION_CUTOFF = 5.0
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The times start + k / rate, k = 0 .. steps - 1; s and Hz."""
+
+    start: float
+    rate: float
+    steps: int
+
+    @property
+    def time(self) -> Array:
+        """(steps,) s, on the file's clock."""
+        return self.start + np.arange(self.steps) / self.rate
+
+
+@dataclass(frozen=True)
+class Gridded:
+    """Channels on one grid.
+
+    Attributes
+    ----------
+    grid
+        Its times.
+    channels
+        role -> (steps,) in SI units. Fixes are NaN at steps without one, references NaN in gaps;
+        nothing else is ever NaN.
+    cutoff
+        Hz, up to where the motion is kept; None where no motion was derived.
+    notes
+        What was done that a user should know.
+    """
+
+    grid: Grid
+    channels: Mapping[str, Array]
+    cutoff: float | None
+    notes: tuple[str, ...]
+
+
+def grid_of(recording: Recording, roles: Sequence[str], rate: float) -> Grid:
+    """The grid over the time that all these channels share.
+
+    Raises
+    ------
+    InputError
+        If they share less than a second.
+    """
+    spans = [recording.series(role)[0][[0, -1]] for role in roles]
+    start = max(float(span[0]) for span in spans)
+    end = min(float(span[1]) for span in spans)
+    if end - start < 1.0:
+        raise InputError(
+            f"{recording.path}: {', '.join(roles)} share {max(end - start, 0.0):.3g} s; at least "
+            "1 s is needed"
+        )
+    return Grid(start, rate, int(np.floor((end - start) * rate + 1e-6)) + 1)
+
+
+def to_grid(
+    recording: Recording,
+    roles: Sequence[str],
+    rate: float,
+    *,
+    grid: Grid | None = None,
+    limits: Limits | None = None,
+) -> Gridded:
+    """Resample channels.
+
+    Everything but fixes goes through a band-limited function (`bandlimited`) that keeps 0.4 of the
+    lower of the two rates in full and nothing above its half: no images, no aliases. Irregular
+    times and missing samples are first interpolated by a cubic spline, gaps longer than
+    `limits.longest_gap` monotonically; a reference is NaN inside those. A fix goes, as it is, to
+    the nearest step; of two at one step the later one stays.
+
+    Parameters
+    ----------
+    recording
+        A checked recording.
+    roles
+        Which channels.
+    rate
+        Of the grid, Hz.
+    grid
+        Another grid than that over the time that the channels (but fixes and references) share.
+    limits
+        The same as for `read`.
+    """
+    limits = limits or Limits()
+    if grid is None:
+        dense = [role for role in roles if not role.startswith(("fix", "reference"))]
+        grid = grid_of(recording, dense or roles, rate)
+    channels, notes = {}, []
+    for role in roles:
+        if role.startswith("fix"):
+            channels[role], said = _nearest(recording, role, grid)
+            notes += said
+            continue
+        source, step, holes = _source(recording, role, limits)
+        cutoff = FULL_BAND * min(1.0 / step, grid.rate)
+        function = BandLimited(source[1], source[0], step, cutoff)
+        values = function.on_grid(grid.start, grid.rate, grid.steps)
+        channels[role] = _without(values, grid, holes) if role.startswith("ref") else values
+    return Gridded(grid, channels, None, tuple(dict.fromkeys(notes)))
+
+
+def to_motion(
+    recording: Recording,
+    rate: float,
+    *,
+    quantity: str = "position",
+    cutoff: float | None = None,
+    grid: Grid | None = None,
+    limits: Limits | None = None,
+) -> Gridded:
+    """Position, velocity and acceleration on the grid, each the derivative of the one before.
+
+    All three are those of one band-limited function through the positions. Where the recording
+    has velocity or acceleration too, these take the place of the derived ones, and a note says
+    how far the two are apart. An axis without positions stays at rest.
+
+    White noise of standard deviation s per sample at rate f_s becomes an acceleration noise of
+    (2 pi f_c)^2 s sqrt(2 f_c / (5 f_s)) with the cut-off f_c (and the like of the velocity:
+    2 pi f_c s sqrt(2 f_c / (3 f_s))): the cut-off decides.
+
+    Parameters
+    ----------
+    recording
+        A checked recording.
+    rate
+        Of the grid, Hz.
+    quantity
+        "position", or "reference" (there, NaN in gaps).
+    cutoff
+        Hz; default the least of 5 Hz and 0.4 of either rate.
+    grid, limits
+        As for `to_grid`.
+
+    Returns
+    -------
+    Gridded
+        position, velocity and acceleration with _x and _y.
+
+    Raises
+    ------
+    InputError
+        If there is no such quantity, or the cut-off is not below 0.4 of both rates.
+    """
+    limits = limits or Limits()
+    roles = [f"{quantity}_{axis}" for axis in "xy" if f"{quantity}_{axis}" in recording.channels]
+    if not roles:
+        raise InputError(
+            f"{recording.path}: no {quantity}: set columns.{quantity}_x and columns.{quantity}_y"
+        )
+    grid = grid or grid_of(recording, roles, rate)
+    sources = {role: _source(recording, role, limits) for role in roles}
+    highest = FULL_BAND * min([grid.rate, *(1.0 / step for _, step, _ in sources.values())])
+    chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff
+    if not 0.0 < chosen <= highest * (1 + 1e-9):
+        raise InputError(
+            f"cutoff: {chosen:g} Hz is not between 0 and {highest:.4g} Hz, 0.4 of the lower of "
+            "the record's rate and the IMU's"
+        )
+    channels: dict[str, Array] = {}
+    notes = [f"motion kept up to {chosen:.4g} Hz, nothing above {1.25 * chosen:.4g} Hz"]
+    for axis in "xy":
+        role = f"{quantity}_{axis}"
+        if role not in sources:
+            notes.append(f"no {role}: that axis is at rest")
+        for order, name in enumerate(("position", "velocity", "acceleration")):
+            if role not in sources:
+                channels[f"{name}_{axis}"] = np.zeros(grid.steps)
+                continue
+            source, step, holes = sources[role]
+            function = BandLimited(source[1], source[0], step, chosen)
+            derived = function.on_grid(grid.start, grid.rate, grid.steps, order)
+            given = f"{name}_{axis}"
+            if quantity == "position" and order > 0 and given in recording.channels:
+                recorded = to_grid(recording, [given], rate, grid=grid, limits=limits)
+                notes.append(_mismatch(given, recorded.channels[given], derived))
+                derived = recorded.channels[given]
+            if quantity == "reference":
+                derived = _without(derived, grid, holes)
+            channels[given] = derived
+    return Gridded(grid, channels, chosen, tuple(notes))
+
+
+def _mismatch(role: str, recorded: Array, derived: Array) -> str:
+    inner = slice(len(derived) // 20, len(derived) - len(derived) // 20)
+    apart = float(np.sqrt(np.mean((recorded - derived)[inner] ** 2)))
+    size = float(np.std(derived[inner]))
+    share = f"{100 * apart / size:.3g} % of its rms" if size > 0 else f"{apart:.3g}"
+    return f"{role} taken as recorded; it differs from the derivative of the positions by {share}"
+
+
+def _source(
+    recording: Recording, role: str, limits: Limits
+) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
+    """((start, uniform samples), step, gaps) of a channel; missing samples interpolated."""
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    time, values = recording.series(role)
+    comb = timing(time)
+    holes = gaps(time, limits.longest_gap)
+    if comb.uniform and comb.count == len(time):
+        return (comb.start, values), comb.step, holes
+    teeth = comb.teeth
+    at = comb.start + comb.step * comb.number if comb.uniform else time
+    filled = np.asarray(CubicSpline(at, values)(teeth))
+    if holes:
+        inside = _inside(teeth, holes)
+        filled[inside] = PchipInterpolator(at, values)(teeth[inside])
+    if comb.uniform:
+        filled[comb.number] = values
+    return (comb.start, filled), comb.step, holes
+
+
+def _inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
+    """Which times lie strictly inside a hole."""
+    result = np.zeros(len(time), dtype=bool)
+    for start, end in holes:
+        result[np.searchsorted(time, start, "right") : np.searchsorted(time, end, "left")] = True
+    return result
+
+
+def _without(values: Array, grid: Grid, holes: list[tuple[float, float]]) -> Array:
+    return np.where(_inside(grid.time, holes), np.nan, values) if holes else values
+
+
+def _nearest(recording: Recording, role: str, grid: Grid) -> tuple[Array, list[str]]:
+    """Fixes at their nearest steps, and how far they were moved."""
+    time, values = recording.series(role)
+    exact = (time - grid.start) * grid.rate
+    place = np.rint(exact).astype(np.int64)
+    kept = (place >= 0) & (place < grid.steps)
+    result = np.full(grid.steps, np.nan)
+    result[place[kept]] = values[kept]
+    moved = float(np.max(np.abs(exact - place)[kept], initial=0.0)) / grid.rate
+    notes = []
+    if moved > 1e-6:
+        notes.append(f"fixes moved to the nearest step, by {moved:.3g} s at most")
+    lost = int(kept.sum()) - len(np.unique(place[kept]))
+    if lost:
+        notes.append(f"{role}: {lost} fixes dropped, the IMU step had a later one")
+    return result, notes
