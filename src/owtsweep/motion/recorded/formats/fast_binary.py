@@ -79,8 +79,7 @@ def _header(path: Path) -> Header:
             raw = file.read(count * length)
             if len(raw) < count * length:
                 raise not_fast
-            text = raw.decode("latin-1")
-            return tuple(text[k * length : (k + 1) * length].strip("\0 ") for k in range(count))
+            return tuple(_word(raw[k * length : (k + 1) * length]) for k in range(count))
 
         kind = int(take("h")[0])
         if kind not in (WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES):
@@ -111,7 +110,7 @@ def _header(path: Path) -> Header:
         (clock[0], clock[1]),
         scale,
         offset,
-        distinct([name.strip("\0 ") for name in names]),
+        distinct(names),
         stated,
         first,
     )
@@ -141,3 +140,11 @@ def _load(
         else:
             result[name] = header.clock[0] + header.clock[1] * np.arange(steps)
     return result
+
+
+def _word(raw: bytes) -> str:
+    """A name or unit; some versions write the middle dot of N·m as UTF-8, others as Latin-1."""
+    try:
+        return raw.decode("utf-8").strip("\0 ")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1").strip("\0 ")

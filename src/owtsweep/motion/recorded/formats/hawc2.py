@@ -31,6 +31,7 @@ class Selection:
     names: tuple[str, ...]
     units: tuple[str, ...]
     factors: Array | None
+    duration: float
 
 
 def companion(path: Path, suffix: str) -> Path | None:
@@ -68,9 +69,9 @@ def _selection(sel: Path) -> Selection:
     lines = sel.read_text(encoding="latin-1").splitlines()
     strange = refuse(sel, "is not a HAWC2 .sel file (line 9: scans, channels, time, ASCII/BINARY)")
     try:
-        scans, count, _, kind = lines[SUMMARY_LINE].split()[:4]
+        scans, count, length, kind = lines[SUMMARY_LINE].split()[:4]
         rows = lines[FIRST_CHANNEL : FIRST_CHANNEL + int(count)]
-        total = int(scans)
+        total, duration = int(scans), float(length)
     except (IndexError, ValueError):
         raise strange from None
     if len(rows) != int(count) or kind.upper() not in ("ASCII", "BINARY") or total < 1:
@@ -88,7 +89,8 @@ def _selection(sel: Path) -> Selection:
             raise strange from None
         if len(factors) != int(count):
             raise refuse(sel, f"has {len(factors)} scale factors for {count} channels")
-    return Selection(total, names, tuple("" if unit == "-" else unit for unit in units), factors)
+    stated = tuple("" if unit == "-" else unit for unit in units)
+    return Selection(total, names, stated, factors, duration)
 
 
 def _check_length(dat: Path, selection: Selection) -> None:
@@ -112,7 +114,10 @@ def _load(
     if selection.factors is not None:
         scans = selection.scans
         packed = np.memmap(dat, dtype="<i2", mode="r", shape=(len(selection.names), scans))
-        return {name: packed[k, :rows] * selection.factors[k] for name, k in places.items()}
+        return {
+            name: _restored(packed[k, :rows] * selection.factors[k], k, selection)
+            for name, k in places.items()
+        }
     import pandas as pd
 
     try:
@@ -130,4 +135,21 @@ def _load(
         raise refuse(dat, f"cannot be read as numbers ({reason})") from None
     if rows is None and len(frame) < selection.scans:
         raise refuse(dat, f"is cut short: {selection.scans} scans announced, {len(frame)} there")
-    return {name: frame[k].to_numpy(dtype=float) for name, k in places.items()}
+    return {
+        name: _restored(frame[k].to_numpy(dtype=float), k, selection) for name, k in places.items()
+    }
+
+
+def _restored(values: Array, place: int, selection: Selection) -> Array:
+    """Time at full resolution: 16 bits or 6 digits of it repeat values in a long file.
+
+    The step is duration / scans. Time stays as it is where it is not that comb but for rounding.
+    """
+    if place != 0 or not selection.names[0].lower().startswith("time") or not len(values):
+        return values
+    step = selection.duration / selection.scans
+    comb = step * np.arange(len(values))
+    comb += np.mean(values - comb)
+    packing = 0.0 if selection.factors is None else float(abs(selection.factors[0]))
+    rounding = max(packing, 1e-5 * float(np.max(np.abs(values))))
+    return comb if np.max(np.abs(values - comb)) <= rounding else values
