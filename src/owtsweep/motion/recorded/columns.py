@@ -31,7 +31,8 @@ TIME_NAMES = ("time", "t", "timestamp", "times", "timesec", "seconds", "elapsedt
 
 #: quantity -> pairs of patterns (x, y) for a whole name without case, blanks and signs, in the
 #: order of preference. FAST: TwHt1TPxi is the position of a tower node in the inertial frame,
-#: YawBrTDxt and TTDspFA the deflection of the tower top from where it stood.
+#: YawBrTDxt and TTDspFA the deflection of the tower top from where it stood. HAWC2: the state of a
+#: body in global coordinates, whose x and y are horizontal.
 NAME_PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
     "position": (
         ("positionx|posx|displacementx|dispx", "positiony|posy|displacementy|dispy"),
@@ -41,16 +42,16 @@ NAME_PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
         ("yawbrtdxt", "yawbrtdyt"),
         ("ttdspfa", "ttdspss"),
         ("ptfmsurge", "ptfmsway"),
-        ("(mbdy)?statepos(ition)?x.*", "(mbdy)?statepos(ition)?y.*"),
+        ("stateposx.*global", "stateposy.*global"),
     ),
     "velocity": (
         ("velocityx|velx|vx", "velocityy|vely|vy"),
         ("velocitynorth|velnorth|vnorth|vn", "velocityeast|veleast|veast|ve"),
-        ("(mbdy)?statevel(ocity)?x.*", "(mbdy)?statevel(ocity)?y.*"),
+        ("statevelx.*global", "statevely.*global"),
     ),
     "acceleration": (
         ("accelerationx|ax", "accelerationy|ay"),
-        ("(mbdy)?stateacc(eleration)?x.*", "(mbdy)?stateacc(eleration)?y.*"),
+        ("stateaccx.*global", "stateaccy.*global"),
     ),
     "specific_force": (
         ("specificforcex|specforcex|sfx", "specificforcey|specforcey|sfy"),
