@@ -52,7 +52,7 @@ class Fit:
         always equal.) Chance alone leaves some 0.87 for a spectrum that is right.
     probability
         Of a departure from the shape as large as this one if the shape were right: Bartlett's
-        test on the accumulated I_j / S(f_j).
+        test on the accumulated I_j / S(f_j). Cautious, because the fit has adapted to the record.
     warnings
         What is wrong with the fit, in words; empty for a good one.
     """

@@ -10,6 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.recorded.formats.table import refuse
 from owtsweep.motion.recorded.recording import Recording
+from owtsweep.motion.recorded.timing import timing
 
 #: A horizontal axis whose mean is beyond this feels gravity: it stands on end or its unit is wrong.
 LARGEST_MEAN_FORCE = 5.0  # m/s^2
@@ -17,8 +18,6 @@ LARGEST_MEAN_FORCE = 5.0  # m/s^2
 LARGEST_JUMP = 1000.0  # m
 #: Motion of this size is worth a question.
 LARGEST_RANGE = 100.0  # m
-#: Interval deviations beyond this part of the median are called irregular.
-LARGEST_JITTER = 0.01
 FEWEST_SAMPLES = 32
 
 
@@ -128,12 +127,17 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, limits: Limit
     elif found:
         notes.append(f"{quantity}: gaps interpolated: {say_gaps(found)}")
     if not sparse:
-        inside = step[step <= max(limits.longest_gap, 2.5 * median)]
-        deviation = float(np.max(np.abs(inside - median), initial=0.0))
-        if deviation > LARGEST_JITTER * median:
+        comb = timing(time)
+        if not comb.uniform:
             notes.append(
-                f"{quantity}: irregular times, median interval {median:.6g} s, largest deviation "
-                f"{deviation:.3g} s ({100 * deviation / median:.2g} %): resampled by cubic spline"
+                f"{quantity}: irregular times, median interval {median:.6g} s, at most "
+                f"{comb.jitter:.3g} s ({100 * comb.jitter / comb.step:.2g} % of it) off a regular "
+                "grid: resampled by cubic spline"
+            )
+        elif comb.rounded:
+            notes.append(
+                f"{quantity}: times rounded to {comb.resolution:g} s, taken as every "
+                f"{comb.step:.6g} s"
             )
         if not force and 1.0 / median < 2.0:
             notes.append(

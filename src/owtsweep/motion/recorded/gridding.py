@@ -89,7 +89,8 @@ def to_grid(
     """Resample channels.
 
     Everything but fixes goes through a band-limited function (`bandlimited`) that keeps 0.4 of the
-    lower of the two rates in full and nothing above its half: no images, no aliases. Irregular
+    lower of the two rates in full and nothing above its half: no images, no aliases. A channel that
+    already stands on the grid is taken as it is. Irregular
     times and missing samples are first interpolated by a cubic spline, gaps longer than
     `limits.longest_gap` monotonically; a reference is NaN inside those. A fix goes, as it is, to
     the nearest step; of two at one step the later one stays.
@@ -119,8 +120,12 @@ def to_grid(
             continue
         source, step, holes = _source(recording, role, limits)
         cutoff = FULL_BAND * min(1.0 / step, grid.rate)
-        function = BandLimited(source[1], source[0], step, cutoff)
-        values = function.on_grid(grid.start, grid.rate, grid.steps)
+        same = _same_comb(source, step, grid)
+        if same is None:
+            function = BandLimited(source[1], source[0], step, cutoff, grid.rate)
+            values = function.on_grid(grid.start, grid.rate, grid.steps)
+        else:
+            values = same
         channels[role] = _without(values, grid, holes) if role.startswith("ref") else values
     return Gridded(grid, channels, None, tuple(dict.fromkeys(notes)))
 
@@ -193,7 +198,7 @@ def to_motion(
                 channels[f"{name}_{axis}"] = np.zeros(grid.steps)
                 continue
             source, step, holes = sources[role]
-            function = BandLimited(source[1], source[0], step, chosen)
+            function = BandLimited(source[1], source[0], step, chosen, grid.rate)
             derived = function.on_grid(grid.start, grid.rate, grid.steps, order)
             given = f"{name}_{axis}"
             if quantity == "position" and order > 0 and given in recording.channels:
@@ -232,8 +237,19 @@ def _source(
         inside = _inside(teeth, holes)
         filled[inside] = PchipInterpolator(at, values)(teeth[inside])
     if comb.uniform:
-        filled[comb.number] = values
+        filled[comb.number.astype(np.int64)] = values
     return (comb.start, filled), comb.step, holes
+
+
+def _same_comb(source: tuple[float, Array], step: float, grid: Grid) -> Array | None:
+    """The samples themselves where they stand on the grid, to 1e-3 of a step."""
+    start, values = source
+    first = (grid.start - start) / step
+    drift = abs(step * grid.rate - 1.0) * grid.steps
+    place = round(first)
+    if abs(first - place) + drift > 1e-3 or place < 0 or place + grid.steps > len(values):
+        return None
+    return values[place : place + grid.steps].copy()
 
 
 def _inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:

@@ -53,12 +53,16 @@ def read(
     chosen = _roles(table, columns or {})
     factors, notes = _factors(table, chosen, units or {})
     loaded = table.load(list(dict.fromkeys(chosen.values())), None)
-    time = loaded[chosen["time"]] * factors["time"]
+    time = np.multiply(loaded[chosen["time"]], factors["time"])
     check_time(table.path, chosen["time"], time)
     channels: dict[str, Array] = {}
     for role, name in chosen.items():
         if role != "time":
-            values = loaded[name] * factors[role]
+            values = loaded[name]
+            shared = list(chosen.values()).count(name) > 1  # one channel in two roles
+            if shared or not values.flags.writeable:
+                values = values.copy()
+            values *= factors[role]
             values[~np.isfinite(values)] = np.nan
             channels[role] = values
     bare = Recording(table.path, time, channels, chosen, ())

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 
@@ -24,7 +23,7 @@ class Timing:
     count
         How many of its teeth it takes to reach the last time.
     number
-        (n,) tooth of each time.
+        (n,) tooth of each time, a whole number.
     jitter
         Largest distance between a time and its tooth, s.
     resolution
@@ -36,7 +35,7 @@ class Timing:
     start: float
     step: float
     count: int
-    number: NDArray[np.int64]
+    number: Array
     jitter: float
     resolution: float
     uniform: bool
@@ -58,17 +57,22 @@ def timing(time: Array) -> Timing:
     Times printed with few digits (80 Hz in whole milliseconds) are uniform all the same: what
     deviates by no more than half their last decimal place is rounding, not jitter.
     """
+    number = np.zeros(len(time))  # in place below: records may have ten million rows
     interval = np.diff(time)
-    median = float(np.median(interval))
-    number = np.concatenate([[0], np.cumsum(np.maximum(np.rint(interval / median), 1))])
+    interval /= np.median(interval)
+    np.maximum(np.rint(interval, out=interval), 1.0, out=interval)
+    np.cumsum(interval, out=number[1:])
+    del interval
     centred = number - number.mean()
     step = float(centred @ (time - time.mean()) / (centred @ centred))
     start = float(time.mean() - step * number.mean())
-    jitter = float(np.max(np.abs(time - (start + step * number))))
+    deviation = np.multiply(number, -step, out=centred)
+    deviation += time
+    deviation -= start
+    jitter = float(max(deviation.max(), -deviation.min()))
     resolution = _resolution(time)
     uniform = jitter <= max(TOLERANCE * step, min(0.51 * resolution, 0.3 * step))
-    whole = number.astype(np.int64)
-    return Timing(start, step, int(whole[-1]) + 1, whole, jitter, resolution, uniform)
+    return Timing(start, step, int(number[-1]) + 1, number, jitter, resolution, uniform)
 
 
 def _resolution(time: Array) -> float:

@@ -197,7 +197,8 @@ def _load_delimited(
             for batch in reader:
                 for name in names:
                     column = batch.column(name)
-                    parts[name].append(np.asarray(column.to_numpy(zero_copy_only=False)))
+                    # a copy, so that Arrow can use its block again
+                    parts[name].append(np.array(column.to_numpy(zero_copy_only=False)))
                 count += batch.num_rows
                 if rows is not None and count >= rows:
                     break
