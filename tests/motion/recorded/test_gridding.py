@@ -66,16 +66,17 @@ def test_missing_samples_are_filled_and_long_gaps_of_a_reference_stay() -> None:
     assert np.max(np.abs(values - motion(time))[far]) < 2e-3
 
 
-def test_a_fix_goes_to_its_nearest_step_and_no_further() -> None:
-    time = np.sort(np.concatenate([np.arange(6000) / 100.0, np.arange(2, 58) + 0.0031]))
-    is_fix = np.isclose(time % 1.0, 0.0031)
+@pytest.mark.parametrize(("late", "step"), [(0.0031, 0), (0.0069, 1)])
+def test_a_fix_goes_to_its_nearest_step_and_no_further(late: float, step: int) -> None:
+    time = np.sort(np.concatenate([np.arange(6000) / 100.0, np.arange(2, 58) + late]))
+    is_fix = np.isclose(time % 1.0, late)
     fixes = np.where(is_fix, motion(time), np.nan)
     force = np.where(is_fix, np.nan, motion(time, 2))
     got = to_grid(
         recording(time, specific_force_x=force, fix_x=fixes), ["specific_force_x", "fix_x"], 100.0
     )
     steps = np.flatnonzero(np.isfinite(got.channels["fix_x"]))
-    np.testing.assert_array_equal(steps, 100 * np.arange(2, 58))
+    np.testing.assert_array_equal(steps, 100 * np.arange(2, 58) + step)
     np.testing.assert_array_equal(got.channels["fix_x"][steps], fixes[is_fix])
     assert any("0.0031 s" in note for note in got.notes)
     np.testing.assert_allclose(

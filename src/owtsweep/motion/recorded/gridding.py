@@ -17,9 +17,6 @@ from owtsweep.motion.recorded.timing import timing
 
 #: Part of a sampling rate up to which a channel is kept in full.
 FULL_BAND = 0.4
-#: Highest default cut-off of motion, Hz: beyond the first two bending modes of a tower, and low
-#: enough that rounding and noise, which the acceleration carries as f^2, stay small.
-MOTION_CUTOFF = 5.0
 
 
 @dataclass(frozen=True)
@@ -118,7 +115,7 @@ def to_grid(
             channels[role], said = _nearest(recording, role, grid)
             notes += said
             continue
-        source, step, holes = _source(recording, role, limits)
+        source, step, holes = uniform_source(recording, role, limits)
         cutoff = FULL_BAND * min(1.0 / step, grid.rate)
         same = _same_comb(source, step, grid)
         if same is None:
@@ -126,100 +123,11 @@ def to_grid(
             values = function.on_grid(grid.start, grid.rate, grid.steps)
         else:
             values = same
-        channels[role] = _without(values, grid, holes) if role.startswith("ref") else values
+        channels[role] = without_gaps(values, grid, holes) if role.startswith("ref") else values
     return Gridded(grid, channels, None, tuple(dict.fromkeys(notes)))
 
 
-def to_motion(
-    recording: Recording,
-    rate: float,
-    *,
-    quantity: str = "position",
-    cutoff: float | None = None,
-    grid: Grid | None = None,
-    limits: Limits | None = None,
-) -> Gridded:
-    """Position, velocity and acceleration on the grid, each the derivative of the one before.
-
-    All three are those of one band-limited function through the positions. Where the recording
-    has velocity or acceleration too, these take the place of the derived ones, and a note says
-    how far the two are apart. An axis without positions stays at rest.
-
-    White noise of standard deviation s per sample at rate f_s becomes an acceleration noise of
-    (2 pi f_c)^2 s sqrt(2 f_c / (5 f_s)) with the cut-off f_c (and the like of the velocity:
-    2 pi f_c s sqrt(2 f_c / (3 f_s))): the cut-off decides.
-
-    Parameters
-    ----------
-    recording
-        A checked recording.
-    rate
-        Of the grid, Hz.
-    quantity
-        "position", or "reference" (there, NaN in gaps).
-    cutoff
-        Hz; default the least of 5 Hz and 0.4 of either rate.
-    grid, limits
-        As for `to_grid`.
-
-    Returns
-    -------
-    Gridded
-        position, velocity and acceleration with _x and _y.
-
-    Raises
-    ------
-    InputError
-        If there is no such quantity, or the cut-off is not below 0.4 of both rates.
-    """
-    limits = limits or Limits()
-    roles = [f"{quantity}_{axis}" for axis in "xy" if f"{quantity}_{axis}" in recording.channels]
-    if not roles:
-        raise InputError(
-            f"{recording.path}: no {quantity}: set columns.{quantity}_x and columns.{quantity}_y"
-        )
-    grid = grid or grid_of(recording, roles, rate)
-    sources = {role: _source(recording, role, limits) for role in roles}
-    highest = FULL_BAND * min([grid.rate, *(1.0 / step for _, step, _ in sources.values())])
-    chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff
-    if not 0.0 < chosen <= highest * (1 + 1e-9):
-        raise InputError(
-            f"cutoff: {chosen:g} Hz is not between 0 and {highest:.4g} Hz, 0.4 of the lower of "
-            "the record's rate and the IMU's"
-        )
-    channels: dict[str, Array] = {}
-    notes = [f"motion kept up to {chosen:.4g} Hz, nothing above {1.25 * chosen:.4g} Hz"]
-    for axis in "xy":
-        role = f"{quantity}_{axis}"
-        if role not in sources:
-            notes.append(f"no {role}: that axis is at rest")
-        for order, name in enumerate(("position", "velocity", "acceleration")):
-            if role not in sources:
-                channels[f"{name}_{axis}"] = np.zeros(grid.steps)
-                continue
-            source, step, holes = sources[role]
-            function = BandLimited(source[1], source[0], step, chosen, grid.rate)
-            derived = function.on_grid(grid.start, grid.rate, grid.steps, order)
-            given = f"{name}_{axis}"
-            if quantity == "position" and order > 0 and given in recording.channels:
-                recorded = to_grid(recording, [given], rate, grid=grid, limits=limits)
-                notes.append(_mismatch(given, recorded.channels[given], derived))
-                derived = recorded.channels[given]
-            if quantity == "reference":
-                derived = _without(derived, grid, holes)
-            channels[given] = derived
-    return Gridded(grid, channels, chosen, tuple(notes))
-
-
-def _mismatch(role: str, recorded: Array, derived: Array) -> str:
-    inner = slice(len(derived) // 20, len(derived) - len(derived) // 20)
-    apart = float(np.sqrt(np.mean((recorded - derived)[inner] ** 2)))
-    size = float(np.std(derived[inner]))
-    share = f"{100 * apart / size:.3g} % of its rms" if size > 0 else f"{apart:.3g}"
-    return f"{role} taken as recorded; it differs from the derivative of the positions by {share}"
-
-
-def _source(
+def uniform_source(
     recording: Recording, role: str, limits: Limits
 ) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
     """((start, uniform samples), step, gaps) of a channel; missing samples interpolated."""
@@ -260,7 +168,7 @@ def _inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
     return result
 
 
-def _without(values: Array, grid: Grid, holes: list[tuple[float, float]]) -> Array:
+def without_gaps(values: Array, grid: Grid, holes: list[tuple[float, float]]) -> Array:
     return np.where(_inside(grid.time, holes), np.nan, values) if holes else values
 
 
