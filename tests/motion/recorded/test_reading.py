@@ -60,6 +60,16 @@ def test_given_columns_win_and_none_leaves_a_role_out(tmp_path: Path) -> None:
     assert set(recording.channels) == {"position_x"}
 
 
+def test_the_other_axis_follows_the_one_that_is_given(tmp_path: Path) -> None:
+    """Never a channel of another pair."""
+    path = record(tmp_path, x=X, y=2 * X, TwHt2TPxi=3 * X, TwHt2TPyi=4 * X, own=5 * X, acc_x=X)
+    assert read(path, columns={"position_x": "TwHt2TPxi"}).names["position_y"] == "TwHt2TPyi"
+    assert "position_y" not in read(path, columns={"position_x": "own"}).names
+    names = read(path, columns={"reference_y": "y"}).names
+    assert (names["reference_x"], names["reference_y"]) == ("x", "y")
+    assert "reference_y" not in read(path, columns={"reference_x": "own"}).names
+
+
 def test_unknown_channels_list_what_is_there_but_not_everything(tmp_path: Path) -> None:
     path = record(tmp_path, **{f"channel_{k}": X for k in range(40)}, TwHt1TPxi=X)
     said = refusal(path, columns={"position_x": "TwHt1TPxj"})

@@ -58,6 +58,12 @@ def test_compressed(tmp_path: Path) -> None:
     np.testing.assert_allclose(read(path).channels["position_y"], Y, rtol=1e-8)
 
 
+def test_line_ends_of_windows(tmp_path: Path) -> None:
+    path = tmp_path / "record.csv"
+    path.write_bytes(table(head=("a preamble", "", "time,x,y")).replace("\n", "\r\n").encode())
+    np.testing.assert_allclose(read(path).channels["position_y"], Y, rtol=1e-8)
+
+
 def test_missing_values_and_text_columns(tmp_path: Path) -> None:
     lines = ["time,x,status,y"]
     lines += [

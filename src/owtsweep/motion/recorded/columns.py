@@ -26,6 +26,9 @@ ROLES = {
     "yaw": "angle",
 }
 
+#: The other axis.
+OTHER = {"x": "y", "y": "x"}
+
 #: Names of time, in the order of preference; compared without case, blanks and signs.
 TIME_NAMES = ("time", "t", "timestamp", "times", "timesec", "seconds", "elapsedtime", "scantime")
 
@@ -116,7 +119,8 @@ def assign(names: Sequence[str], given: Mapping[str, str | None]) -> dict[str, s
         The channels of the file.
     given
         role -> channel name; None or "" keeps a role from being guessed. A channel that is given
-        one role is not guessed into another.
+        one role is not guessed into another, and where one axis is given the other is the channel
+        whose name differs by x for y, or none.
 
     Raises
     ------
@@ -131,9 +135,27 @@ def assign(names: Sequence[str], given: Mapping[str, str | None]) -> dict[str, s
             chosen[role] = find(names, str(name).strip(), f"columns.{role}")
     taken = set(chosen.values())
     for role, name in guess([name for name in names if name not in taken]).items():
-        if role not in given:
+        axes = (role, role[:-1] + OTHER.get(role[-1], ""))
+        if not any(axis in given for axis in axes):
             chosen[role] = name
+    for role, name in list(chosen.items()):
+        partner = role[:-1] + OTHER.get(role[-1], "")
+        if role in given and partner in ROLES and partner not in given:
+            found = _partner(names, name, role[-1])
+            if found is not None and found not in chosen.values():
+                chosen[partner] = found
     return chosen
+
+
+def _partner(names: Sequence[str], name: str, axis: str) -> str | None:
+    """The channel whose name differs in one letter alone: x for y or y for x."""
+    swap = {axis: OTHER[axis], axis.upper(): OTHER[axis].upper()}
+    for place, letter in enumerate(name):
+        if letter in swap:
+            candidate = name[:place] + swap[letter] + name[place + 1 :]
+            if candidate in names:
+                return candidate
+    return None
 
 
 def find(names: Sequence[str], wanted: str, argument: str) -> str:
