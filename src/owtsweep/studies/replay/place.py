@@ -1,0 +1,66 @@
+"""Where a record stands in the expected best-scheme map."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.spectra import Spectrum, spectrum
+from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.expectation import expectation
+
+
+def fitted(record: Any) -> Spectrum | None:
+    """Eq. (1) as it was fitted to a record, if it was; `record` is its line of records.csv."""
+    values = [record.get(f"spectrum_{name}", np.nan) for name in "abc"]
+    if not np.all(np.isfinite(values)):
+        return None
+    return Spectrum(*(float(value) for value in values))
+
+
+def expected_at(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
+    """Scheme -> expected settled MSE of position and velocity at the record's own spectrum.
+
+    None if the fit has no peak inside the band.
+    """
+    shape = fitted(record)
+    if shape is None or not config.band[0] <= shape.peak_frequency <= config.band[1]:
+        return None
+    sensors = sensing.sensors(config.sensors)
+    steps = round(float(record["duration"]) / sensors.step)
+    band = (config.band[0], config.band[1])
+    return {
+        scheme.name: expectation(config, scheme, sensors, steps).mse(
+            shape.density, band, float(record["rms"])
+        )
+        for scheme in resolve_all(config.schemes)
+    }
+
+
+def expected_map(
+    config: ReplayConfig, record: Any, periods: Array, amplitudes: Array
+) -> dict[str, Array]:
+    """Scheme -> (periods, amplitudes) expected settled MSE by `measures.criterion`.
+
+    Motions have the spectrum of the configuration and the record's own ratio of the largest to
+    the root mean square displacement, so the record's amplitude is the largest displacement.
+    """
+    sensors = sensing.sensors(config.sensors)
+    steps = round(float(record["duration"]) / sensors.step)
+    band = (config.band[0], config.band[1])
+    ratio = float(record["rms"]) / float(record["peak"])
+    which = 1 if config.measures.criterion == "velocity" else 0
+    result = {}
+    for scheme in resolve_all(config.schemes):
+        known = expectation(config, scheme, sensors, steps)
+        floor = known.floor.of(("position", "velocity")[which])
+        result[scheme.name] = np.empty((len(periods), len(amplitudes)))
+        for i, period in enumerate(periods):
+            shape = spectrum("translated", float(period), config.spectrum.bandwidth)
+            unit = known.mse(shape.density, band, 1.0)[which] - floor
+            result[scheme.name][i] = (amplitudes * ratio) ** 2 * unit + floor
+    return result
