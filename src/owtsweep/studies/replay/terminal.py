@@ -47,6 +47,20 @@ def sentences(advised: pd.DataFrame) -> list[str]:
     ]
 
 
+def notes(config: ReplayConfig) -> list[str]:
+    """What the records' readers and resampling have to say, each once; of many with the file."""
+    from pathlib import Path
+
+    from owtsweep.studies.replay.record import load_record
+
+    found = {}
+    for file in config.grid.files:
+        for note in load_record(config, file).notes:
+            name = f"{Path(file).name}: " if len(config.grid.files) > 1 else ""
+            found[f"{name}{note}"] = None
+    return list(found)
+
+
 def cells(config: ReplayConfig, errors: pd.DataFrame) -> tuple[list[str], list[list[str]]]:
     """Headings and rows of the error table of one record, in the configured window."""
     shown = errors[errors["window"] == config.measures.window]
