@@ -41,7 +41,9 @@ class ReplayStudy:
         from owtsweep.studies.hub.blocks import uses_kernels
         from owtsweep.studies.hub.schemes import resolve_all
 
-        compiled = all(uses_kernels(config, scheme) for scheme in resolve_all(config.schemes))
+        compiled = all(
+            uses_kernels(config, scheme) for scheme in resolve_all(config.schemes, config)
+        )
         return "threading" if compiled else "loky"
 
     def run(

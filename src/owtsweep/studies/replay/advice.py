@@ -55,7 +55,7 @@ def compare(samples: Array, schemes: Sequence[str]) -> dict[str, Any] | None:
     same = [i for i in range(len(mean)) if abs(mean[i] - mean[first]) <= SAME * abs(mean[first])]
     best = same[-1]
     others = [i for i in range(len(mean)) if i not in same]
-    names = [schemes[i] for i in took_part]
+    names = [schemes[int(i)] for i in took_part]
     found: dict[str, Any] = {
         "best": names[best],
         "same_as": " ".join(names[i] for i in same[:-1]),

@@ -13,7 +13,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies.base import FAILED, OK, Block
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.blocks import _scheme_content
-from owtsweep.studies.hub.schemes import resolve, resolve_all
+from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate
@@ -74,7 +74,7 @@ def _digest(states: tuple[tuple[str, int, int], ...]) -> str:
 def plan(config: ReplayConfig) -> list[Block]:
     """The record's own block, then one per scheme, for every file."""
     shared = _shared_content(config)
-    schemes = resolve_all(config.schemes)
+    schemes = resolve_all(config.schemes, config)
     blocks = []
     for label, file in labels(config.grid.files).items():
         content = {**shared, "file": label, "digest": digest(file)}
@@ -89,7 +89,7 @@ def plan(config: ReplayConfig) -> list[Block]:
 
 def describer(config: ReplayConfig) -> int:
     """Which scheme's estimates describe the motion of a record without a reference."""
-    names = [scheme.name for scheme in resolve_all(config.schemes)]
+    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     return names.index("HME1") if "HME1" in names else len(names) - 1
 
 
@@ -106,13 +106,13 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
     """Run blocks of one record; it is read once."""
     sensors = sensing.sensors(config.sensors)
     files = labels(config.grid.files)
-    entries = {resolve(entry).name: entry for entry in config.schemes}
+    schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     settled = round(config.measures.settling_time / sensors.step)
     for block in blocks:
         label, name = block.content["file"], block.content["scheme"]
         record = load_record(config, files[label])
         if name == RECORD:
-            scheme = resolve(config.schemes[describer(config)])
+            scheme = resolve_all(config.schemes, config)[describer(config)]
             rows = [
                 _row(label, RECORD, 0, found)
                 for found in facts.facts(config, record, sensors, scheme, settled)
@@ -125,7 +125,7 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
                 ]
             yield block, _frame(rows)
             continue
-        scheme = resolve(entries[name])
+        scheme = schemes[name]
         rows = []
         for replicate in range(replicates(config, record)):
             try:

@@ -16,7 +16,7 @@ MOST_REPLICATES = 10_000
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayGrid(Grid):
-    """The axes: `files`, the records; natural period and amplitude are those of the expected map."""
+    """The axes: `files`, the records; the others are those of the expected map."""
 
     files: list[str]
 

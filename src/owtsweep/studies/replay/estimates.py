@@ -63,9 +63,12 @@ def _columns(session: Session) -> Iterator[tuple[str, dict[str, Any]]]:
     origin = np.concatenate([record.origin, np.zeros(2)])
     for name, estimated in session.estimated.items():
         state, deviation = estimated.state + origin, estimated.deviation
-        yield name, {
-            "time": record.time,
-            "scheme": np.full(record.steps, name, dtype=object),
-            **{column: state[:, i] for i, column in enumerate(STATES)},
-            **{f"{column}_std": deviation[:, i] for i, column in enumerate(STATES)},
-        }
+        yield (
+            name,
+            {
+                "time": record.time,
+                "scheme": np.full(record.steps, name, dtype=object),
+                **{column: state[:, i] for i, column in enumerate(STATES)},
+                **{f"{column}_std": deviation[:, i] for i, column in enumerate(STATES)},
+            },
+        )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimate, Estimator, Scheme, Sensors
 from owtsweep.studies.hub.sensors import Measurements
+
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.online.estimator import OnlineEstimator
 
 
 @dataclass(frozen=True)
@@ -49,23 +52,22 @@ def estimate(
     """Run a scheme over a record.
 
     With every fix there the batch engine runs it; where fixes are missing its gains depend on
-    which, and it runs step by step with gains of its own.
+    which, and the online form computes them as it goes. The reference engine, and a user's scheme
+    without either, runs one `update` per step.
 
     Raises
     ------
     ValueError
         If an estimate has the wrong shape or is not finite, naming the step.
     """
-    complete = bool(np.all(np.isfinite(measured.fixes)))
-    if complete and config.engine == "batch" and hasattr(scheme, "kernel"):
-        chain = scheme.kernel(sensors, config, len(measured.specific_force))
-        return _by_kernel(chain, sensors, measured)
-    return _step_by_step(start(config, scheme, sensors), sensors, measured)
-
-
-def start(config: HubConfig, scheme: Scheme, sensors: Sensors) -> Estimator:
-    """An estimator that runs through missing fixes."""
-    return scheme.start(sensors, config)
+    if config.engine == "batch":
+        complete = bool(np.all(np.isfinite(measured.fixes)))
+        if complete and hasattr(scheme, "kernel"):
+            chain = scheme.kernel(sensors, config, len(measured.specific_force))
+            return _by_kernel(chain, sensors, measured)
+        if hasattr(scheme, "stream"):
+            return _online(scheme.stream(sensors, config), sensors, measured)
+    return _step_by_step(scheme.start(sensors, config), sensors, measured)
 
 
 def _by_kernel(chain: Chain, sensors: Sensors, measured: Measurements) -> Estimated:
@@ -80,6 +82,18 @@ def _by_kernel(chain: Chain, sensors: Sensors, measured: Measurements) -> Estima
         covariance=np.repeat(chain.covariance[row][:, None], 2, axis=1),
         innovation=np.where(fresh[:, None], innovation, np.nan),
         innovation_variance=np.where(fresh[:, None], variance[:, None], np.nan).repeat(2, axis=1),
+    )
+
+
+def _online(estimator: OnlineEstimator, sensors: Sensors, measured: Measurements) -> Estimated:
+    positions = np.full_like(measured.specific_force, np.nan)
+    positions[:: sensors.fix_interval] = measured.fixes
+    found = estimator.run(np.ascontiguousarray(measured.specific_force), positions)
+    return Estimated(
+        state=found.state,
+        covariance=np.repeat(found.covariance[:, None], 2, axis=1),
+        innovation=found.innovation,
+        innovation_variance=np.repeat(found.innovation_variance[:, None], 2, axis=1),
     )
 
 

@@ -41,7 +41,9 @@ def displacement(
     xy = bridged(xy)
     xy = xy - xy.mean(axis=0)
     variance, directions = np.linalg.eigh(xy.T @ xy / len(xy))
-    main = directions[:, 1] * (1.0 if directions[np.argmax(np.abs(directions[:, 1])), 1] > 0 else -1)
+    main = directions[:, 1] * (
+        1.0 if directions[np.argmax(np.abs(directions[:, 1])), 1] > 0 else -1
+    )
     total = float(np.sum(variance))
     share = float(variance[1] / total) if total > 0.0 else 1.0
     return Displacement(xy @ main, float(np.arctan2(main[1], main[0])), share, source)

@@ -7,6 +7,7 @@ is the MSE at those moments plus the variance of a fix, for every scheme alike.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 
 import numpy as np
@@ -88,7 +89,9 @@ def _errors(
         return
     deviation = estimated.deviation[begin:]
     inside = np.where(
-        np.isfinite(squared) & np.isfinite(deviation), squared <= (QUANTILE * deviation) ** 2, np.nan
+        np.isfinite(squared) & np.isfinite(deviation),
+        squared <= (QUANTILE * deviation) ** 2,
+        np.nan,
     )
     yield from _mean("coverage_position", window, inside[:, :2].ravel())
     yield from _mean("coverage_velocity", window, inside[:, 2:].ravel())
@@ -137,9 +140,7 @@ def whiteness(innovation: Array) -> tuple[float, float]:
     n, axes = innovation.shape
     centred = innovation - innovation.mean(axis=0)
     power = np.sum(centred**2, axis=0)
-    r = np.array(
-        [np.sum(centred[k:] * centred[:-k], axis=0) / power for k in range(1, LAGS + 1)]
-    )
+    r = np.array([np.sum(centred[k:] * centred[:-k], axis=0) / power for k in range(1, LAGS + 1)])
     weight = n * (n + 2.0) / (n - np.arange(1.0, LAGS + 1.0))
     Q = float(np.sum(weight[:, None] * r**2))
     return float(np.mean(r[0])), float(gammaincc(0.5 * LAGS * axes, 0.5 * Q))
@@ -159,7 +160,7 @@ def _fix_residual(fixes: Array, estimated: Estimated, sensors: Sensors) -> Array
 
 def _parts(name: str, values: Array, settled: int) -> Iterator[Measured]:
     edges = np.linspace(settled, len(values), PARTS + 1).astype(int)
-    for number, (begin, end) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+    for number, (begin, end) in enumerate(itertools.pairwise(edges)):
         yield from _mean(name, f"part_{number:02d}", values[begin:end])
 
 

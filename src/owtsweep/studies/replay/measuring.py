@@ -20,9 +20,7 @@ def replicates(config: ReplayConfig, record: Record) -> int:
     return 1 if record.gnss == "recorded" else config.replay.replicates
 
 
-def measure(
-    config: ReplayConfig, sensors: Sensors, record: Record, replicate: int
-) -> Measurements:
+def measure(config: ReplayConfig, sensors: Sensors, record: Record, replicate: int) -> Measurements:
     """The measurements of one replicate; fixes are NaN where none came.
 
     All records see the same draws of a replicate, whatever file they come from.

@@ -37,7 +37,7 @@ def expected_at(config: ReplayConfig, record: Any) -> dict[str, tuple[float, flo
         scheme.name: expectation(config, scheme, sensors, steps).mse(
             shape.density, band, float(record["rms"])
         )
-        for scheme in resolve_all(config.schemes)
+        for scheme in resolve_all(config.schemes, config)
     }
 
 
@@ -54,8 +54,8 @@ def expected_map(
     band = (config.band[0], config.band[1])
     ratio = float(record["rms"]) / float(record["peak"])
     which = 1 if config.measures.criterion == "velocity" else 0
-    result = {}
-    for scheme in resolve_all(config.schemes):
+    result: dict[str, Array] = {}
+    for scheme in resolve_all(config.schemes, config):
         known = expectation(config, scheme, sensors, steps)
         floor = known.floor.of(("position", "velocity")[which])
         result[scheme.name] = np.empty((len(periods), len(amplitudes)))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass, replace
-from pathlib import Path
 from threading import Lock
 from typing import Any
 
@@ -164,9 +163,7 @@ def _renamed(recording: Recording, old: str, new: str) -> Recording:
     )
 
 
-def _motion(
-    config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits
-) -> Record:
+def _motion(config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits) -> Record:
     rate = config.sensors.imu.rate
     grid = to_motion(recording, rate, cutoff=config.replay.cutoff, limits=limits)
     position, velocity, acceleration = (
@@ -220,7 +217,9 @@ def _sensors(
     grid = Grid(whole.start + offset / rate, rate, whole.steps - offset)
     gridded = to_grid(recording, forces, rate, grid=grid, limits=limits)
     zero = np.zeros(grid.steps)
-    force = np.stack([gridded.channels.get(f"specific_force_{axis}", zero) for axis in "xy"], axis=1)
+    force = np.stack(
+        [gridded.channels.get(f"specific_force_{axis}", zero) for axis in "xy"], axis=1
+    )
     notes += gridded.notes
     position = velocity = None
     if recording.has("reference"):
@@ -228,7 +227,8 @@ def _sensors(
         notes += said
     origin = np.zeros(2)
     if config.replay.remove_mean:
-        origin = np.nanmean(values if position is None else position, axis=0)
+        known = values if position is None else position
+        origin = np.nanmean(np.asarray(known), axis=0)
     if position is not None and velocity is not None:
         position = position - origin
         if values is None:
@@ -282,9 +282,7 @@ def _aligned(recording: Recording, grid: Grid, sensors: Sensors) -> fixing.Align
     values = np.stack([np.zeros(len(time)) if a is None else a for a in axes], axis=1)
     inside = (time >= 0.0) & (time <= (grid.steps - 1) / grid.rate)
     try:
-        aligned = fixing.align(
-            time[inside], values[inside], (grid.steps - 1) / grid.rate, sensors
-        )
+        aligned = fixing.align(time[inside], values[inside], (grid.steps - 1) / grid.rate, sensors)
     except InputError as error:
         raise InputError(f"{recording.path}: {error}") from None
     if aligned.jitter > LARGEST_JITTER * sensors.fix_step:
@@ -332,9 +330,8 @@ def _reference(
             span = recording.series(f"reference_{axis}")[0][[0, -1]]
             unknown |= (grid.time < span[0] - 1e-9) | (grid.time > span[1] + 1e-9)
     require(
-        not np.all(unknown), f"{recording.path}: the reference and the specific force do not overlap"
+        not np.all(unknown),
+        f"{recording.path}: the reference and the specific force do not overlap",
     )
     position[unknown] = velocity[unknown] = np.nan
     return position, velocity, list(found.notes)
-
-

@@ -58,12 +58,10 @@ def write(
     return path
 
 
-def _of_one(
-    config: ReplayConfig, tables: Mapping[str, pd.DataFrame], record: Record
-) -> list[str]:
+def _of_one(config: ReplayConfig, tables: Mapping[str, pd.DataFrame], record: Record) -> list[str]:
     count = int(tables["errors"]["n"].max()) if len(tables["errors"]) else 0
     headings, rows = cells(config, tables["errors"])
-    parts = [
+    return [
         "## The record\n",
         f"- {Path(record.file).name}: {KINDS[record.gnss].format(n=count)}",
         f"- {record.steps} IMU steps at {1.0 / record.step:g} Hz "
@@ -81,7 +79,6 @@ def _of_one(
         "same moment later, noise of the fix included. *NIS* is 2 and *white p* not small where "
         "the filter's innovations are as it expects them to be.",
     ]
-    return parts
 
 
 def _facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:

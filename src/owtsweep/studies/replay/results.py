@@ -26,7 +26,7 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     import pandas as pd
 
     done = rows[rows["status"] == OK]
-    names = [scheme.name for scheme in resolve_all(config.schemes)]
+    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     order = list(labels(config.grid.files))
     found = errors(done[done["scheme"] != RECORD], order, [*names, LAST_FIX])
     values = found[["file", "scheme", "measure", "window", "mean"]].rename(
@@ -45,7 +45,7 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
 
 
 def errors(rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]) -> pd.DataFrame:
-    """Means over the replicates with 95 % intervals: file, scheme, measure, window, mean, ..., n."""
+    """Means over the replicates with 95 % intervals, per file, scheme, measure and window."""
     import pandas as pd
 
     kept = rows[rows["window"].isin(WINDOWS)]

@@ -70,13 +70,11 @@ def expand(words: Sequence[str]) -> list[str]:
             require(path.is_file(), f"{word}: this is a folder; name files, e.g. {word}/*.csv")
             matches = [path]
         else:
-            has_pattern = any(sign in word for sign in "*?[")
+            pattern = any(sign in word for sign in "*?[")
+            wrong = "nothing matches this pattern" if pattern else "there is no such file"
             matches = [Path(name) for name in sorted(glob.glob(str(path), recursive=True))]
             matches = [match for match in matches if match.is_file()]
-            require(
-                len(matches) > 0,
-                f"{word}: {'nothing matches this pattern' if has_pattern else 'there is no such file'}",
-            )
+            require(len(matches) > 0, f"{word}: {wrong}")
         found.update({str(match.resolve()): None for match in matches})
     return list(found)
 
@@ -117,9 +115,7 @@ def execute(
     from owtsweep.sweep.run import sweep
 
     verify(config)
-    outcome = sweep(
-        get_study(config.study), config, fresh=fresh, progress=progress, argv=argv
-    )
+    outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
     for label, folder in folders(config, outcome.run.folder).items():
         estimates.write(session(config, _file(config, label)), folder)
     return outcome

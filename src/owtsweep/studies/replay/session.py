@@ -45,7 +45,7 @@ def session(config: ReplayConfig, file: str) -> Session:
     measured = measure(config, sensors, record, 0)
     estimated: dict[str, Estimated] = {}
     failed: dict[str, str] = {}
-    for scheme in resolve_all(config.schemes):
+    for scheme in resolve_all(config.schemes, config):
         try:
             estimated[scheme.name] = estimate(config, scheme, sensors, measured)
         except (Exception, SystemExit) as error:  # a user's scheme: the others have theirs

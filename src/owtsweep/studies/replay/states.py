@@ -32,7 +32,7 @@ def filter_states(config: ReplayConfig, session: Session) -> dict[str, FilterSta
     force = np.ascontiguousarray(measured.specific_force @ sensors.rotation.T)
     fixes = np.ascontiguousarray(measured.fixes)
     result = {}
-    for scheme in resolve_all(config.schemes):
+    for scheme in resolve_all(config.schemes, config):
         if scheme.name not in session.estimated or not hasattr(scheme, "kernel"):
             continue
         chain = scheme.kernel(sensors, config, len(force))

@@ -53,7 +53,7 @@ def notes(config: ReplayConfig) -> list[str]:
 
     from owtsweep.studies.replay.record import load_record
 
-    found = {}
+    found: dict[str, None] = {}
     for file in config.grid.files:
         for note in load_record(config, file).notes:
             name = f"{Path(file).name}: " if len(config.grid.files) > 1 else ""

@@ -173,7 +173,7 @@ def _values(
     if quantity == "bias":  # the start, from an uncertain guess, would hide the rest
         later = [v[len(v) // 5 :, axis] for v in lines.values()]
         values = np.concatenate([*later, *([] if truth is None else [truth[:, axis]])])
-        low, high = np.nanmin(values), np.nanmax(values)
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
         axes.set_ylim(low - 0.3 * (high - low), high + 0.3 * (high - low))
 
 
@@ -223,9 +223,7 @@ def _innovations(axes: Axes, session: Session, shown: Any) -> None:
     axes.set_title("dotted: 95 % lie inside if the filter knows its noise", loc="left", fontsize=9)
 
 
-def _explanations(
-    session: Session, quantity: str, lines: dict[str, Array], has_truth: bool
-) -> str:
+def _explanations(session: Session, quantity: str, lines: dict[str, Array], has_truth: bool) -> str:
     sentences = []
     left = [name for name in session.estimated if name not in lines]
     if quantity in ("position", "velocity") and left:

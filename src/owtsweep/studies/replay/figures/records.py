@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.errors import InputError
@@ -60,7 +61,9 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             handles.append(
                 Patch(facecolor="0.6", edgecolor="white", hatch=HATCH, label="does not matter")
             )
-        figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
+        figure.legend(
+            handles=handles, loc="outside lower center", ncols=len(handles), frameon=False
+        )
         style.footnote(
             figure,
             "Second line: the next best scheme and by how much its error is larger. Hatched: by "
@@ -88,10 +91,10 @@ def _coordinates(
 
 def _cell(values: pd.Series[Any]) -> float:
     """Width of a mark: the least distance between different coordinates, not too small."""
-    known = sorted(set(values))
+    known = sorted({float(value) for value in values})
     if len(known) < 2:
         return max(abs(known[0]) * 0.2, 1e-3)
-    steps = [b - a for a, b in zip(known[:-1], known[1:], strict=True)]
+    steps = [b - a for a, b in itertools.pairwise(known)]
     return max(min(steps), (known[-1] - known[0]) / 12.0)
 
 
@@ -115,7 +118,7 @@ def _mark(
     text = line["best"]
     if line["margin"] == line["margin"]:
         text += f"\n{line['runner_up']} +{100.0 * line['margin']:.0f} %"
-    box = {"facecolor": look.color, "edgecolor": "none", "pad": 1.0} if not line["matters"] else None
-    axes.text(
-        x, y, text, ha="center", va="center", color=look.text_color, fontsize=9, bbox=box
+    box = (
+        {"facecolor": look.color, "edgecolor": "none", "pad": 1.0} if not line["matters"] else None
     )
+    axes.text(x, y, text, ha="center", va="center", color=look.text_color, fontsize=9, bbox=box)

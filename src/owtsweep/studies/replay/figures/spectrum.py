@@ -9,7 +9,7 @@ import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.figures import style
-from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.replay.blocks import describer
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import displacement
@@ -26,7 +26,7 @@ BEYOND = 2.0
 def draw(config: ReplayConfig, session: Session, record: Any) -> Figure:
     """Periodogram of the displacement along its main direction, its smooth form, and the fit."""
     settled = round(config.measures.settling_time / session.sensors.step)
-    scheme = resolve(config.schemes[describer(config)])
+    scheme = resolve_all(config.schemes, config)[describer(config)]
     found = displacement(config, session.record, session.sensors, scheme, settled)
     d, step = found.values, session.sensors.step
     n = len(d)
@@ -64,8 +64,8 @@ def draw(config: ReplayConfig, session: Session, record: Any) -> Figure:
             figure,
             f"Displacement along {record['direction']:.0f} deg from x, which carries "
             f"{100 * record['direction_share']:.0f} % of the horizontal variance, from "
-            f"{found.source}. Grey: band [{low:g}, {high:g}] Hz, where Eq. (1) is fitted by Whittle "
-            "likelihood.",
+            f"{found.source}. Grey: band [{low:g}, {high:g}] Hz, where Eq. (1) is fitted by "
+            "Whittle likelihood.",
         )
     return figure
 
