@@ -80,17 +80,16 @@ def plan(config: ReplayConfig) -> list[Block]:
         content = {**shared, "file": label, "digest": digest(file)}
         content["ending"] = "".join(Path(file).suffixes[-2:]).lower()
         own = [_scheme_content(config, e, s) for e, s in zip(config.schemes, schemes, strict=True)]
-        first = {**content, "scheme": RECORD, "estimator": own[describer(config)]}
+        first = {
+            **content,
+            "scheme": RECORD,
+            "window": config.measures.window,
+            "estimator": own[facts.describer(config)],
+        }
         blocks.append(Block(label, f"{label}, the record", first, 1))
         for scheme, entry in zip(schemes, own, strict=True):
             blocks.append(Block(label, f"{label}, {scheme.name}", {**content, **entry}, 1))
     return blocks
-
-
-def describer(config: ReplayConfig) -> int:
-    """Which scheme's estimates describe the motion of a record without a reference."""
-    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
-    return names.index("HME1") if "HME1" in names else len(names) - 1
 
 
 def _shared_content(config: ReplayConfig) -> dict[str, Any]:
@@ -112,7 +111,7 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         label, name = block.content["file"], block.content["scheme"]
         record = load_record(config, files[label])
         if name == RECORD:
-            scheme = resolve_all(config.schemes, config)[describer(config)]
+            scheme = resolve_all(config.schemes, config)[facts.describer(config)]
             rows = [
                 _row(label, RECORD, 0, found)
                 for found in facts.facts(config, record, sensors, scheme, settled)

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.motion.whittle import Fit, fit
 from owtsweep.studies.hub.contract import Scheme, Sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate
@@ -17,36 +19,47 @@ from owtsweep.studies.replay.record import Record
 
 
 class Displacement(NamedTuple):
-    """d: (n,) m along the main direction, around its mean; angle: that direction, rad from x;
-    share: its part of the horizontal variance; source: what it was taken from."""
+    """(n, 2) m around its mean, without gaps, and what it was taken from."""
 
     values: Array
-    angle: float
-    share: float
     source: str
 
 
 def displacement(
     config: ReplayConfig, record: Record, sensors: Sensors, scheme: Scheme, settled: int
 ) -> Displacement:
-    """The motion along its main direction, from the truth or else from a scheme's estimate.
+    """The horizontal motion, from the truth or else from a scheme's settled estimate.
 
+    It is that of the window which is judged: simulations begin with a transient of their own.
     Gaps of a reference are bridged by straight lines.
     """
     if record.position is not None:
-        xy, source = record.position, record.truth
+        begin = settled if config.measures.window == "settled" else 0
+        xy, source = bridged(record.position)[begin:], record.truth
     else:
         found = estimate(config, scheme, sensors, measure(config, sensors, record, 0))
         xy, source = found.state[settled:, :2], f"the estimate of {scheme.name}"
-    xy = bridged(xy)
-    xy = xy - xy.mean(axis=0)
-    variance, directions = np.linalg.eigh(xy.T @ xy / len(xy))
-    main = directions[:, 1] * (
-        1.0 if directions[np.argmax(np.abs(directions[:, 1])), 1] > 0 else -1
-    )
-    total = float(np.sum(variance))
-    share = float(variance[1] / total) if total > 0.0 else 1.0
-    return Displacement(xy @ main, float(np.arctan2(main[1], main[0])), share, source)
+    return Displacement(xy - xy.mean(axis=0), source)
+
+
+def described(config: ReplayConfig, file: str) -> tuple[Displacement, float]:
+    """The displacement of a file's record, as its facts were taken from, and the step (s)."""
+    from owtsweep.studies.hub.schemes import resolve_all
+    from owtsweep.studies.hub.sensors import sensors
+    from owtsweep.studies.replay.record import load_record
+
+    known = sensors(config.sensors)
+    scheme = resolve_all(config.schemes, config)[describer(config)]
+    settled = round(config.measures.settling_time / known.step)
+    return displacement(config, load_record(config, file), known, scheme, settled), known.step
+
+
+def describer(config: ReplayConfig) -> int:
+    """Which scheme's estimates describe the motion of a record without a reference."""
+    from owtsweep.studies.hub.schemes import resolve_all
+
+    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
+    return names.index("HME1") if "HME1" in names else len(names) - 1
 
 
 def bridged(xy: Array) -> Array:
@@ -58,25 +71,50 @@ def bridged(xy: Array) -> Array:
     return np.stack([np.interp(at, at[there], xy[there, i]) for i in range(2)], axis=1)
 
 
+def main_direction(xy: Array) -> tuple[float, float]:
+    """Direction of most variance, deg from x in (-90, 90], and its part of the variance."""
+    variance, directions = np.linalg.eigh(xy.T @ xy / len(xy))
+    x, y = directions[:, 1]
+    angle = float(np.rad2deg(np.arctan2(y, x)))
+    angle = angle - 180.0 if angle > 90.0 else angle + 180.0 if angle <= -90.0 else angle
+    total = float(np.sum(variance))
+    return angle, float(variance[1] / total) if total > 0.0 else 1.0
+
+
+def fitted(xy: Array, step: float, config: ReplayConfig) -> Fit | str:
+    """Eq. (1) fitted to the sum of both axes' spectra inside the band, or why it cannot be."""
+    try:
+        return fit(xy.T, step, band=(config.band[0], config.band[1]))
+    except InputError as error:
+        return str(error)
+
+
 def facts(
     config: ReplayConfig, record: Record, sensors: Sensors, scheme: Scheme, settled: int
 ) -> Iterator[Measured]:
-    """Facts as measures: duration, rms and peak (m), and the fit of Eq. (1)."""
-    from owtsweep.studies.replay.spectrum import fit
-
-    found = displacement(config, record, sensors, scheme, settled)
-    n = len(found.values)
-    d = found.values
-    rms = float(np.sqrt(np.mean(d**2) / found.share))  # of the horizontal displacement
-    yield ("duration", "full", record.steps * sensors.step, record.steps)
-    yield ("rms", "full", rms, n)
-    yield ("peak", "full", float(np.max(np.abs(d))), n)
-    yield ("direction", "full", float(np.rad2deg(found.angle)), n)
-    yield ("direction_share", "full", found.share, n)
-    if np.max(np.abs(d)) == 0.0:
-        return
-    fitted = fit(d, sensors.step, (config.band[0], config.band[1]))
-    if fitted is None:
-        return
-    for name, value in fitted.items():
-        yield (f"spectrum_{name}", "full", float(value), n)
+    """Facts as measures: duration (s), rms and peak (m), direction (deg), the fit of Eq. (1)."""
+    xy = displacement(config, record, sensors, scheme, settled).values
+    n = len(xy)
+    angle, share = main_direction(xy)
+    found = {
+        "duration": record.steps * sensors.step,
+        "rms": float(np.sqrt(np.mean(np.sum(xy**2, axis=1)))),
+        "peak": float(np.max(np.hypot(xy[:, 0], xy[:, 1]))),
+        "direction": angle,
+        "direction_share": share,
+    }
+    shape = fitted(xy, sensors.step, config)
+    if not isinstance(shape, str):
+        found |= {
+            "natural_period": shape.natural_period,
+            "natural_period_error": shape.errors["natural_period"],
+            "half_bandwidth": shape.half_bandwidth,
+            "half_bandwidth_error": shape.errors["half_bandwidth"],
+            "a": shape.spectrum.a,
+            "b": shape.spectrum.b,
+            "c": shape.spectrum.c,
+            "band_share": shape.band_share,
+            "fit_p": shape.probability,
+        }
+    for name, value in found.items():
+        yield (name, "full", float(value), n)

@@ -16,10 +16,15 @@ from owtsweep.studies.replay.expectation import expectation
 
 def fitted(record: Any) -> Spectrum | None:
     """Eq. (1) as it was fitted to a record, if it was; `record` is its line of records.csv."""
-    values = [record.get(f"spectrum_{name}", np.nan) for name in "abc"]
+    values = [record.get(name, np.nan) for name in "abc"]
     if not np.all(np.isfinite(values)):
         return None
     return Spectrum(*(float(value) for value in values))
+
+
+def rms_in_band(record: Any) -> float:
+    """Of the horizontal displacement, m; what lies outside the band is not judged."""
+    return float(record["rms"]) * float(np.sqrt(record["band_share"]))
 
 
 def expected_at(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
@@ -35,7 +40,7 @@ def expected_at(config: ReplayConfig, record: Any) -> dict[str, tuple[float, flo
     band = (config.band[0], config.band[1])
     return {
         scheme.name: expectation(config, scheme, sensors, steps).mse(
-            shape.density, band, float(record["rms"])
+            shape.density, band, rms_in_band(record)
         )
         for scheme in resolve_all(config.schemes, config)
     }
@@ -52,7 +57,7 @@ def expected_map(
     sensors = sensing.sensors(config.sensors)
     steps = round(float(record["duration"]) / sensors.step)
     band = (config.band[0], config.band[1])
-    ratio = float(record["rms"]) / float(record["peak"])
+    ratio = rms_in_band(record) / float(record["peak"])
     which = 1 if config.measures.criterion == "velocity" else 0
     result: dict[str, Array] = {}
     for scheme in resolve_all(config.schemes, config):

@@ -90,19 +90,31 @@ def _facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
         f"{line['direction']:.0f} deg from x, which carries "
         f"{100 * line['direction_share']:.0f} % of the variance"
     ]
-    if np.isfinite(line.get("spectrum_natural_period", np.nan)):
-        text = f"Eq. (1): natural period {line['spectrum_natural_period']:.4g}"
-        error = line.get("spectrum_natural_period_se", np.nan)
-        text += f" ± {1.96 * error:.2g} s" if np.isfinite(error) else " s"
-        text += f", half-bandwidth {line['spectrum_half_bandwidth']:.3g} Hz, "
-        text += ", ".join(f"{name} = {line[f'spectrum_{name}']:.4g}" for name in "abc")
-        found.append(text)
-        peak = 1.0 / float(line["spectrum_natural_period"])
+    if np.isfinite(line.get("natural_period", np.nan)):
+        found.append(
+            f"Eq. (1): natural period {line['natural_period']:.4g} ± "
+            f"{1.96 * line['natural_period_error']:.2g} s, half-bandwidth "
+            f"{line['half_bandwidth']:.3g} ± {1.96 * line['half_bandwidth_error']:.2g} Hz, "
+            + ", ".join(f"{name} = {line[name]:.4g}" for name in "abc")
+            + f"; {100 * line['band_share']:.0f} % of the variance lies in the band "
+            f"[{config.band[0]:g}, {config.band[1]:g}] Hz"
+        )
+        found += [f"the fit of Eq. (1): {warning}" for warning in _warnings(config)]
+        peak = 1.0 / float(line["natural_period"])
         if not config.band[0] <= peak <= config.band[1]:
             found.append("its peak lies outside band, so it has no place in the expected map")
     else:
         found.append("Eq. (1) could not be fitted, so the record has no place in the expected map")
     return found
+
+
+def _warnings(config: ReplayConfig) -> tuple[str, ...]:
+    """What is wrong with the fit of a single record, in words."""
+    from owtsweep.studies.replay.facts import described, fitted
+
+    found, step = described(config, config.grid.files[0])
+    shape = fitted(found.values, step, config)
+    return () if isinstance(shape, str) else shape.warnings
 
 
 def _records(records: pd.DataFrame) -> str:

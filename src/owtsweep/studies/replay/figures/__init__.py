@@ -85,7 +85,7 @@ def _of_one(
 
     return {
         **{name: history(name) for name in HISTORIES},
-        "spectrum": lambda: spectrum.draw(config, known(), tables["records"].iloc[0]),
+        "spectrum": lambda: spectrum.draw(config, tables["records"].iloc[0]),
         "place_in_map": lambda: place.draw(config, tables["records"].iloc[0]),
     }
 

@@ -12,7 +12,7 @@ from owtsweep.studies.hub.figures import style
 from owtsweep.studies.hub.palette import style_of
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.place import expected_map, fitted
+from owtsweep.studies.replay.place import expected_map, fitted, rms_in_band
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,6 +46,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     values = np.array([expected[name] for name in names])
     order = np.sort(values, axis=0)
     best = np.argmin(values, axis=0)
+    ratio = float(record["peak"]) / rms_in_band(record)
     with style.context():
         figure = style.new_figure(7.2, 5.6)
         axes = figure.add_subplot()
@@ -89,7 +90,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             figure,
             f"Motions of the spectrum translated (bandwidth {config.spectrum.bandwidth:g} s⁻²) in "
             f"band [{config.band[0]:g}, {config.band[1]:g}] Hz, with this record's ratio of the "
-            f"largest to the rms displacement, {record['peak'] / record['rms']:.2f}.",
+            f"largest to the rms displacement in the band, {ratio:.2f}.",
         )
     return figure
 

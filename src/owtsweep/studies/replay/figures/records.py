@@ -72,7 +72,7 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     return figure
 
 
-_LABELS = {"spectrum_natural_period": "fitted natural period (s)", "peak": "amplitude (m)"}
+_LABELS = {"natural_period": "fitted natural period (s)", "peak": "amplitude (m)"}
 
 
 def _coordinates(
@@ -84,9 +84,9 @@ def _coordinates(
         if len(names) >= 2:
             return states, (names[0], names[1])
         return records, (names[0], "peak")
-    if "spectrum_natural_period" not in records:
+    if "natural_period" not in records:
         raise InputError("no record has a fitted period; give replay.table=FILE.csv")
-    return records, ("spectrum_natural_period", "peak")
+    return records, ("natural_period", "peak")
 
 
 def _cell(values: pd.Series[Any]) -> float:
