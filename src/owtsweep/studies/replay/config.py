@@ -50,6 +50,7 @@ class ReplaySettings:
 
     `input`: motion, sensors or auto; `gnss`: recorded, from_reference or auto (sensors only);
     `replicates` of simulated noise; `cutoff` Hz of the derivatives, null for the reader's choice;
+    `band`: edges in Hz within which the spectrum is fitted and judged, null for the key `band`;
     `remove_mean`: put the local origin at the mean; `table`: CSV of the records' sea states.
     """
 
@@ -57,6 +58,7 @@ class ReplaySettings:
     gnss: str
     replicates: int
     cutoff: float | None
+    band: list[float] | None
     remove_mean: bool
     table: str | None
 
@@ -83,7 +85,14 @@ class ReplayConfig(HubConfig):
         )
         if self.replay.cutoff is not None:
             positive("replay.cutoff", self.replay.cutoff, "Hz")
-        for unit in self.units.given():
+        if self.replay.band is not None:
             require(
-                unit not in ("", None), f"units.{unit}: it is empty; name a unit or leave it out"
+                len(self.replay.band) == 2 and 0.0 < self.replay.band[0] < self.replay.band[1],
+                f"replay.band: {self.replay.band} must be two edges in Hz, e.g. [0.2,0.4]",
             )
+
+    @property
+    def fit_band(self) -> tuple[float, float]:
+        """Edges (Hz) within which a record's spectrum is fitted and judged."""
+        edges = self.band if self.replay.band is None else self.replay.band
+        return edges[0], edges[1]

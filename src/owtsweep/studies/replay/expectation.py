@@ -43,8 +43,10 @@ class Expectation:
         return position + self.floor.of("position"), velocity + self.floor.of("velocity")
 
 
-def expectation(config: HubConfig, scheme: Scheme, sensors: Sensors, steps: int) -> Expectation:
-    """The expectation of a scheme under a configuration.
+def expectation(
+    config: HubConfig, scheme: Scheme, sensors: Sensors, steps: int, band: tuple[float, float]
+) -> Expectation:
+    """The expectation of a scheme under a configuration, for motions inside a band (Hz).
 
     Raises
     ------
@@ -57,7 +59,7 @@ def expectation(config: HubConfig, scheme: Scheme, sensors: Sensors, steps: int)
 
         raise InputError(f"schemes: {scheme.name} has no kernel, so nothing can be expected of it")
     chain = kernel(sensors, config, steps)
-    return _known(_Held(chain), sensors, config.band[0], config.band[1])
+    return _known(_Held(chain), sensors, *band)
 
 
 class _Held:

@@ -84,7 +84,7 @@ def main_direction(xy: Array) -> tuple[float, float]:
 def fitted(xy: Array, step: float, config: ReplayConfig) -> Fit | str:
     """Eq. (1) fitted to the sum of both axes' spectra inside the band, or why it cannot be."""
     try:
-        return fit(xy.T, step, band=(config.band[0], config.band[1]))
+        return fit(xy.T, step, band=config.fit_band)
     except InputError as error:
         return str(error)
 

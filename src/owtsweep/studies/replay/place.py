@@ -33,13 +33,13 @@ def expected_at(config: ReplayConfig, record: Any) -> dict[str, tuple[float, flo
     None if the fit has no peak inside the band.
     """
     shape = fitted(record)
-    if shape is None or not config.band[0] <= shape.peak_frequency <= config.band[1]:
+    band = config.fit_band
+    if shape is None or not band[0] <= shape.peak_frequency <= band[1]:
         return None
     sensors = sensing.sensors(config.sensors)
     steps = round(float(record["duration"]) / sensors.step)
-    band = (config.band[0], config.band[1])
     return {
-        scheme.name: expectation(config, scheme, sensors, steps).mse(
+        scheme.name: expectation(config, scheme, sensors, steps, band).mse(
             shape.density, band, rms_in_band(record)
         )
         for scheme in resolve_all(config.schemes, config)
@@ -56,12 +56,12 @@ def expected_map(
     """
     sensors = sensing.sensors(config.sensors)
     steps = round(float(record["duration"]) / sensors.step)
-    band = (config.band[0], config.band[1])
+    band = config.fit_band
     ratio = rms_in_band(record) / float(record["peak"])
     which = 1 if config.measures.criterion == "velocity" else 0
     result: dict[str, Array] = {}
     for scheme in resolve_all(config.schemes, config):
-        known = expectation(config, scheme, sensors, steps)
+        known = expectation(config, scheme, sensors, steps, band)
         floor = known.floor.of(("position", "velocity")[which])
         result[scheme.name] = np.empty((len(periods), len(amplitudes)))
         for i, period in enumerate(periods):

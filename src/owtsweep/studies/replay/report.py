@@ -10,7 +10,7 @@ import numpy as np
 
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.record import Record, load_record
-from owtsweep.studies.replay.terminal import cells, sentences
+from owtsweep.studies.replay.terminal import cells, fit_warnings, sentences
 from owtsweep.sweep.files import write_atomically
 
 if TYPE_CHECKING:
@@ -97,24 +97,18 @@ def _facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
             f"{line['half_bandwidth']:.3g} ± {1.96 * line['half_bandwidth_error']:.2g} Hz, "
             + ", ".join(f"{name} = {line[name]:.4g}" for name in "abc")
             + f"; {100 * line['band_share']:.0f} % of the variance lies in the band "
-            f"[{config.band[0]:g}, {config.band[1]:g}] Hz"
+            f"[{config.fit_band[0]:g}, {config.fit_band[1]:g}] Hz"
         )
-        found += [f"the fit of Eq. (1): {warning}" for warning in _warnings(config)]
-        peak = 1.0 / float(line["natural_period"])
-        if not config.band[0] <= peak <= config.band[1]:
+        found += [
+            f"the fit of Eq. (1): {warning}"
+            for warning in fit_warnings(config, config.grid.files[0])
+        ]
+        low, high = config.fit_band
+        if not low <= 1.0 / float(line["natural_period"]) <= high:
             found.append("its peak lies outside band, so it has no place in the expected map")
     else:
         found.append("Eq. (1) could not be fitted, so the record has no place in the expected map")
     return found
-
-
-def _warnings(config: ReplayConfig) -> tuple[str, ...]:
-    """What is wrong with the fit of a single record, in words."""
-    from owtsweep.studies.replay.facts import described, fitted
-
-    found, step = described(config, config.grid.files[0])
-    shape = fitted(found.values, step, config)
-    return () if isinstance(shape, str) else shape.warnings
 
 
 def _records(records: pd.DataFrame) -> str:

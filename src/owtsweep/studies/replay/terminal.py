@@ -58,7 +58,20 @@ def notes(config: ReplayConfig) -> list[str]:
         for note in load_record(config, file).notes:
             name = f"{Path(file).name}: " if len(config.grid.files) > 1 else ""
             found[f"{name}{note}"] = None
+    if len(config.grid.files) == 1:
+        found |= {
+            f"spectrum: {warning}": None for warning in fit_warnings(config, config.grid.files[0])
+        }
     return list(found)
+
+
+def fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
+    """What is doubtful about the spectrum fitted to a record, or why there is none."""
+    from owtsweep.studies.replay.facts import described, fitted
+
+    found, step = described(config, file)
+    shape = fitted(found.values, step, config)
+    return (shape,) if isinstance(shape, str) else shape.warnings
 
 
 def cells(config: ReplayConfig, errors: pd.DataFrame) -> tuple[list[str], list[list[str]]]:

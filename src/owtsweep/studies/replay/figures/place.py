@@ -31,12 +31,12 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    shape = fitted(record)
-    if shape is None or not config.band[0] <= shape.peak_frequency <= config.band[1]:
+    shape, band = fitted(record), config.fit_band
+    if shape is None or not band[0] <= shape.peak_frequency <= band[1]:
         raise InputError("the record's spectrum has no peak inside band, so it has no place there")
     period, amplitude = 1.0 / shape.peak_frequency, float(record["peak"])
-    low = max(min([*config.grid.natural_period, 0.9 * period]), 1.0 / config.band[1])
-    high = min(max([*config.grid.natural_period, 1.1 * period]), 1.0 / config.band[0])
+    low = max(min([*config.grid.natural_period, 0.9 * period]), 1.0 / band[1])
+    high = min(max([*config.grid.natural_period, 1.1 * period]), 1.0 / band[0])
     periods = np.linspace(low, high, PERIODS)
     small = min([*config.grid.amplitude, 0.7 * amplitude])
     large = max([*config.grid.amplitude, 1.5 * amplitude])
@@ -72,7 +72,9 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             markeredgewidth=1.4,
         )  # fmt: skip
         axes.annotate(
-            f"this record\n{period:.2f} s, {amplitude:.2g} m", (period, amplitude), (12, 10),
+            f"this record\n{period:.2f} s, {amplitude:.2g} m", (period, amplitude),
+            (-14, 12) if period > 0.5 * (low + high) else (14, 12),
+            ha="right" if period > 0.5 * (low + high) else "left",
             textcoords="offset points", fontsize=9,
             bbox={"boxstyle": "round", "facecolor": "white", "alpha": 0.85, "linewidth": 0},
         )  # fmt: skip
@@ -85,11 +87,11 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}",
             loc="left",
         )
-        figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
+        figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
         style.footnote(
             figure,
             f"Motions of the spectrum translated (bandwidth {config.spectrum.bandwidth:g} s⁻²) in "
-            f"band [{config.band[0]:g}, {config.band[1]:g}] Hz, with this record's ratio of the "
+            f"band [{band[0]:g}, {band[1]:g}] Hz, with this record's ratio of the "
             f"largest to the rms displacement in the band, {ratio:.2f}.",
         )
     return figure

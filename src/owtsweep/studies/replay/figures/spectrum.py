@@ -41,17 +41,18 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     if not np.any(found.values):
         raise InputError("the record does not move, so it has no spectrum")
     frequency, power = periodogram(found.values.T, step)
-    low, high = config.band
+    low, high = config.fit_band
     shown = (frequency >= low / 2.0) & (frequency <= BEYOND * high)
     with style.context():
         figure = style.new_figure(9.0, 4.8)
         axes = figure.add_subplot()
         axes.axvspan(low, high, color="0.95", zorder=0)
         axes.plot(frequency[shown], power[shown], color="0.7", linewidth=0.8, label="periodogram")
-        axes.plot(
-            frequency[shown], _smooth(power)[shown], color="black", linewidth=1.2,
-            label=f"mean of {SMOOTHED} lines",
-        )  # fmt: skip
+        if np.count_nonzero((frequency >= low) & (frequency <= high)) > 20 * SMOOTHED:
+            label = f"mean of {SMOOTHED} lines"
+            axes.plot(
+                frequency[shown], _smooth(power)[shown], color="black", linewidth=1.2, label=label
+            )
         shape = fitted(record)
         if shape is not None:
             f = np.linspace(low, high, 2000)
@@ -67,11 +68,13 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             f"Spectrum of {Path(config.grid.files[0]).name}\n{_said(record, shape is not None)}",
             loc="left",
         )
+        share = ""
+        if shape is not None:
+            share = f"; it holds {100 * record['band_share']:.0f} % of the variance"
         style.footnote(
             figure,
             f"Horizontal displacement, from {found.source}. Grey: band [{low:g}, {high:g}] Hz, "
-            "where Eq. (1) is fitted by Whittle likelihood; it holds "
-            f"{100 * record.get('band_share', np.nan):.0f} % of the variance.",
+            f"where Eq. (1) is fitted by Whittle likelihood{share}.",
         )
     return figure
 
