@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from owtsweep.config import compose
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.synthesis import synthesise

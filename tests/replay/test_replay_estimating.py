@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from replay_tools import config_of, motion_file, sensor_file
+
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.replay import measures
 from owtsweep.studies.replay.estimating import estimate
 from owtsweep.studies.replay.measuring import measure
 from owtsweep.studies.replay.record import load_record
-from replay_tools import config_of, motion_file, sensor_file
 
 SMALL = (
     "sensors.imu.rate=20", "hme.mhe.horizon=5", "hme.mhe.smoother_window=6", "hme.mhe.interval=0.5",

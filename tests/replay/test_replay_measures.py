@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from replay_tools import config_of, motion_file, sensor_file
+
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.replay import measures
 from owtsweep.studies.replay.estimating import estimate
 from owtsweep.studies.replay.measuring import measure
 from owtsweep.studies.replay.record import load_record
-from replay_tools import config_of, motion_file, sensor_file
 
 
 @pytest.fixture(scope="module")

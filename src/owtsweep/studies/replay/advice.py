@@ -71,7 +71,8 @@ def compare(samples: Array, schemes: Sequence[str]) -> dict[str, Any] | None:
     }
     if not others:
         return found
-    second = min(others, key=lambda i: mean[i])
+    least = min(mean[i] for i in others)
+    second = [i for i in others if mean[i] - least <= SAME * abs(least)][-1]
     paired = kept[second] - kept[best]
     difference, error, n = mean_and_error(paired)
     half = float(t_quantile(n - 1) * error) if n > 1 else np.nan

@@ -27,7 +27,7 @@ def read_table(path: str) -> pd.DataFrame:
     where = f"replay.table: {path}"
     require(Path(path).is_file(), f"{where}: there is no such file")
     try:
-        table = pd.read_csv(path, skipinitialspace=True, float_precision="round_trip")
+        table = pd.read_csv(path, skipinitialspace=True)
     except (ValueError, OSError) as error:
         text = " ".join(str(error).split())
         require(False, f"{where}: it cannot be read as CSV ({text})")

@@ -39,7 +39,10 @@ def answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> Renderab
 
 def sentences(advised: pd.DataFrame) -> list[str]:
     """The advice, one line each; with many records each names its own."""
-    clean = advised.fillna({"same_as": "", "runner_up": ""})
+    empty = advised[["same_as", "runner_up"]].isna()
+    clean = advised.astype({"same_as": object, "runner_up": object}).mask(
+        empty.reindex(columns=advised.columns, fill_value=False), ""
+    )
     many = clean["file"].nunique() > 1
     return [
         (f"{row['file']}: " if many else "") + advice.sentence(row)
