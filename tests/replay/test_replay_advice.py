@@ -75,6 +75,7 @@ def test_draws_are_compared_in_pairs_and_a_single_record_piece_by_piece():
     found = advice.from_record(rows("position", 1), ["MKF", "HME1"], "position", "settled")
     assert (found["n"], found["window"]) == (20, "settled")
     assert found["ci_low"] < found["difference"] < found["ci_high"]
+    assert found["value_best"] == 1.0  # the whole settled record's; the pieces make the interval
 
 
 def test_without_errors_the_fixes_advise():

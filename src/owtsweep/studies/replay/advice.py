@@ -28,7 +28,9 @@ COLUMNS = (
 )  # fmt: skip
 
 
-def compare(samples: Array, schemes: Sequence[str]) -> dict[str, Any] | None:
+def compare(
+    samples: Array, schemes: Sequence[str], *, whole: Array | None = None
+) -> dict[str, Any] | None:
     """Best and runner-up.
 
     Parameters
@@ -37,6 +39,9 @@ def compare(samples: Array, schemes: Sequence[str]) -> dict[str, Any] | None:
         (schemes, n) mean squares of the same n replicates or pieces; NaN where a scheme has none.
     schemes
         Their names.
+    whole
+        (schemes,) the values to compare, where the samples are pieces that serve the interval
+        alone; the means of the samples by default.
 
     Returns
     -------
@@ -50,7 +55,7 @@ def compare(samples: Array, schemes: Sequence[str]) -> dict[str, Any] | None:
     if len(took_part) == 0 or not np.any(common):
         return None
     kept = samples[np.ix_(took_part, common)]
-    mean = kept.mean(axis=1)
+    mean = kept.mean(axis=1) if whole is None else whole[took_part]
     first = int(np.argmin(mean))
     same = [i for i in range(len(mean)) if abs(mean[i] - mean[first]) <= SAME * abs(mean[first])]
     best = same[-1]
@@ -74,7 +79,8 @@ def compare(samples: Array, schemes: Sequence[str]) -> dict[str, Any] | None:
     least = min(mean[i] for i in others)
     second = [i for i in others if mean[i] - least <= SAME * abs(least)][-1]
     paired = kept[second] - kept[best]
-    difference, error, n = mean_and_error(paired)
+    _, error, n = mean_and_error(paired)
+    difference = mean[second] - mean[best]
     half = float(t_quantile(n - 1) * error) if n > 1 else np.nan
     margin = float(difference / mean[best])
     excludes_zero = bool(difference - half > 0.0) if n > 1 else True
@@ -106,12 +112,14 @@ def from_record(
         criterion, source = "fix_residual", "fixes"
     rows = values[values["measure"] == criterion]
     samples = _pivot(rows[rows["window"] == window], schemes, "replicate")
-    pieces = samples.shape[1] == 1
-    if pieces:  # drawn once: the settled record piece by piece
+    whole = None
+    if samples.shape[1] == 1:  # drawn once: the settled record piece by piece
         parts = _pivot(rows[rows["window"].str.startswith("part_")], schemes, "window")
         if parts.shape[1] > 1:
-            samples, window = parts, "settled"
-    found = compare(samples, schemes)
+            window = "settled"
+            whole = _pivot(rows[rows["window"] == window], schemes, "replicate")[:, 0]
+            samples = parts
+    found = compare(samples, schemes, whole=whole)
     if found is None:
         return None
     return {"source": source, "criterion": criterion, "window": window, **found}

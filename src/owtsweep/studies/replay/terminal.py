@@ -25,6 +25,10 @@ SHOWN = {
 }
 
 
+#: Of more records than this the terminal counts the advice instead of telling each.
+MOST_RECORDS = 8
+
+
 def answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
     """A table of errors for one record, and the advice for each."""
     from rich.console import Group
@@ -33,8 +37,19 @@ def answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> Renderab
     parts: list[Any] = []
     if len(config.grid.files) == 1:
         parts.append(_errors(config, tables["errors"]))
-    parts += [Text(line) for line in sentences(tables["advice"])]
+    if len(config.grid.files) <= MOST_RECORDS:
+        parts += [Text(line) for line in sentences(tables["advice"])]
+    else:
+        parts.append(Text(_counted(tables["advice"])))
     return Group(*parts)
+
+
+def _counted(advised: pd.DataFrame) -> str:
+    """How often each scheme is best by the records' own errors."""
+    own = advised[advised["source"] != "map"]
+    best = ", ".join(f"{name} in {count}" for name, count in own["best"].value_counts().items())
+    alike = int((~own["matters"].astype(bool)).sum())
+    return f"{len(own)} records; best: {best}; in {alike} no difference that matters (report.md)"
 
 
 def sentences(advised: pd.DataFrame) -> list[str]:

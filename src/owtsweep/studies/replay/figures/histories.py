@@ -48,7 +48,7 @@ def draw(
     """
     lines = _lines(config, session, quantity)
     if not lines:
-        raise InputError(f"no scheme of this run has an estimate of the {quantity} to draw")
+        raise InputError(f"no scheme here has a {quantity} to draw (kernels need every fix)")
     time = session.record.time
     start, end = _window(session, quantity, zoom=zoom)
     shown = (time >= start) & (time <= end)

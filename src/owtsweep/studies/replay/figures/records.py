@@ -62,7 +62,7 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
                 Patch(facecolor="0.6", edgecolor="white", hatch=HATCH, label="does not matter")
             )
         figure.legend(
-            handles=handles, loc="outside lower center", ncols=len(handles), frameon=False
+            handles=handles, loc="outside upper center", ncols=len(handles), frameon=False
         )
         style.footnote(
             figure,
