@@ -143,6 +143,7 @@ BAD = {
     "gravity": (["gravity.csv"], "9.81"),
     "no table": (["good.csv", "replay.table=nothing.csv"], "replay.table"),
     "a choice": (["good.csv", "replay.input=guess"], "replay.input"),
+    "an engine": (["good.csv", "engine=expected"], "engine"),
     "gaps": (["good.csv", "gaps=ignore"], "gaps"),
     "a band": (["good.csv", "replay.band=[0.4,0.2]"], "replay.band"),
 }

@@ -12,7 +12,7 @@ from owtsweep.config import as_mapping
 from owtsweep.errors import InputError
 from owtsweep.studies.base import FAILED, OK, Block
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.blocks import _scheme_content
+from owtsweep.studies.hub.blocks import scheme_content
 from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.config import ReplayConfig
@@ -79,7 +79,7 @@ def plan(config: ReplayConfig) -> list[Block]:
     for label, file in labels(config.grid.files).items():
         content = {**shared, "file": label, "digest": digest(file)}
         content["ending"] = "".join(Path(file).suffixes[-2:]).lower()
-        own = [_scheme_content(config, e, s) for e, s in zip(config.schemes, schemes, strict=True)]
+        own = [scheme_content(config, e, s) for e, s in zip(config.schemes, schemes, strict=True)]
         first = {
             **content,
             "scheme": RECORD,

@@ -8,6 +8,7 @@ from owtsweep.config import require
 from owtsweep.studies.hub.checks import one_of, positive
 from owtsweep.studies.hub.config import Grid, HubConfig
 
+ENGINES = ("batch", "reference")
 INPUTS = ("auto", "motion", "sensors")
 GNSS = ("auto", "recorded", "from_reference")
 GAPS = ("refuse", "interpolate")
@@ -75,6 +76,10 @@ class ReplayConfig(HubConfig):
 
     def check(self) -> None:
         super().check()
+        require(
+            self.engine in ENGINES,
+            f"engine: {self.engine!r} runs no record; use {' or '.join(ENGINES)}",
+        )
         one_of("replay.input", self.replay.input, INPUTS)
         one_of("replay.gnss", self.replay.gnss, GNSS)
         one_of("gaps", self.gaps, GAPS)
