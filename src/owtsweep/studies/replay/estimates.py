@@ -1,74 +1,87 @@
-"""The estimates as files: estimates.parquet, and one CSV per scheme."""
+"""The estimates as files: estimates.parquet, and one CSV per scheme.
+
+Both are written piece by piece, one scheme at a time: of a day at 100 Hz all schemes would take
+several GB.
+"""
 
 from __future__ import annotations
 
-import io
+import os
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from owtsweep.studies.replay.session import Session
-from owtsweep.sweep.files import write_atomically
-
-if TYPE_CHECKING:
-    import pandas as pd
+from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.estimating import Estimated
+from owtsweep.studies.replay.measuring import measure
+from owtsweep.studies.replay.record import Record, load_record
+from owtsweep.studies.replay.session import each
 
 STATES = ("x", "y", "vx", "vy")
 COLUMNS = ("time", "scheme", *STATES, *(f"{name}_std" for name in STATES))
+#: Rows of a piece.
+PIECE = 500_000
 
 
-def frame(session: Session) -> pd.DataFrame:
-    """All schemes' estimates, one below the other; columns `COLUMNS`.
+def write(config: ReplayConfig, file: str, folder: Path) -> list[Path]:
+    """Write estimates.parquet and estimates/<scheme>.csv of a record; returns the files.
 
-    time in s on the file's clock; x, y in m with the origin put back, so that they lie over the
-    positions in the file; velocities in m/s; the standard deviations of all four (NaN for a scheme
-    without covariance).
+    Columns `COLUMNS`, replicate 0: time in s on the file's clock; x, y in m with the origin put
+    back, so that they lie over the positions in the file; velocities in m/s; the standard
+    deviations of all four (NaN for a scheme without covariance).
     """
-    import pandas as pd
-
-    tables = [pd.DataFrame(columns) for _, columns in _columns(session)]
-    if not tables:
-        return pd.DataFrame(columns=list(COLUMNS))
-    return pd.concat(tables, ignore_index=True)
-
-
-def write(session: Session, folder: Path) -> list[Path]:
-    """Write estimates.parquet and estimates/<scheme>.csv into a folder; returns the files."""
     import pyarrow as pa
     import pyarrow.csv as pc
     import pyarrow.parquet as pq
 
+    record = load_record(config, file)
+    sensors = sensing.sensors(config.sensors)
+    measured = measure(config, sensors, record, 0)
     single = folder / "estimates"
     single.mkdir(parents=True, exist_ok=True)
-    tables, files = [], []
-    for name, columns in _columns(session):
-        table = pa.table(columns)
-        tables.append(table)
-        buffer = io.BytesIO()
-        pc.write_csv(table.drop_columns(["scheme"]), buffer)
-        files.append(single / f"{name}.csv")
-        write_atomically(files[-1], buffer.getvalue())
-    if tables:
-        buffer = io.BytesIO()
-        pq.write_table(pa.concat_tables(tables), buffer, write_page_checksum=True)
-        files.insert(0, folder / "estimates.parquet")
-        write_atomically(files[0], buffer.getvalue())
+    files = [folder / "estimates.parquet"]
+    fields = [(name, pa.string() if name == "scheme" else pa.float64()) for name in COLUMNS]
+    schema = pa.schema(fields)
+    with ExitStack() as stack:
+        target = stack.enter_context(_whole(files[0]))
+        writer = stack.enter_context(pq.ParquetWriter(target, schema, write_page_checksum=True))
+        for name, estimated in each(config, sensors, measured):
+            if isinstance(estimated, str):
+                continue
+            files.append(single / f"{name}.csv")
+            own = schema.remove(schema.get_field_index("scheme"))
+            with _whole(files[-1]) as temporary, pc.CSVWriter(temporary, own) as text:
+                for columns in _pieces(record, estimated, name):
+                    table = pa.table(columns, schema=schema)
+                    writer.write_table(table)
+                    text.write_table(table.drop_columns(["scheme"]))
     return files
 
 
-def _columns(session: Session) -> Iterator[tuple[str, dict[str, Any]]]:
-    record = session.record
+@contextmanager
+def _whole(path: Path) -> Iterator[str]:
+    """A temporary name beside a file that takes its place once it is written."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        yield str(temporary)
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _pieces(record: Record, estimated: Estimated, name: str) -> Iterator[dict[str, Any]]:
     origin = np.concatenate([record.origin, np.zeros(2)])
-    for name, estimated in session.estimated.items():
-        state, deviation = estimated.state + origin, estimated.deviation
-        yield (
-            name,
-            {
-                "time": record.time,
-                "scheme": np.full(record.steps, name, dtype=object),
-                **{column: state[:, i] for i, column in enumerate(STATES)},
-                **{f"{column}_std": deviation[:, i] for i, column in enumerate(STATES)},
-            },
-        )
+    for first in range(0, record.steps, PIECE):
+        part = slice(first, min(first + PIECE, record.steps))
+        state = estimated.state[part] + origin
+        deviation = estimated.deviation_of(part)
+        yield {
+            "time": record.begin + record.step * np.arange(part.start, part.stop),
+            "scheme": [name] * len(state),
+            **{column: state[:, i] for i, column in enumerate(STATES)},
+            **{f"{column}_std": deviation[:, i] for i, column in enumerate(STATES)},
+        }

@@ -40,10 +40,14 @@ class Estimated:
     @property
     def deviation(self) -> Array:
         """(steps, 4): standard deviations of x, y, v_x, v_y; NaN without a covariance."""
+        return self.deviation_of(slice(None))
+
+    def deviation_of(self, part: slice) -> Array:
+        """The same of some steps."""
         if self.covariance is None:
-            return np.full(self.state.shape, np.nan)
-        variance = np.stack([self.covariance[:, :, i, i] for i in range(2)], axis=1)
-        return np.asarray(np.sqrt(variance.reshape(len(self.state), 4)))
+            return np.full(self.state[part].shape, np.nan)
+        P = self.covariance[part]
+        return np.asarray(np.sqrt(np.concatenate([P[..., 0, 0], P[..., 1, 1]], axis=1)))
 
 
 def estimate(
@@ -76,13 +80,20 @@ def _by_kernel(chain: Chain, sensors: Sensors, measured: Measurements) -> Estima
     position, velocity, innovation = batch.trajectories(chain, sensors, force, fixes)
     row = chain.gains.row(np.arange(len(force)))
     fresh = chain.gains.fresh[row]
-    variance = chain.gains.innovation_variance[row]
+    innovation[~fresh] = np.nan
+    variance = np.where(fresh, chain.gains.innovation_variance[row], np.nan)
     return Estimated(
         state=np.concatenate([position, velocity], axis=1),
-        covariance=np.repeat(chain.covariance[row][:, None], 2, axis=1),
-        innovation=np.where(fresh[:, None], innovation, np.nan),
-        innovation_variance=np.where(fresh[:, None], variance[:, None], np.nan).repeat(2, axis=1),
+        covariance=_of_both_axes(chain.covariance[row]),
+        innovation=innovation,
+        innovation_variance=np.broadcast_to(variance[:, None], innovation.shape),
     )
+
+
+def _of_both_axes(covariance: Array) -> Array:
+    """(steps, 2, 2) as (steps, 2, 2, 2), alike for both axes, without a copy."""
+    steps = len(covariance)
+    return np.broadcast_to(covariance[:, None], (steps, 2, 2, 2))
 
 
 def _online(estimator: OnlineEstimator, sensors: Sensors, measured: Measurements) -> Estimated:
@@ -91,9 +102,11 @@ def _online(estimator: OnlineEstimator, sensors: Sensors, measured: Measurements
     found = estimator.run(np.ascontiguousarray(measured.specific_force), positions)
     return Estimated(
         state=found.state,
-        covariance=np.repeat(found.covariance[:, None], 2, axis=1),
+        covariance=_of_both_axes(found.covariance),
         innovation=found.innovation,
-        innovation_variance=np.repeat(found.innovation_variance[:, None], 2, axis=1),
+        innovation_variance=np.broadcast_to(
+            found.innovation_variance[:, None], found.innovation.shape
+        ),
     )
 
 

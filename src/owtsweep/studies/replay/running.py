@@ -111,13 +111,12 @@ def execute(
     """
     from owtsweep.studies import get_study
     from owtsweep.studies.replay import estimates
-    from owtsweep.studies.replay.session import session
     from owtsweep.sweep.run import sweep
 
     verify(config)
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
     for label, folder in folders(config, outcome.run.folder).items():
-        estimates.write(session(config, _file(config, label)), folder)
+        estimates.write(config, _file(config, label), folder)
     return outcome
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from owtsweep.studies.hub import sensors as sensing
@@ -43,11 +43,22 @@ def session(config: ReplayConfig, file: str) -> Session:
     record = load_record(config, file)
     sensors = sensing.sensors(config.sensors)
     measured = measure(config, sensors, record, 0)
-    estimated: dict[str, Estimated] = {}
-    failed: dict[str, str] = {}
+    found = dict(each(config, sensors, measured))
+    return Session(
+        record,
+        sensors,
+        measured,
+        {name: item for name, item in found.items() if isinstance(item, Estimated)},
+        {name: item for name, item in found.items() if isinstance(item, str)},
+    )
+
+
+def each(
+    config: ReplayConfig, sensors: Sensors, measured: Measurements
+) -> Iterator[tuple[str, Estimated | str]]:
+    """Run the schemes one after the other: name and estimates, or why there are none."""
     for scheme in resolve_all(config.schemes, config):
         try:
-            estimated[scheme.name] = estimate(config, scheme, sensors, measured)
+            yield scheme.name, estimate(config, scheme, sensors, measured)
         except (Exception, SystemExit) as error:  # a user's scheme: the others have theirs
-            failed[scheme.name] = " ".join(f"{type(error).__name__}: {error}".split())
-    return Session(record, sensors, measured, estimated, failed)
+            yield scheme.name, " ".join(f"{type(error).__name__}: {error}".split())
