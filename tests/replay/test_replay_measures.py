@@ -8,7 +8,7 @@ from replay_tools import config_of, motion_file, sensor_file
 
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve
-from owtsweep.studies.replay import measures
+from owtsweep.studies.replay import facts, measures, place
 from owtsweep.studies.replay.estimating import estimate
 from owtsweep.studies.replay.measuring import measure
 from owtsweep.studies.replay.record import load_record
@@ -127,3 +127,11 @@ def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
         rms = float(np.sqrt(np.mean(np.sum(record.position[4000:] ** 2, axis=1))))
         expected, _ = known.mse(translated(5.0).density, (0.05, 0.6), rms)
         assert np.mean(mse) == pytest.approx(expected, rel=0.1), name
+        assert place.expected_at(config, facts_of(config, record, sensors))[name][0] == (
+            pytest.approx(expected, rel=0.1)
+        )
+
+
+def facts_of(config, record, sensors):
+    """A record's line of records.csv."""
+    return {n: v for n, _, v, _ in facts.facts(config, record, sensors, resolve("HME1"), 2000)}

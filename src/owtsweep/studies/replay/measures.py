@@ -45,11 +45,7 @@ def measure(
     """
     windows = {"full": 0, "settled": settled}
     if record.position is not None:
-        squared = _squared_errors(record, estimated)
-        for window, begin in windows.items():
-            yield from _errors(record, estimated, squared[begin:], begin, window)
-        yield from _parts("position", squared[:, 0] + squared[:, 1], settled)
-        yield from _parts("velocity", squared[:, 2] + squared[:, 3], settled)
+        yield from _errors(record, estimated, settled)
     residual = _fix_residual(fixes, estimated, sensors)
     for window, begin in windows.items():
         yield from _mean("fix_residual", window, residual[begin:])
@@ -72,39 +68,55 @@ def held(record: Record, fixes: Array, sensors: Sensors, settled: int) -> Iterat
         yield from _mean("position", window, squared.sum(axis=1))
 
 
-def _squared_errors(record: Record, estimated: Estimated) -> Array:
-    """(steps, 4) of x, y, v_x, v_y; NaN where there is no truth."""
-    truth = np.concatenate([record.given("position"), record.given("velocity")], axis=1)
-    return np.asarray((estimated.state - truth) ** 2)
+def _errors(record: Record, estimated: Estimated, settled: int) -> Iterator[Measured]:
+    """Errors and coverage over both windows and over the pieces of the settled one.
+
+    They are summed piece by piece, so that a long record needs little memory besides itself.
+    """
+    edges = [0, *_edges(settled, record.steps)]
+    pieces = [
+        _sums(record, estimated, slice(begin, end)) for begin, end in itertools.pairwise(edges)
+    ]
+    for window, chosen in (("full", pieces), ("settled", pieces[1:])):
+        for name in pieces[0]:
+            count = sum(piece[name][1] for piece in chosen)
+            if count:
+                yield (name, window, sum(piece[name][0] for piece in chosen) / count, count)
+    for number, piece in enumerate(pieces[1:]):
+        for name in ("position", "velocity"):
+            total, count = piece[name]
+            if count:
+                yield (name, f"part_{number:02d}", total / count, count)
 
 
-def _errors(
-    record: Record, estimated: Estimated, squared: Array, begin: int, window: str
-) -> Iterator[Measured]:
-    for i, name in enumerate(("x", "y", "vx", "vy")):
-        yield from _mean(name, window, squared[:, i])
-    yield from _mean("position", window, squared[:, 0] + squared[:, 1])
-    yield from _mean("velocity", window, squared[:, 2] + squared[:, 3])
-    if estimated.covariance is None:
-        return
-    deviation = estimated.deviation[begin:]
-    inside = np.where(
-        np.isfinite(squared) & np.isfinite(deviation),
-        squared <= (QUANTILE * deviation) ** 2,
-        np.nan,
-    )
-    yield from _mean("coverage_position", window, inside[:, :2].ravel())
-    yield from _mean("coverage_velocity", window, inside[:, 2:].ravel())
-    truth = np.stack([record.given("position"), record.given("velocity")], axis=2)[begin:]
-    state = estimated.state[begin:].reshape(-1, 2, 2).transpose(0, 2, 1)
-    error = state - truth  # (steps, axis, p and v)
-    P = estimated.covariance[begin:]
-    determinant = P[..., 0, 0] * P[..., 1, 1] - P[..., 0, 1] ** 2
-    e_p, e_v = error[..., 0], error[..., 1]
-    nees = (
-        P[..., 1, 1] * e_p**2 - 2.0 * P[..., 0, 1] * e_p * e_v + P[..., 0, 0] * e_v**2
-    ) / determinant
-    yield from _mean("nees", window, nees.sum(axis=1))
+def _sums(record: Record, estimated: Estimated, part: slice) -> dict[str, tuple[float, int]]:
+    """Measure -> sum and number of its values where there is a truth."""
+    truth = np.concatenate([record.given("position")[part], record.given("velocity")[part]], axis=1)
+    error = estimated.state[part] - truth
+    squared = error**2
+    values = {name: squared[:, i] for i, name in enumerate(("x", "y", "vx", "vy"))}
+    values["position"] = squared[:, 0] + squared[:, 1]
+    values["velocity"] = squared[:, 2] + squared[:, 3]
+    if estimated.covariance is not None:
+        deviation = estimated.deviation_of(part)
+        known = np.isfinite(squared) & np.isfinite(deviation)
+        inside = np.where(known, squared <= (QUANTILE * deviation) ** 2, np.nan)
+        values["coverage_position"] = inside[:, :2].ravel()
+        values["coverage_velocity"] = inside[:, 2:].ravel()
+        values["nees"] = _nees(error, estimated.covariance[part])
+    sums = {}
+    for name, series in values.items():
+        there = np.isfinite(series)
+        sums[name] = (float(np.sum(series[there])), int(np.count_nonzero(there)))
+    return sums
+
+
+def _nees(error: Array, P: Array) -> Array:
+    """(n,) squared error in the metric of the covariance, both axes; error (n, 4)."""
+    position, velocity = error[:, :2], error[:, 2:]
+    pp, pv, vv = P[..., 0, 0], P[..., 0, 1], P[..., 1, 1]
+    weighted = vv * position**2 - 2.0 * pv * position * velocity + pp * velocity**2
+    return np.asarray(np.sum(weighted / (pp * vv - pv**2), axis=1))
 
 
 def _innovations(estimated: Estimated, begin: int, window: str) -> Iterator[Measured]:
@@ -158,9 +170,12 @@ def _fix_residual(fixes: Array, estimated: Estimated, sensors: Sensors) -> Array
     return residual
 
 
+def _edges(settled: int, steps: int) -> list[int]:
+    return [int(edge) for edge in np.linspace(settled, steps, PARTS + 1)]
+
+
 def _parts(name: str, values: Array, settled: int) -> Iterator[Measured]:
-    edges = np.linspace(settled, len(values), PARTS + 1).astype(int)
-    for number, (begin, end) in enumerate(itertools.pairwise(edges)):
+    for number, (begin, end) in enumerate(itertools.pairwise(_edges(settled, len(values)))):
         yield from _mean(name, f"part_{number:02d}", values[begin:end])
 
 
