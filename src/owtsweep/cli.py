@@ -56,6 +56,23 @@ def _overrides(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
 
 
+def _replay(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "words", nargs="*", metavar="FILE|override", help="records or patterns; key=value words"
+    )
+    parser.add_argument(
+        "--describe", action="store_true", help="list channels, units, rates and gaps, and stop"
+    )
+    parser.add_argument(
+        "--cfg", action="store_true", help="print the resolved configuration and stop"
+    )
+    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
+    parser.add_argument(
+        "--fresh", action="store_true", help="delete this run's stored cases and start over"
+    )
+    parser.add_argument("--yes", action="store_true", help="do not ask before deleting")
+
+
 def _run_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
@@ -76,6 +93,11 @@ COMMANDS = {
         "Run a study, or finish one that was stopped, and draw its map.",
         "sweep grid.replicates=2 record.duration=300 schemes=[MKF,HME1] sensors.gnss.delay=0.4",
         _sweep,
+    ),
+    "replay": (
+        "Run the schemes on recorded motion or recorded sensors; say which one to run.",
+        "replay towertop.outb columns.position_x=TwHt1TPxi sensors.gnss.rate=5",
+        _replay,
     ),
     "figures": (
         "Draw all figures and tables of a run into its folder figures/.",

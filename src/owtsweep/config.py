@@ -152,7 +152,9 @@ def conf_directory() -> Path:
     raise InputError(f"conf: no sweep.yaml in {package / 'conf'}: the installation is incomplete")
 
 
-def compose(overrides: Sequence[str], config_dir: str | None = None) -> Config:
+def compose(
+    overrides: Sequence[str], config_dir: str | None = None, *, primary: str = "sweep"
+) -> Config:
     """Compose, type and check a configuration.
 
     Parameters
@@ -161,6 +163,8 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Config:
         Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`.
     config_dir
         A folder whose groups are found besides the package's own (`--config-dir`).
+    primary
+        The file of the Hydra tree to begin with: "sweep" or "replay".
 
     Raises
     ------
@@ -184,13 +188,14 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Config:
         search = [f"hydra.searchpath=[file://{directory}]"]
     try:
         with initialize_config_dir(config_dir=str(conf_directory()), version_base="1.3"):
-            composed = hydra_compose("sweep", overrides=[*search, *overrides])
+            composed = hydra_compose(primary, overrides=[*search, *overrides])
     except ValueError as error:  # a number where Hydra expects the name of a group's option
         groups = {path.name for path in conf_directory().iterdir() if path.is_dir()}
         wrong = [o for o in overrides if o.split("=")[0] in groups] or list(overrides)
         raise InputError(f"{wrong[0]}: this is a config group; name one of its options") from error
     except (HydraException, OmegaConfBaseException) as error:
-        raise InputError(one_line(error)) from error
+        study = "replay" if primary == "replay" else "hub"
+        raise InputError(one_line(error, study)) from error
     return from_mapping(composed)
 
 
@@ -298,7 +303,7 @@ def _unknown_key(key: str, known: Sequence[str]) -> str:
     return f"{key}: there is no such key; {hint}"
 
 
-def one_line(error: Exception) -> str:
+def one_line(error: Exception, study: str = "hub") -> str:
     """Hydra's and OmegaConf's messages span lines; keep what names the argument and the fault."""
     text = str(error)
     full_key = getattr(error, "full_key", None)
@@ -307,7 +312,7 @@ def one_line(error: Exception) -> str:
     if unknown and "is not in struct" in f"{text} {cause}":
         from owtsweep.studies import get_study
 
-        return _unknown_key(unknown.group(1), _keys(get_study("hub").config_type()))
+        return _unknown_key(unknown.group(1), _keys(get_study(study).config_type()))
     if text.startswith("Ambiguous value"):
         key = re.search(r"argument '([^=']+)=", text)
         name = key.group(1) if key else "override"
