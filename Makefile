@@ -32,9 +32,11 @@ sweep: $(INSTALLED)
 	$(VENV_PYTHON) -m owtsweep sweep $(ARGS)
 
 test: $(INSTALLED_TEST)
-	$(VENV_PYTHON) -m ruff check .
-	$(VENV_PYTHON) -m ruff format --check .
-	$(VENV_PYTHON) -m mypy
+	$(VENV_PYTHON) tests/compile_kernels.py online & \
+	$(VENV_PYTHON) tests/compile_kernels.py studies & \
+	$(VENV_PYTHON) -m ruff check . && \
+	$(VENV_PYTHON) -m ruff format --check . && \
+	$(VENV_PYTHON) -m mypy; status=$$?; wait; exit $$status
 	$(VENV_PYTHON) -m pytest --numprocesses 2 --dist worksteal $(ARGS)
 
 # One after the other: some of them look at the clock.
