@@ -180,5 +180,9 @@ def test_guilty_block_is_told_from_the_rest(faulty, on, two_workers, monkeypatch
         helper.join()
     (failure,) = broken.failed
     assert failure.label == "A3.0"
-    assert failure.reason == "KilledWorker: every worker that tried it died"
+    # Rarely joblib ends a round before dask has told it.
+    assert failure.reason in (
+        "KilledWorker: every worker that tried it died",
+        "its worker gave no answer",
+    )
     assert broken.computed + broken.reused == 46

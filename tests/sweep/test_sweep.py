@@ -11,6 +11,7 @@ import pytest
 
 from owtsweep.commands.sweep import failure_lines
 from owtsweep.errors import InputError
+from owtsweep.sweep.execute import Executor
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
@@ -244,6 +245,32 @@ def test_block_that_appeared_meanwhile_is_reused(study, config):
 
     first = sweep(study, c, progress=StoresAll())
     assert (first.computed, first.reused, first.failed) == (0, 8, [])
+
+
+def test_what_a_backend_loses_is_looked_for_and_run_again(study, config, monkeypatch):
+    every = Executor._round
+    rounds = []
+
+    def losing_two(self, work, tasks, numbers, *arguments):
+        rounds.append(len(numbers))
+        results = every(self, work, tasks, numbers, *arguments)
+        if len(rounds) == 1:
+            next(results)  # its shards are stored
+            for key in tasks[next(results).task]:  # and these are not
+                self.store.path(key).unlink()
+        yield from results
+
+    monkeypatch.setattr(Executor, "_round", losing_two)
+    outcome = sweep(study, config())
+    assert rounds == [3, 1, 1]
+    assert (outcome.computed, outcome.failed) == (12, [])
+
+
+def test_a_block_that_never_answers_fails(study, config, monkeypatch):
+    monkeypatch.setattr(Executor, "_round", lambda *arguments: iter(()))
+    outcome = sweep(study, config())
+    assert {failure.reason for failure in outcome.failed} == {"its worker gave no answer"}
+    assert (outcome.computed, sum(failure.cases for failure in outcome.failed)) == (0, 12)
 
 
 def test_missing_extra_is_told_before_anything_is_written(study, config, tmp_path, monkeypatch):

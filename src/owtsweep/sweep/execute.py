@@ -126,6 +126,8 @@ class Executor:
                         yield result
                     else:
                         guilty[result.task] = result.reason
+                # Whatever the backend has lost on its way is never passed over.
+                guilty |= dict.fromkeys(set(numbers) - reported, "its worker gave no answer")
             except PicklingError as error:
                 raise _Stop(one_line(error)) from error
             except BrokenExecutor as error:
@@ -168,6 +170,8 @@ class Executor:
                 sent.append(number)
                 yield delayed(run_task)(work, number, tasks[number], local)
 
+        if local is not None:
+            local.stop.clear()  # the round before has set it for whoever was still at work
         with _interrupts_held(self.backend == "loky"):
             results: Any = start(len(numbers))(calls())
         try:
