@@ -160,6 +160,11 @@ def test_fresh_asks_before_it_deletes(capsys, monkeypatch):
         (["sweep", "grid=5"], "grid"),
         (["sweep", "--config-dir", "nowhere"], "nowhere"),
         (["sweep", "name=a/b"], "name"),
+        (["sweep", "study=replay"], "replay FILE"),
+        (["spectrum", "study=replay"], "replay FILE"),
+        (["sweep", "hme.mhe.constraints.bais=1"], "constraints.bias"),
+        (["sweep", "hme.mhe.constraints.foo=1"], "there are hme.mhe.constraints.position"),
+        (["sweep", "-m", "seed=1,2", "hydra/launcher=no"], "hydra/launcher: there is no 'no'"),
     ],
 )
 def test_bad_input_is_one_line_and_writes_nothing(words, says, capsys):

@@ -176,6 +176,10 @@ def compose(
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
+    require(
+        not isinstance(overrides, str),
+        f"overrides: {overrides!r} is one text; give a list, e.g. ['tuning=matched']",
+    )
     for override in overrides:
         require(
             not override.lstrip("+~").startswith("hydra"),
@@ -191,12 +195,27 @@ def compose(
             composed = hydra_compose(primary, overrides=[*search, *overrides])
     except ValueError as error:  # a number where Hydra expects the name of a group's option
         groups = {path.name for path in conf_directory().iterdir() if path.is_dir()}
-        wrong = [o for o in overrides if o.split("=")[0] in groups] or list(overrides)
+        wrong = [o for o in overrides if o.split("=")[0] in groups]
+        if not wrong:
+            text = " ".join(str(error).split())
+            raise InputError(f"{' '.join(overrides)}: this cannot be composed ({text})") from error
         raise InputError(f"{wrong[0]}: this is a config group; name one of its options") from error
     except (HydraException, OmegaConfBaseException) as error:
         study = "replay" if primary == "replay" else "hub"
         raise InputError(one_line(error, study)) from error
+    _check_study(str(composed.get("study")), primary)
     return from_mapping(composed)
+
+
+def _check_study(study: str, primary: str) -> None:
+    """Each file of the tree has its own keys; those of another study's would be missing."""
+    if primary == "replay":
+        require(study == "replay", f"study: {study!r} replays no record; leave it out")
+    else:
+        require(
+            study != "replay",
+            "study: 'replay' needs records; use `python -m owtsweep replay FILE`",
+        )
 
 
 def from_mapping(mapping: Any) -> Config:
@@ -286,6 +305,8 @@ def _keys(kind: Any, prefix: str = "") -> list[str]:
     found = []
     for name, hint in get_type_hints(kind).items():
         found.append(f"{prefix}{name}")
+        if get_origin(hint) is UnionType:  # X | None
+            hint = get_args(hint)[0]
         if dataclasses.is_dataclass(hint):
             found += _keys(hint, f"{prefix}{name}.")
     return found
@@ -299,6 +320,9 @@ def _unknown_key(key: str, known: Sequence[str]) -> str:
     near = difflib.get_close_matches(key, known, n=1, cutoff=0.6) or [
         by_leaf[name] for name in difflib.get_close_matches(leaf, by_leaf, n=1, cutoff=0.7)
     ]
+    inside = [name for name in known if near and name.startswith(f"{near[0]}.")]
+    if inside and key.startswith(f"{near[0]}."):  # the section is right, the key in it is not
+        return f"{key}: there is no such key; there are {', '.join(inside)}"
     hint = f"did you mean {near[0]}?" if near else "`python -m owtsweep sweep --cfg` shows all keys"
     return f"{key}: there is no such key; {hint}"
 
@@ -324,6 +348,9 @@ def one_line(error: Exception, study: str = "hub") -> str:
         options = group_options(group.group(1))
         if options:
             return f"{group.group(1)}: there is no {group.group(2)!r}; use {' or '.join(options)}"
+    plugin = re.search(r"Could not find '(hydra/\w+)/([^']*)'", text)
+    if plugin:
+        return f"{plugin.group(1)}: there is no {plugin.group(2)!r}; is its plugin installed?"
     override = getattr(error, "override", None)
     if override or text.startswith("Error parsing override"):
         shown = override or text.split("'")[1]

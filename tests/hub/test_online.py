@@ -219,6 +219,11 @@ def test_bad_samples_are_refused_and_leave_the_estimator_as_it_was() -> None:
         estimator.update(np.array([0.0, np.nan]))
     with pytest.raises(ValueError, match="both components"):
         estimator.update(np.zeros(2), np.array([np.nan, 1.0]))
+    for force, fix in ((0.1, None), ([0.1], None), ([0.1, 0.2, 0.3], None), ([0, 0], [1.0])):
+        with pytest.raises(ValueError, match="is not two numbers"):
+            estimator.update(force, fix)
+    with pytest.raises(ValueError, match=r"shapes are \(1, 2\) and \(2, 2\)"):
+        estimator.run([[0.1, 0.2]], np.full((2, 2), np.nan))
     with pytest.raises(ValueError, match=r"step 33.*multiples of 10"):
         estimator.update(np.zeros(2), np.ones(2))
     reference = resolve("HME2").start(sensors, config)

@@ -145,6 +145,16 @@ BAD = {
     "a choice": (["good.csv", "replay.input=guess"], "replay.input"),
     "an engine": (["good.csv", "engine=expected"], "engine"),
     "gaps": (["good.csv", "gaps=ignore"], "gaps"),
+    "another band": (["good.csv", "replay.band=[20,30]"], "kept up to 5 Hz"),
+    "hours": (["good.csv", "units.time=h"], "units.time"),
+    "a cut-off": (["good.csv", "replay.cutoff=9"], "replay.cutoff: 9 Hz"),
+    "fixes of a motion": (["good.csv", "replay.gnss=recorded"], "replay.gnss=recorded"),
+    "another study": (["good.csv", "study=hub"], "study: 'hub' replays no record"),
+    "a key of a section": (["good.csv", "replay.foo=1"], "there are replay.input"),
+    "describe a key": (["good.csv", "--describe", "foo=1"], "foo"),
+    "describe a channel": (["good.csv", "--describe", "columns.position_x=no"], "no channel 'no'"),
+    "describe a unit": (["good.csv", "--describe", "units.position_x=g"], "units.position_x: 'g'"),
+    "a row without file": (["replay.table=blank.csv"], "row 2 names no file"),
     "a band": (["good.csv", "replay.band=[0.4,0.2]"], "replay.band"),
 }
 
@@ -153,6 +163,7 @@ BAD = {
 def test_bad_input_is_one_line_and_writes_nothing(case, capsys):
     motion_file(Path("good.csv"), duration=30.0)
     Path("empty.csv").write_text("")
+    Path("blank.csv").write_text("file,Hs\ngood.csv,1\n,2\n")
     Path("broken.outb").write_bytes(b"\x02\x00not a FAST file")
     times = [*range(40), 12, *range(41, 60)]
     Path("backwards.csv").write_text(
@@ -177,6 +188,11 @@ def test_describe_and_cfg(capsys):
     motion_file(Path("good.csv"), duration=30.0)
     assert main(["replay", "good.csv", "--describe"]) == 0
     assert "position_x" in capsys.readouterr().out
+    words = ["columns.position_x=position_y", "units.position_x=mm"]
+    assert main(["replay", "good.csv", "--describe", *words]) == 0
+    assert "position_x        = position_y  mm," in capsys.readouterr().out
+    assert main(["replay", "--cfg", "replay.replicates=3"]) == 0  # the keys, without any record
+    assert "replicates: 3" in capsys.readouterr().out
     assert main(["replay", "--cfg", "good.csv", "columns.position_x=position_y"]) == 0
     assert "position_x: position_y" in capsys.readouterr().out
     assert not Path("results").exists()

@@ -15,11 +15,14 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     files = [word for word in options.words if "=" not in word]
     overrides = [word for word in options.words if "=" in word]
     if options.describe:
-        return _describe(files)
+        return _describe(files, overrides, options.config_dir)
     from owtsweep.commands.sweep import confirmed
-    from owtsweep.studies.replay.running import configure, execute
+    from owtsweep.studies.replay.running import composed, configure, execute
     from owtsweep.sweep.progress import make_progress
 
+    if options.cfg and not files:  # a look at the keys needs no record
+        print(dump(composed(overrides, options.config_dir)), end="")
+        return DONE
     config = configure(files, overrides, options.config_dir)
     if options.cfg:
         print(dump(config), end="")
@@ -52,11 +55,16 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     return FAILED if outcome.failed else DONE
 
 
-def _describe(files: Sequence[str]) -> int:
+def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | None) -> int:
     from owtsweep.motion.recorded import describe
-    from owtsweep.studies.replay.running import expand
+    from owtsweep.studies.replay.running import composed, expand
 
     require(len(files) > 0, "FILE: name the file to describe")
-    for number, file in enumerate(expand(files)):
-        print(("\n" if number else "") + str(describe(file)))
+    columns: dict[str, str] = {}
+    units: dict[str, str] = {}
+    if overrides:
+        config = composed(overrides, config_dir)
+        columns, units = config.columns.given(), config.units.given()
+    found = [describe(file, columns=columns, units=units) for file in expand(files)]
+    print("\n\n".join(map(str, found)))
     return DONE

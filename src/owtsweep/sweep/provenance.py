@@ -13,6 +13,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Literal
 
+from owtsweep import __version__
 from owtsweep.config import Config, as_mapping, dump
 from owtsweep.studies.base import Study
 from owtsweep.sweep.keys import run_hash
@@ -61,7 +62,7 @@ def start_manifest(
     """
     return {
         "state": "running",
-        "owtsweep": package_version("owtsweep"),
+        "owtsweep": __version__,  # of this code, installed or not
         "git": git_state(Path(__file__).resolve().parents[1]),
         "python": platform.python_version(),
         "packages": {

@@ -138,6 +138,9 @@ def test_pickled_archives_are_refused(tmp_path: Path) -> None:
     np.savez(path, time=TIME, x=np.array([{"a": 1}], dtype=object))
     with pytest.raises(InputError, match="pickled"):
         read(path)
+    path.write_bytes(path.read_bytes()[:300])  # np.load would call this a pickle too
+    with pytest.raises(InputError, match="not a whole .npz archive"):
+        read(path)
 
 
 def test_parquet_timestamps_and_units_of_fields(tmp_path: Path) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,11 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import gaps, say_gaps
-from owtsweep.motion.recorded.columns import ROLES, guess
+from owtsweep.motion.recorded.columns import ROLES, assign
 from owtsweep.motion.recorded.formats import Table, open_table
+from owtsweep.motion.recorded.formats.table import refuse
 from owtsweep.motion.recorded.timing import timing
-from owtsweep.motion.recorded.units import DIMENSIONS, canonical, dimension
+from owtsweep.motion.recorded.units import DIMENSIONS, canonical, dimension, factor
 
 #: Longer files are described by their first rows.
 MOST_ROWS = 1_000_000
@@ -105,17 +107,33 @@ class Description:
         return "\n".join(lines)
 
 
-def describe(path: str | Path) -> Description:
+def describe(
+    path: str | Path,
+    *,
+    columns: Mapping[str, str | None] | None = None,
+    units: Mapping[str, str | None] | None = None,
+) -> Description:
     """Look at every channel of a file (the first million rows of a longer one).
+
+    Parameters
+    ----------
+    path
+        The file.
+    columns, units
+        What is known already, as for `read`; the rest is guessed.
 
     Raises
     ------
     InputError
-        If the file cannot be read at all.
+        If the file cannot be read at all, or a channel or a unit is wrong.
     """
     table = open_table(path)
     loaded = _load(table)
-    mapping = guess(table.names)
+    try:
+        mapping = assign(table.names, columns or {})
+    except InputError as error:
+        raise refuse(table.path, str(error)) from None
+    table = _with_units(table, mapping, units or {})
     mapping = {role: name for role, name in mapping.items() if loaded.get(name) is not None}
     time: Array | None = None
     clock = "no time column found: set columns.time=CHANNEL"
@@ -135,6 +153,15 @@ def describe(path: str | Path) -> Description:
         for name, unit in zip(table.names, table.units, strict=True)
     )
     return Description(table.path, table.format, rows, rows >= MOST_ROWS, mapping, channels, clock)
+
+
+def _with_units(table: Table, mapping: Mapping[str, str], units: Mapping[str, str | None]) -> Table:
+    stated = dict(zip(table.names, table.units, strict=True))
+    for role, unit in units.items():
+        if unit and role in mapping:
+            factor(unit, ROLES[role], f"{table.path}: units.{role}")
+            stated[mapping[role]] = unit
+    return replace(table, units=tuple(stated[name] for name in table.names))
 
 
 def _load(table: Table) -> dict[str, Array | None]:

@@ -14,6 +14,7 @@ from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import (
     Grid,
+    Gridded,
     Limits,
     Recording,
     grid_of,
@@ -122,6 +123,11 @@ def _load(config: ReplayConfig, file: str) -> Record:
     if _is_sensors(config, recording):
         record = _sensors(config, _with_reference(recording), sensors, limits)
     else:
+        require(
+            config.replay.gnss == "auto",
+            f"{file}: replay.gnss={config.replay.gnss} is for recorded sensors; with a motion "
+            "fixes are simulated: leave it at auto, or set columns.specific_force_x",
+        )
         record = _motion(config, _with_position(recording), sensors, limits)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(
@@ -163,9 +169,26 @@ def _renamed(recording: Recording, old: str, new: str) -> Recording:
     )
 
 
+def _derived(recording: Recording, rate: float, **settings: Any) -> Gridded:
+    """`to_motion`, whose `cutoff` is the key replay.cutoff here."""
+    try:
+        return to_motion(recording, rate, **settings)
+    except InputError as error:
+        if str(error).startswith("cutoff: "):
+            raise InputError(f"{recording.path}: replay.{error}") from None
+        raise
+
+
 def _motion(config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits) -> Record:
     rate = config.sensors.imu.rate
-    grid = to_motion(recording, rate, cutoff=config.replay.cutoff, limits=limits)
+    grid = _derived(recording, rate, cutoff=config.replay.cutoff, limits=limits)
+    lowest = config.fit_band[0]
+    kept = grid.cutoff or 0.0
+    require(
+        kept > lowest,
+        f"{recording.path}: motion is kept up to {kept:.3g} Hz only, and the band begins at "
+        f"{lowest:g} Hz; check units.time and the record's rate, replay.cutoff and replay.band",
+    )
     position, velocity, acceleration = (
         np.stack([grid.channels[f"{name}_{axis}"] for axis in "xy"], axis=1)
         for name in ("position", "velocity", "acceleration")
@@ -175,7 +198,9 @@ def _motion(config: ReplayConfig, recording: Recording, sensors: Sensors, limits
     first = sensors.delay  # what the first fix reports stands before step 0
     steps = len(position) - first
     require(
-        steps > 0, f"{recording.path}: the record is shorter than sensors.gnss.delay; lengthen it"
+        steps > 0,
+        f"{recording.path}: the record is shorter than sensors.gnss.delay; use a longer record or "
+        "a shorter delay",
     )
     return Record(
         file=str(recording.path),
@@ -213,7 +238,7 @@ def _sensors(
     if gnss == "recorded":
         aligned = _aligned(recording, whole, sensors)
         offset, values = round(aligned.offset * rate), aligned.values
-        notes += _said(aligned)
+        notes += _said(aligned, sensors)
     grid = Grid(whole.start + offset / rate, rate, whole.steps - offset)
     gridded = to_grid(recording, forces, rate, grid=grid, limits=limits)
     zero = np.zeros(grid.steps)
@@ -295,7 +320,7 @@ def _aligned(recording: Recording, grid: Grid, sensors: Sensors) -> fixing.Align
     return aligned
 
 
-def _said(aligned: fixing.Aligned) -> list[str]:
+def _said(aligned: fixing.Aligned, sensors: Sensors) -> list[str]:
     notes = []
     if aligned.jitter > 1e-6:
         notes.append(
@@ -304,8 +329,12 @@ def _said(aligned: fixing.Aligned) -> list[str]:
         )
     missing = int(np.count_nonzero(~np.isfinite(aligned.values[:, 0])))
     if missing:
+        due = np.flatnonzero(np.isfinite(aligned.values[:, 0]))
+        often = float(np.median(np.diff(due))) if len(due) > 1 else 1.0
+        rate = 1.0 / (often * sensors.fix_step)
+        hint = f"; mostly they come at {rate:.4g} Hz: set sensors.gnss.rate" if often > 1 else ""
         notes.append(
-            f"fixes: {missing} of {len(aligned.values)} are missing; the filters run through"
+            f"fixes: {missing} of {len(aligned.values)} are missing; the filters run through{hint}"
         )
     if aligned.dropped:
         notes.append(f"fixes: {aligned.dropped} dropped, another stood for the same moment")
@@ -316,7 +345,7 @@ def _reference(
     config: ReplayConfig, recording: Recording, grid: Grid, limits: Limits
 ) -> tuple[Array, Array, list[str]]:
     """Position and velocity of the reference on the grid, NaN where it is not."""
-    found = to_motion(
+    found = _derived(
         recording, grid.rate, quantity="reference", cutoff=config.replay.cutoff, grid=grid,
         limits=limits,
     )  # fmt: skip

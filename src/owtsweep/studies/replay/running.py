@@ -18,6 +18,20 @@ if TYPE_CHECKING:
     from owtsweep.sweep.run import Outcome
 
 
+def composed(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
+    """The checked configuration of a replay, whatever its files.
+
+    Raises
+    ------
+    InputError
+        If the overrides are wrong.
+    """
+    config = compose(overrides, config_dir, primary="replay")
+    if not isinstance(config, ReplayConfig):
+        raise InputError(f"study: {config.study!r} is none that replays records; leave it out")
+    return config
+
+
 def configure(
     files: Sequence[str], overrides: Sequence[str] = (), config_dir: str | None = None
 ) -> ReplayConfig:
@@ -33,9 +47,7 @@ def configure(
     InputError
         If the overrides are wrong, or no file is there.
     """
-    config = compose(overrides, config_dir, primary="replay")
-    if not isinstance(config, ReplayConfig):
-        raise InputError(f"study: {config.study!r} is none that replays records; leave it out")
+    config = composed(overrides, config_dir)
     words = [*files, *config.grid.files]
     if not words and config.replay.table is not None:
         from owtsweep.studies.replay.seastates import files_of

@@ -38,6 +38,8 @@ def read_table(path: str) -> pd.DataFrame:
         len(axes(table)) > 0,
         f"{where}: it has no column of numbers besides `file`; add e.g. Hs and Tp",
     )
+    blank = table["file"].isna()
+    require(not blank.any(), f"{where}: row {int(blank.argmax()) + 1} names no file")
     table["file"] = [
         str(p if (p := Path(str(name))).is_absolute() else Path(path).parent / p)
         for name in table["file"]

@@ -23,6 +23,8 @@ def open_npz(path: Path) -> Table:
         For a damaged archive, pickled objects, or arrays of different lengths.
     """
     arrays: dict[str, Array] = {}
+    if not zipfile.is_zipfile(path):  # np.load takes anything else for a pickle
+        raise refuse(path, "is not a whole .npz archive")
     try:
         with np.load(path, allow_pickle=False) as archive:
             for key in archive.files:

@@ -91,7 +91,14 @@ def _shifts(moved: pd.DataFrame) -> str:
     lines = ["| from | to | natural period (s) | ratio | 95 % interval |", "|---|---|---|---|---|"]
     lines += [
         f"| {row.from_run} | {row.to_run} | {row.natural_period:g} | {row.ratio:.3g} | "
-        f"{row.ratio_low:.3g} to {row.ratio_high:.3g} |"
+        f"{_interval(row.ratio_low, row.ratio_high)} |"
         for row in moved.itertuples()
     ]
     return "\n".join(lines)
+
+
+def _interval(low: float, high: float) -> str:
+    """Ends that are not known are said so: in some draws the two schemes did not cross."""
+    if low == low and high == high:
+        return f"{low:.3g} to {high:.3g}"
+    return "not known"

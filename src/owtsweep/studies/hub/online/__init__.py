@@ -42,7 +42,8 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     from owtsweep.studies.hub.sensors import sensors
 
     known = Streaming(scheme)
-    config = compose([*overrides, f"schemes=[{scheme}]"])
+    own = overrides if isinstance(overrides, str) else [*overrides, f"schemes=[{scheme}]"]
+    config = compose(own)  # refuses a text
     if not isinstance(config, HubConfig):
         raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
     return known.start(sensors(config.sensors), config)

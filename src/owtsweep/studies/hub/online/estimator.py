@@ -82,9 +82,12 @@ class OnlineEstimator:
         Raises
         ------
         ValueError
-            If a sample is not finite, or a fix comes where HME2 cannot take it. The estimator is
-            then as it was before.
+            If a sample is not two finite numbers, or a fix comes where HME2 cannot take it. The
+            estimator is then as it was before.
         """
+        _check_pair("specific_force", specific_force)  # NumPy would spread one number over both
+        if position is not None:
+            _check_pair("position", position)
         self._force[0] = specific_force
         self._fix[0] = np.nan if position is None else position
         out = self.run(self._force, self._fix)
@@ -104,9 +107,16 @@ class OnlineEstimator:
         ----------
         specific_force, positions
             (steps, 2); NaN in both components of a position where there is none.
+
+        Raises
+        ------
+        ValueError
+            As for `update`, or if the shapes are others.
         """
         from owtsweep.studies.hub.kernels.online import advance
 
+        specific_force = np.ascontiguousarray(specific_force, dtype=float)
+        positions = np.ascontiguousarray(positions, dtype=float)
         self._check(specific_force, positions)
         steps = len(specific_force)
         out = OnlineEstimates(
@@ -124,6 +134,11 @@ class OnlineEstimator:
             resume = True
 
     def _check(self, force: Array, positions: Array) -> None:
+        if force.ndim != 2 or force.shape[1] != 2 or force.shape != positions.shape:
+            raise ValueError(
+                f"specific_force, positions: their shapes are {force.shape} and "
+                f"{positions.shape}; give (steps, 2) twice"
+            )
         first = int(self._memory.counter[0])
         if not np.isfinite(force).all():
             step = first + int(np.argmax(~np.isfinite(force).all(axis=1)))
@@ -196,3 +211,8 @@ def online_chain(
     predict = None if delay is None else input_model(tuning, sensors)
     settings = filter_settings(axis, sensors, tuning.update_rule, delay or 0, window, predict)
     return OnlineEstimator(sensors, settings, horizon_settings(mhe, sensors), mhe, solver)
+
+
+def _check_pair(name: str, value: Array) -> None:
+    if np.shape(value) != (2,):
+        raise ValueError(f"{name}: {value!r} is not two numbers, x and y")

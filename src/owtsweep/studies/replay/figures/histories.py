@@ -48,7 +48,9 @@ def draw(
     """
     lines = _lines(config, session, quantity)
     if not lines:
-        raise InputError(f"no scheme here has a {quantity} to draw (kernels need every fix)")
+        raise InputError(
+            f"{quantity}: no scheme here gives one (compiled schemes do if no fix is missing)"
+        )
     time = session.record.time
     start, end = _window(session, quantity, zoom=zoom)
     shown = (time >= start) & (time <= end)
