@@ -63,6 +63,7 @@ class OnlineEstimator:
         self._force, self._fix = np.empty((1, 2)), np.empty((1, 2))
         #: How often the constraints were violated, so that a problem had to be solved.
         self.solved = 0
+        self._lost = ""
 
     @property
     def step(self) -> float:
@@ -84,6 +85,9 @@ class OnlineEstimator:
         ValueError
             If a sample is not finite, or a fix comes where HME2 cannot take it. The estimator is
             then as it was before.
+        ArithmeticError
+            If no solver meets the MHE's constraints. The sample is then half worked in, so every
+            later call is refused as well: start a new estimator.
         """
         self._force[0] = specific_force
         self._fix[0] = np.nan if position is None else position
@@ -120,10 +124,17 @@ class OnlineEstimator:
             )  # fmt: skip
             if done == steps:
                 return out
-            self._solve_with_constraints()
+            try:
+                self._solve_with_constraints()
+            except ArithmeticError as error:
+                step = int(self._memory.counter[0])
+                self._lost = f"{error}, at step {step}; start a new estimator"
+                raise ArithmeticError(self._lost) from error
             resume = True
 
     def _check(self, force: Array, positions: Array) -> None:
+        if self._lost:
+            raise ArithmeticError(self._lost)
         first = int(self._memory.counter[0])
         if not np.isfinite(force).all():
             step = first + int(np.argmax(~np.isfinite(force).all(axis=1)))
