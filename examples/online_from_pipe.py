@@ -41,7 +41,7 @@ def main(arguments: list[str]) -> int:
                     f"{previous:g} s"
                 )
             estimate = estimator.update(force, fix)
-        except ValueError as error:
+        except (ValueError, ArithmeticError) as error:
             print(f"online_from_pipe: line {number}: {error}", file=sys.stderr)
             return 2
         previous = time

@@ -139,6 +139,33 @@ def test_runs_without_a_common_cell_or_criterion_are_refused(folder):
     assert set(folder.iterdir()) == before
 
 
+def test_expectations_are_compared_with_each_other_only(folder, tmp_path):
+    runs = [
+        owtsweep.run([*WORDS, "engine=expected", f"sensors.gnss.delay={d}", f"results={tmp_path}"])
+        for d in (0.1, 0.5)
+    ]
+    folders = [str(run.folder) for run in runs]
+    with pytest.raises(InputError, match=r"^engine: some runs are of engine=expected"):
+        compare([folders[0], str(folder / "late")])
+    found = compare(folders)
+    assert any("no records" in note for note in found.notes)
+    best = found.findings.tables["best_schemes"]
+    for run in runs:
+        own = run.best_scheme().query("criterion == 'position'").reset_index(drop=True)
+        own = own.sort_values(["natural_period", "amplitude"], ignore_index=True)
+        told = best[best.folder == run.folder.name][own.columns].reset_index(drop=True)
+        pd.testing.assert_frame_equal(told, own, check_dtype=False)
+        assert told.distinguishable.any()
+    table = found.findings.tables["scheme_changes"]
+    assert (table[["n_from", "n_to"]] == 0).all(axis=None)
+    assert (table.verdict == "").all()
+    means = [run.summary().query("measure == 'position' and window == 'full'") for run in runs]
+    keys = ["scheme", "natural_period", "amplitude"]
+    both = means[0].set_index(keys)["mean"], means[1].set_index(keys)["mean"]
+    told = table.set_index(keys)
+    np.testing.assert_allclose(told.ratio, (both[1] / both[0]).reindex(told.index), rtol=1e-12)
+
+
 def test_figures_carry_the_hashes_of_the_runs(folder, compared):
     hashes = " ".join(owtsweep.load(folder / name).hash for name in ("early", "late"))
     assert compared.findings.figures

@@ -223,3 +223,21 @@ def test_bad_constraints_are_refused(override: str, message: str) -> None:
     with pytest.raises(InputError, match=r"^hme\.mhe\.constraints") as raised:
         compose([override])
     assert str(raised.value).startswith(message)
+
+
+def test_an_estimator_without_an_answer_goes_no_further(monkeypatch: pytest.MonkeyPatch) -> None:
+    # a sample half worked in must not be followed by others as if nothing had happened
+    config = configure("record.duration=20", "hme.mhe.constraints.bias=0.1", tuning="matched")
+    data, _, known = with_outlier(config)
+    estimator = under(resolve("HME2"), config).stream(known, config)  # type: ignore
+
+    def fail(*_: object, **__: object) -> Array:
+        raise ArithmeticError("the MHE's solver stopped")
+
+    monkeypatch.setattr(window, "solve", fail)
+    positions = np.full_like(data.specific_force, np.nan)
+    positions[:: known.fix_interval] = data.fixes
+    with pytest.raises(ArithmeticError, match="solver stopped, at step"):
+        estimator.run(data.specific_force, positions)
+    with pytest.raises(ArithmeticError, match="start a new estimator"):
+        estimator.update(np.zeros(2))

@@ -106,6 +106,27 @@ def test_an_answer_that_repeats_is_not_run_to_the_end(monkeypatch: pytest.Monkey
     np.testing.assert_allclose(short, whole, rtol=1e-6)
 
 
+def test_sinusoids_made_while_the_chain_runs_are_those_made_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # of a long record, in which the chain is far behind what is made at first
+    config = configure("record.duration=1500", tuning="matched")
+    chain, sensors, steps, settled = probe_of("HME1", config)
+    first_made = max(probing.AHEAD, 4 * (chain.filter.window + chain.predictor.steps))
+    assert first_made < 0.5 * steps
+    omega, time = 2 * np.pi * 0.3, sensors.step * np.arange(steps)
+    late = time[:: sensors.fix_interval] - sensors.delay * sensors.step
+    truth = np.stack([np.cos(omega * time), np.sin(omega * time)], axis=1)
+    fixes = np.stack([np.cos(omega * late), np.sin(omega * late)], axis=1)
+    position = batch.trajectories(chain, sensors, -(omega**2) * truth, fixes)[0]
+    monkeypatch.setattr(probing, "TOLERANCE", -1.0)  # run to the end
+    found = probing.energies(
+        chain, sensors, inputs.motion(np.array([0.3]), sensors), steps, settled
+    )[0, :, 0]
+    squared = (position - truth) ** 2
+    np.testing.assert_allclose(found, [squared.sum(), squared[settled:].sum()], rtol=1e-8)
+
+
 def test_the_ratio_is_that_of_many_records() -> None:
     # narrow and short, so that the records' scatter matters: without it the mean is 6 % off
     band, duration, count = (0.05, 0.6), 120.0, 4000

@@ -217,14 +217,15 @@ def trajectories(
 def chunks(chain: Chain, force: Array, fixes: Array) -> Iterator[tuple[int, int, Output]]:
     """Run a chain over lanes chunk by chunk: first step, number of steps, the estimates.
 
-    The output's arrays (steps, lanes) hold the chunk until the next is asked for.
+    The output's arrays (steps, lanes) hold the chunk until the next is asked for. Rows of `force`
+    are read when their chunk is run and not before, so a caller may fill them as they are needed.
     """
     from owtsweep.studies.hub.kernels import runs
 
     steps, width = force.shape
     chunk, _ = chunk_of(chain)
-    padded, positions = _in_groups(chain, force, fixes)
-    groups, lead = len(padded), padded.shape[1] - steps
+    positions, lead = _in_groups(fixes, 0, len(fixes)), lead_of(chain)
+    groups = len(positions)
     registers = new_registers(groups, chain.filter.window, chain.mhe.horizon)
     scratch = new_scratch(chunk, chain.filter.window, chain.predictor.steps)
     output = new_output(groups, chunk)
@@ -232,8 +233,9 @@ def chunks(chain: Chain, force: Array, fixes: Array) -> Iterator[tuple[int, int,
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
         runs.run_groups(
-            k0, n, padded, -lead, positions, arrays_of(chain), registers, scratch, output
-        )
+            k0, n, _in_groups(force, k0 - lead, k0 + n), k0 - lead, positions, arrays_of(chain),
+            registers, scratch, output,
+        )  # fmt: skip
         for out, source in zip(flat, output, strict=True):
             out[:] = _side_by_side(source, width)
         yield k0, n, flat
@@ -254,8 +256,8 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
 
     steps, width = force.shape
     chunk, _ = chunk_of(chain)
-    padded, positions = _in_groups(chain, force, fixes)
-    groups, lead = len(padded), padded.shape[1] - steps
+    positions, lead = _in_groups(fixes, 0, len(fixes)), lead_of(chain)
+    groups = len(positions)
     registers = new_registers(groups, chain.filter.window, chain.mhe.horizon)
     scratch = new_scratch(chunk, chain.filter.window, chain.predictor.steps)
     output = new_output(groups, chunk)
@@ -264,24 +266,26 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
         runs.states(
-            k0, n, padded, -lead, positions, arrays_of(chain), registers, scratch, output,
-            found.reshape(groups, 4 * chunk, WIDTH),
+            k0, n, _in_groups(force, k0 - lead, k0 + n), k0 - lead, positions, arrays_of(chain),
+            registers, scratch, output, found.reshape(groups, 4 * chunk, WIDTH),
         )  # fmt: skip
         for state in range(4):
             result[k0 : k0 + n, state] = _side_by_side(found[:, :n, state], width)
     return result
 
 
-def _in_groups(chain: Chain, force: Array, fixes: Array) -> tuple[Array, Array]:
-    """Lanes in groups of eight, (groups, rows, 8), the force with rows of zeros before step 0."""
-    groups = -(-force.shape[1] // WIDTH)
-    lead = max(chain.predictor.steps, chain.filter.input_delay + 1)
-    result = []
-    for values, before in ((force, lead), (fixes, 0)):
-        padded = np.zeros((before + len(values), groups * WIDTH))
-        padded[before:, : force.shape[1]] = values
-        result.append(np.ascontiguousarray(padded.reshape(-1, groups, WIDTH).transpose(1, 0, 2)))
-    return result[0], result[1]
+def lead_of(chain: Chain) -> int:
+    """Rows of the force before a chunk that it needs: what the predictor and the delay reach."""
+    return max(chain.predictor.steps, chain.filter.input_delay + 1)
+
+
+def _in_groups(values: Array, first: int, stop: int) -> Array:
+    """Rows first ... stop - 1 in groups of eight lanes, (groups, rows, 8); zeros before row 0."""
+    lanes = values.shape[1]
+    groups = -(-lanes // WIDTH)
+    padded = np.zeros((stop - first, groups * WIDTH))
+    padded[max(-first, 0) :, :lanes] = values[max(first, 0) : stop]
+    return np.ascontiguousarray(padded.reshape(-1, groups, WIDTH).transpose(1, 0, 2))
 
 
 def _side_by_side(values: Array, lanes: int) -> Array:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.errors import InputError
 from owtsweep.studies.comparison import Candidate, Comparison, Findings
-from owtsweep.studies.hub import aggregate
 from owtsweep.studies.hub.comparing.cells import (
     Common,
+    best_of,
     common,
     samples_of,
     unpaired_keys,
@@ -41,12 +41,7 @@ def compare(comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     notes = list(shared.notes)
     runs = comparison.runs
     values = [values_of(run, shared) for run in runs]
-    best = [
-        aggregate.best_scheme(
-            own, shared.schemes, run.config.measures.window, criteria=[shared.criterion]
-        )
-        for own, run in zip(values, runs, strict=True)
-    ]
+    best = [best_of(run, own, shared) for own, run in zip(values, runs, strict=True)]
     boundaries, no_boundary = _boundaries(runs, shared)
     notes += no_boundary
     changed, schemes, shifts, unpaired = _pairs(comparison, shared, values, best)
@@ -149,10 +144,11 @@ def _pairs(
         }  # fmt: skip
         cells = changed_cells(samples[a], samples[b], won[a], won[b], paired=paired)
         criterion = {"criterion": shared.criterion}
-        changed += [head | criterion | row for row in cells]
-        schemes += [
-            head | criterion | row for row in scheme_changes(samples[a], samples[b], paired=paired)
-        ]
+        changes = scheme_changes(samples[a], samples[b], paired=paired)
+        # an expectation stands where replicate 0 would, but it is no sample
+        n = {"n_from": 0, "n_to": 0} if runs[a].config.engine == "expected" else {}
+        changed += [head | criterion | row | n for row in cells]
+        schemes += [head | criterion | row | n for row in changes]
         try:
             moved = boundary_shift(
                 judged[a],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from owtsweep.config import require
@@ -40,9 +40,16 @@ def common(comparison: Comparison) -> Common:
     Raises
     ------
     InputError
-        If they share no cell or no scheme, or are judged by different criteria.
+        If they share no cell or no scheme, are judged by different criteria, or if some of them
+        are expectations and others are not.
     """
     configs: list[HubConfig] = [run.config for run in comparison.runs]
+    expectations = {config.engine == "expected" for config in configs}
+    require(
+        len(expectations) == 1,
+        "engine: some runs are of engine=expected, which has no records to pair with those of the "
+        "others; compare runs of records with each other, and expected ones with each other",
+    )
     criteria = list(dict.fromkeys(config.measures.criterion for config in configs))
     require(
         len(criteria) == 1,
@@ -54,6 +61,11 @@ def common(comparison: Comparison) -> Common:
         "grid.amplitude": [config.grid.amplitude for config in configs],
     }
     notes = []
+    if expectations == {True}:
+        notes.append(
+            "engine=expected has no records: n is 0, nothing has an interval, and no change is "
+            "called established"
+        )
     shared = {}
     for key, axes in lists.items():
         shared[key] = sorted(set(axes[0]).intersection(*axes[1:]))
@@ -69,6 +81,20 @@ def common(comparison: Comparison) -> Common:
         notes.append(f"schemes that not all runs have are left out: {', '.join(left_out)}")
     periods, amplitudes = shared.values()
     return Common(periods, amplitudes, schemes, criteria[0], notes)
+
+
+def best_of(run: Candidate, values: pd.DataFrame, shared: Common) -> pd.DataFrame:
+    """The best scheme of every common cell, as the run's own best_scheme.csv tells it."""
+    config: HubConfig = run.config
+    if config.engine != "expected":
+        return aggregate.best_scheme(
+            values, shared.schemes, config.measures.window, criteria=[shared.criterion]
+        )
+    from owtsweep.studies.hub.expected.answers import best_scheme
+
+    rows = run.rows[run.rows["natural_period"].isin(shared.natural_periods)]
+    grid = replace(config.grid, amplitude=shared.amplitudes)
+    return best_scheme(replace(config, grid=grid), rows, shared.schemes, [shared.criterion])
 
 
 def values_of(run: Candidate, shared: Common) -> pd.DataFrame:

@@ -26,7 +26,7 @@ from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
 from owtsweep.studies.hub.schemes import resolve, resolve_all
 
 #: Raised by hand whenever the numbers of this engine change.
-EXPECTED_VERSION = 1
+EXPECTED_VERSION = 2
 MEASURES = ("position", "velocity")
 AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}
 

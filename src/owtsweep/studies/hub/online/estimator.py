@@ -63,6 +63,7 @@ class OnlineEstimator:
         self._force, self._fix = np.empty((1, 2)), np.empty((1, 2))
         #: How often the constraints were violated, so that a problem had to be solved.
         self.solved = 0
+        self._lost = ""
 
     @property
     def step(self) -> float:
@@ -84,6 +85,9 @@ class OnlineEstimator:
         ValueError
             If a sample is not two finite numbers, or a fix comes where HME2 cannot take it. The
             estimator is then as it was before.
+        ArithmeticError
+            If no solver meets the MHE's constraints. The sample is then half worked in, so every
+            later call is refused as well: start a new estimator.
         """
         _check_pair("specific_force", specific_force)  # NumPy would spread one number over both
         if position is not None:
@@ -130,10 +134,17 @@ class OnlineEstimator:
             )  # fmt: skip
             if done == steps:
                 return out
-            self._solve_with_constraints()
+            try:
+                self._solve_with_constraints()
+            except ArithmeticError as error:
+                step = int(self._memory.counter[0])
+                self._lost = f"{error}, at step {step}; start a new estimator"
+                raise ArithmeticError(self._lost) from error
             resume = True
 
     def _check(self, force: Array, positions: Array) -> None:
+        if self._lost:
+            raise ArithmeticError(self._lost)
         if force.ndim != 2 or force.shape[1] != 2 or force.shape != positions.shape:
             raise ValueError(
                 f"specific_force, positions: their shapes are {force.shape} and "
