@@ -14,6 +14,12 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+
+def _amplitudes(count: int) -> str:
+    """So many amplitudes in steps of a centimetre, as an override's value."""
+    return "[" + ",".join(f"{0.01 * (i + 1):.2f}" for i in range(count)) + "]"
+
+
 #: What the goal is stated for: the default grid with 100 records per cell.
 WHOLE = ("grid.replicates=100",)
 SMALL = ("grid.natural_period=[4.0,7.0]", "record.duration=500")
@@ -25,11 +31,10 @@ AXES: dict[str, list[tuple[float, tuple[str, ...]]]] = {
         for s in (500, 1000, 2000, 4000, 8000)
     ],
     "amplitudes": [
-        (n, ("grid.replicates=16", f"grid.amplitude=[{','.join(f'{0.01 * (i + 1):.2f}' for i in range(n))}]"))
-        for n in (10, 100, 1000)
+        (n, ("grid.replicates=16", f"grid.amplitude={_amplitudes(n)}")) for n in (10, 100, 1000)
     ],
     "workers": [(n, ("grid.replicates=32", f"compute.workers={n}")) for n in (1, 2)],
-}  # fmt: skip
+}
 
 
 def measure_whole(repeats: int = 5, overrides: Sequence[str] = WHOLE) -> dict[str, Any]:
