@@ -52,6 +52,12 @@ def _run_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
 
+def _runs_argument(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "runs", nargs="+", metavar="RUN", help="folder of a multirun, or folders of several runs"
+    )
+
+
 def _nothing(parser: argparse.ArgumentParser) -> None:
     pass
 
@@ -72,6 +78,11 @@ COMMANDS = {
         "Hold a run against the published numbers and statements; writes RUN/fidelity/.",
         "fidelity results/study-0a1b2c3d4e",
         _run_argument,
+    ),
+    "compare": (
+        "Compare the runs of a multirun, or some runs: how the map moves with what was changed.",
+        "compare results/multirun-0a1b2c3d4e",
+        _runs_argument,
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",

@@ -279,7 +279,7 @@ def test_two_maps_show_both_runs(runs: dict[str, Run], monkeypatch, tmp_path: Pa
 def test_a_boundary_stands_between_the_rows_of_the_map() -> None:
     amplitudes = [0.1, 1.0, 10.0]
     values = np.array([0.1, np.sqrt(0.1), 1.0, 10.0, 0.0, np.inf, 1e-3, np.nan])
-    placed = two_maps._place(values, amplitudes)
+    placed = two_maps.place(values, amplitudes)
     np.testing.assert_allclose(placed[:7], [0, 0.5, 1, 2, -0.5, 2.5, -0.5])
     assert np.isnan(placed[7])
 

@@ -62,7 +62,7 @@ def tell(outcome: Outcome) -> None:
     run = outcome.run
     tables = run.tables()
     if tables:
-        run.draw(run.study.overview())
+        run.draw(run.study.overview(), outcome.results)
         if sys.stdout.isatty():
             from rich.console import Console
 

@@ -81,7 +81,10 @@ class Study(Protocol):
         ...
 
     def aggregate(self, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Tables by name, from all rows of the plan; each is written as `<name>.csv`."""
+        """Tables by name, from all rows of the plan; each is written as `<name>.csv`.
+
+        The rows' text columns may be categorical, as in `owtsweep.sweep.runs.Run.stored`.
+        """
         ...
 
     def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:

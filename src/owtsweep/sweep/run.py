@@ -26,7 +26,7 @@ from owtsweep.sweep.provenance import (
     shard_metadata,
     start_manifest,
 )
-from owtsweep.sweep.runs import Run
+from owtsweep.sweep.runs import Results, Run
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.tables import write_table
 
@@ -47,6 +47,8 @@ class Outcome:
         What failed now; it is tried again by the next sweep.
     seconds
         Wall time.
+    results
+        The rows and tables; None if no case has succeeded.
     """
 
     run: Run
@@ -54,6 +56,7 @@ class Outcome:
     reused: int
     failed: list[Failure]
     seconds: float
+    results: Results | None = None
 
 
 def sweep(
@@ -154,7 +157,7 @@ def _sweep(run: Run, plan: Plan, progress: Progress, argv: Sequence[str] | None)
                 if result.details:
                     logger.info("%s", result.details)
                 progress.advance(result.computed + sum(fail.cases for fail in result.failures))
-        _aggregate(run)
+        answer = _aggregate(run)
         state = "incomplete" if failed else "done"
     except KeyboardInterrupt:
         state = "interrupted"
@@ -175,7 +178,7 @@ def _sweep(run: Run, plan: Plan, progress: Progress, argv: Sequence[str] | None)
                 failed=failures,
             ),
         )
-    return Outcome(run, computed, reused, failed, seconds)
+    return Outcome(run, computed, reused, failed, seconds, answer)
 
 
 def _executor(run: Run) -> Executor:
@@ -199,14 +202,16 @@ def _executor(run: Run) -> Executor:
     )
 
 
-def _aggregate(run: Run) -> None:
+def _aggregate(run: Run) -> Results | None:
     """Write the study's tables, if there is anything to put into them."""
     rows, _ = run.stored()
     if rows is None or not (rows["status"] == OK).any():
         logger.warning("no case has succeeded: there are no tables")
-        return
-    for name, table in run.study.aggregate(run.config, rows).items():
+        return None
+    results = Results(rows, run.study.aggregate(run.config, rows))
+    for name, table in results.tables.items():
         write_table(run.folder, name, table)
+    return results
 
 
 def _write_manifest(folder: Path, manifest: dict[str, Any]) -> None:

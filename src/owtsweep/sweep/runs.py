@@ -12,6 +12,7 @@ from owtsweep import studies
 from owtsweep.config import Config, require
 from owtsweep.errors import InputError
 from owtsweep.studies.base import OK, Study
+from owtsweep.sweep.gather import as_text, sort_rows
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.store import Store
@@ -21,6 +22,14 @@ if TYPE_CHECKING:
     import pandas as pd
 
 logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a run amounts to: its sorted rows, and the tables that its study makes of them."""
+
+    rows: pd.DataFrame
+    tables: dict[str, pd.DataFrame]
 
 
 @dataclass(frozen=True)
@@ -61,6 +70,9 @@ class Run:
         InputError
             If none is stored.
         """
+        return as_text(self._finished())
+
+    def _finished(self) -> pd.DataFrame:
         rows, missing = self.stored()
         if rows is None:
             raise InputError(
@@ -78,11 +90,12 @@ class Run:
         """The rows of `cases`, or None if there are none, and how many blocks are missing.
 
         Read are exactly the shards of the plan, never what else lies in the folder. The rows are
-        sorted, so that nothing summed over them depends on the order of the grid.
+        sorted, so that nothing summed over them depends on the order of the grid. Their text
+        columns are categorical: millions of rows fit into memory.
         """
         rows, missing = self.store.read_all(make_plan(self.study, self.config))
         if rows is not None:
-            rows = rows.sort_values(self.study.sort_columns(), kind="stable", ignore_index=True)
+            rows = sort_rows(rows, self.study.sort_columns())
         return rows, len(missing)
 
     def table(self, name: str) -> pd.DataFrame:
@@ -102,8 +115,15 @@ class Run:
             for path in sorted(self.folder.glob("*.csv"))
         }
 
-    def draw(self, only: str | None = None) -> list[Path]:
+    def draw(self, only: str | None = None, results: Results | None = None) -> list[Path]:
         """Draw all figures of the run, or the one of that name, into its folder figures/.
+
+        Parameters
+        ----------
+        only
+            The name of the one to draw.
+        results
+            What to draw, if it is at hand; otherwise the shards are read and aggregated.
 
         Raises
         ------
@@ -111,12 +131,13 @@ class Run:
             If the run has no finished case or no figure of that name.
         """
         folder = self.folder / "figures"
-        rows = self.cases()
+        rows, tables = (results.rows, results.tables) if results else (self._finished(), None)
         require(
             bool((rows["status"] == OK).any()),
             f"{self.folder}: no case has succeeded, so there is nothing to draw; see its run.log",
         )
-        tables = self.study.aggregate(self.config, rows)  # of these rows, whatever the files say
+        if tables is None:  # of these rows, whatever the files say
+            tables = self.study.aggregate(self.config, rows)
         folder.mkdir(exist_ok=True)
         metadata = {"run": self.hash, "folder": self.folder.name}
         return self.study.draw(self.config, tables, rows, folder, only=only, metadata=metadata)

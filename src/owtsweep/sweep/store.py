@@ -7,21 +7,22 @@ that write the same one write the same rows.
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
-
-import pyarrow as pa
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from owtsweep.studies.base import FAILED
 from owtsweep.sweep.files import write_atomically
-from owtsweep.sweep.shard import DamagedShard, decode, encode
+from owtsweep.sweep.gather import gather
+from owtsweep.sweep.shard import DamagedShard, decode, encode, holds
 
 if TYPE_CHECKING:
     import pandas as pd
 
 logger = logging.getLogger(__name__)
+
+T = TypeVar("T")
 
 Status = Literal["missing", "done", "failed"]
 
@@ -71,32 +72,36 @@ class Store:
 
     def read(self, key: str) -> pd.DataFrame | None:
         """The rows of a block, exactly as written, or None if they are missing or damaged."""
-        table = self._verified(key)
-        return None if table is None else _as_frame(table)
+        table = self._verified(key, decode)
+        if table is None:
+            return None
+        frame: pd.DataFrame = table.to_pandas()
+        return frame
 
     def read_all(self, keys: Iterable[str]) -> tuple[pd.DataFrame | None, list[str]]:
         """The rows of many blocks in the order of the keys, and the keys that are missing.
 
-        The first is None if all are missing. Columns that an older shard lacks are empty there.
+        The first is None if all are missing. Columns that an older shard lacks are empty there;
+        text columns are categorical (`owtsweep.sweep.gather`).
         """
-        tables, missing = [], []
-        for key in keys:
-            table = self._verified(key)
-            if table is None:
-                missing.append(key)
-            else:
-                tables.append(table)
-        if not tables:
-            return None, missing
-        # One conversion for all: pandas costs far more per shard than reading it does.
-        return _as_frame(pa.concat_tables(tables, promote_options="default")), missing
+        missing: list[str] = []
+
+        def tables() -> Iterator[Any]:
+            for key in keys:
+                table = self._verified(key, decode)
+                if table is None:
+                    missing.append(key)
+                else:
+                    yield table
+
+        return gather(tables()), missing
 
     def status(self, key: str) -> Status:
         """Whether a block is missing, done, or failed: stored, but with a failed case in it."""
-        table = self._verified(key)
-        if table is None:
+        failed = self._verified(key, _has_failed)
+        if failed is None:
             return "missing"
-        return "failed" if FAILED in table.column("status").unique().to_pylist() else "done"
+        return "failed" if failed else "done"
 
     def clear(self) -> None:
         """Delete all shards, the damaged ones included."""
@@ -104,10 +109,11 @@ class Store:
         for path in self.cases.glob("*part-*.parquet*"):
             path.unlink(missing_ok=True)
 
-    def _verified(self, key: str) -> Any:
+    def _verified(self, key: str, look: Callable[[bytes, str], T]) -> T | None:
+        """What `look` sees in the shard, or None if it is missing or damaged."""
         path = self.path(key)
         try:
-            return decode(path.read_bytes(), key)
+            return look(path.read_bytes(), key)
         except FileNotFoundError:
             return None
         except DamagedShard as error:
@@ -115,9 +121,8 @@ class Store:
             return None
 
 
-def _as_frame(table: Any) -> pd.DataFrame:
-    frame: pd.DataFrame = table.to_pandas()
-    return frame
+def _has_failed(data: bytes, key: str) -> bool:
+    return holds(data, key, "status", FAILED)
 
 
 def _set_aside(path: Path, reason: str) -> None:

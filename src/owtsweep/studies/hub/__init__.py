@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
+    from owtsweep.studies.comparison import Comparison, Findings
     from owtsweep.studies.hub.config import HubConfig
 
 __all__ = ["HubStudy"]
@@ -59,13 +60,14 @@ class HubStudy:
     def aggregate(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """summary and best_scheme."""
         from owtsweep.studies.hub import aggregate
+        from owtsweep.studies.hub.cube import Cube
 
         names = scheme_names(config)
-        values = aggregate.expand(rows, list(config.grid.amplitude))
+        cube = Cube.of_rows(rows, names, config.grid.amplitude)
         return {
-            "summary": aggregate.summary(values, names),
+            "summary": aggregate.summary(cube, names),
             "best_scheme": aggregate.best_scheme(
-                values, names, config.measures.window, criteria=criteria(config)
+                cube, names, config.measures.window, criteria=criteria(config)
             ),
         }
 
@@ -100,6 +102,14 @@ class HubStudy:
         from owtsweep.studies.hub.figures import draw_all
 
         return draw_all(config, tables, rows, folder, only=only, metadata=metadata)
+
+    def compare(
+        self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
+    ) -> Findings:
+        """How map, boundary and errors move between runs."""
+        from owtsweep.studies.hub.comparing import compare
+
+        return compare(comparison, folder, metadata=metadata)
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:

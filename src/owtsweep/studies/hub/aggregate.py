@@ -102,13 +102,13 @@ def expand(rows: pd.DataFrame, amplitudes: Sequence[float]) -> pd.DataFrame:
     return values.reset_index(drop=True)
 
 
-def summary(values: pd.DataFrame, schemes: Sequence[str]) -> pd.DataFrame:
+def summary(values: pd.DataFrame | Cube, schemes: Sequence[str]) -> pd.DataFrame:
     """Mean over the replicates with its 95 % Student-t interval (NaN for a single replicate).
 
     Parameters
     ----------
     values
-        As `expand` returns them.
+        As `expand` returns them, or the cube of these schemes.
     schemes
         The schemes to report, in the order of the result.
 
@@ -120,22 +120,28 @@ def summary(values: pd.DataFrame, schemes: Sequence[str]) -> pd.DataFrame:
     """
     import pandas as pd
 
-    cube = Cube.of(values, schemes)
-    if not cube.values.size:
+    cube = _cube(values, schemes)
+    parts: list[pd.DataFrame] = []
+    for i, scheme in enumerate(schemes if not cube.empty else ()):
+        for j, period in enumerate(cube.natural_periods):
+            samples = cube.values(i, j)
+            cells = np.nonzero(np.isfinite(samples).any(axis=-1))
+            mean, error, n = mean_and_error(samples[cells])
+            margin = t_quantile(n - 1) * error
+            table: dict[str, Any] = {"scheme": scheme, "natural_period": period}
+            for name, axis, index in zip(SUMMARY_COLUMNS[2:5], cube.axes[2:], cells, strict=True):
+                labels = np.asarray(axis, dtype=object if isinstance(axis, tuple) else float)
+                table[name] = labels[index]
+            table |= {"mean": mean, "ci_low": mean - margin, "ci_high": mean + margin, "n": n}
+            parts.append(pd.DataFrame(table, columns=list(SUMMARY_COLUMNS)))
+    found = [part for part in parts if len(part)]
+    if not found:
         return pd.DataFrame(columns=list(SUMMARY_COLUMNS))
-    cells = np.nonzero(np.isfinite(cube.values).any(axis=-1))
-    mean, error, n = mean_and_error(cube.values[cells])
-    margin = t_quantile(n - 1) * error
-    table = {
-        name: np.asarray(axis, dtype=object if isinstance(axis, tuple) else float)[index]
-        for name, axis, index in zip(SUMMARY_COLUMNS[:5], cube.axes, cells, strict=True)
-    }
-    table |= {"mean": mean, "ci_low": mean - margin, "ci_high": mean + margin, "n": n}
-    return pd.DataFrame(table, columns=list(SUMMARY_COLUMNS))
+    return pd.concat(found, ignore_index=True)
 
 
 def best_scheme(
-    values: pd.DataFrame,
+    values: pd.DataFrame | Cube,
     schemes: Sequence[str],
     window: str,
     criteria: Sequence[str] = CRITERIA,
@@ -150,7 +156,7 @@ def best_scheme(
     Parameters
     ----------
     values
-        As `expand` returns them.
+        As `expand` returns them, or the cube of these schemes.
     schemes
         The schemes to compare; their order decides the name of coinciding ones.
     window
@@ -174,20 +180,26 @@ def best_scheme(
     """
     import pandas as pd
 
-    cube = Cube.of(values, schemes)
+    cube = _cube(values, schemes)
     found: list[dict[str, Any]] = []
-    for criterion in criteria if cube.values.size else ():
+    for criterion in criteria if not cube.empty else ():
         measure_index = _position(cube.measures, criterion, "criteria")
         window_index = _position(cube.windows, window, "window")
-        measured = cube.values[..., measure_index, window_index, :]
-        cells: list[dict[str, Any]] = [
-            {"natural_period": period, "amplitude": amplitude, "criterion": criterion}
-            | {"window": window}
-            | comparison
-            for i, period in enumerate(cube.natural_periods)
-            for j, amplitude in enumerate(cube.amplitudes)
-            if (comparison := _compare(measured[:, i, j], schemes)) is not None
-        ]
+        cells: list[dict[str, Any]] = []
+        for i, period in enumerate(cube.natural_periods):
+            measured = np.stack(
+                [
+                    cube.values(scheme, i, [measure_index])[:, 0, window_index]
+                    for scheme in range(len(schemes))
+                ]
+            )
+            cells += [
+                {"natural_period": period, "amplitude": amplitude, "criterion": criterion}
+                | {"window": window}
+                | comparison
+                for j, amplitude in enumerate(cube.amplitudes)
+                if (comparison := _compare(measured[:, j], schemes)) is not None
+            ]
         rejected = holm([float(cell["p"]) for cell in cells], level=1.0 - CONFIDENCE)
         found += [
             cell | {"distinguishable": bool(verdict)}
@@ -197,18 +209,19 @@ def best_scheme(
     return pd.DataFrame(found, columns=list(BEST_COLUMNS))
 
 
-def coinciding(values: pd.DataFrame, schemes: Sequence[str]) -> list[tuple[str, ...]]:
+def coinciding(values: pd.DataFrame | Cube, schemes: Sequence[str]) -> list[tuple[str, ...]]:
     """Groups of schemes whose position and velocity MSE coincide in every cell and replicate.
 
     Each group is in the order of `schemes`, so its last member is the name that `best_scheme` uses.
     """
-    cube = Cube.of(values[values["measure"].isin(CRITERIA)], schemes)
+    cube = _cube(values, schemes)
+    judged = [index for index, measure in enumerate(cube.measures) if measure in CRITERIA]
     groups: list[tuple[str, ...]] = []
     grouped: set[str] = set()
-    for i, name in enumerate(schemes):
+    for i, name in enumerate(schemes if not cube.empty else ()):
         if name in grouped:
             continue
-        same = [j for j in range(i + 1, len(schemes)) if _same(cube.values[i], cube.values[j])]
+        same = [j for j in range(i + 1, len(schemes)) if _coincide(cube, i, j, judged)]
         if same:
             groups.append((name, *(schemes[j] for j in same)))
             grouped.update(groups[-1])
@@ -278,9 +291,30 @@ def _least(
     return int(alike[-1]), alike
 
 
+def _coincide(cube: Cube, i: int, j: int, measures: list[int]) -> bool:
+    """Whether two schemes agree wherever both have a value, and there is any."""
+    pairs = (
+        (cube.values(i, period, measures), cube.values(j, period, measures))
+        for period in range(len(cube.natural_periods))
+    )
+    verdicts = {_agree(*pair) for pair in pairs}
+    return True in verdicts and False not in verdicts
+
+
 def _same(one: Floats, other: Floats) -> bool:
     """Whether all values that both have agree up to rounding, and there are any."""
+    return _agree(one, other) is True
+
+
+def _agree(one: Floats, other: Floats) -> bool | None:
+    """As `_same`; None if there is no value that both have."""
     both = np.isfinite(one) & np.isfinite(other)
     one, other = one[both], other[both]
+    if not one.size:
+        return None
     scale = np.maximum(np.abs(one), np.abs(other))
-    return one.size > 0 and bool(np.all(np.abs(one - other) <= COINCIDENCE * scale))
+    return bool(np.all(np.abs(one - other) <= COINCIDENCE * scale))
+
+
+def _cube(values: pd.DataFrame | Cube, schemes: Sequence[str]) -> Cube:
+    return values if isinstance(values, Cube) else Cube.of(values, schemes)

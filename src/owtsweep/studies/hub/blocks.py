@@ -30,6 +30,11 @@ def plan(config: HubConfig) -> list[Block]:
     """One block per period, run of replicates and scheme (and amplitude, when run directly)."""
     shared = _shared_content(config)
     schemes = resolve_all(config.schemes)
+    # Once per scheme: the blocks share these parts, or a large plan would not fit into memory.
+    owns = [
+        {**shared, **_scheme_content(config, entry, scheme)}
+        for entry, scheme in zip(config.schemes, schemes, strict=True)
+    ]
     blocks = []
     for period in sorted(config.grid.natural_period):
         for first in range(0, config.grid.replicates, REPLICATES_PER_BLOCK):
@@ -37,8 +42,7 @@ def plan(config: HubConfig) -> list[Block]:
             replicates = list(range(first, last))
             numbers = f"replicates {first}-{last - 1}" if last - first > 1 else f"replicate {first}"
             group = f"{period:g} s, {numbers}"
-            for entry, scheme in zip(config.schemes, schemes, strict=True):
-                own = {**shared, **_scheme_content(config, entry, scheme)}
+            for own, scheme in zip(owns, schemes, strict=True):
                 amplitudes = [None] if _superposes(config, scheme) else config.grid.amplitude
                 for amplitude in amplitudes:
                     content = {**own, "natural_period": float(period), "replicates": replicates}

@@ -81,14 +81,14 @@ def _drawings(
 ) -> dict[str, Drawing]:
     """Name -> what draws it from the run's results."""
     from owtsweep.studies.hub import aggregate, scheme_names
+    from owtsweep.studies.hub.cube import Cube
     from owtsweep.studies.hub.figures import best_scheme_map, mse_over_amplitude, style
     from owtsweep.studies.hub.figures.tables import tables_6_to_9, to_markdown
     from owtsweep.sweep.files import write_atomically
 
     names = scheme_names(config)
     look: dict[str, Any] = {"window": config.measures.window, "tuning": config.tuning}
-    values = aggregate.expand(rows, list(config.grid.amplitude))
-    same = aggregate.coinciding(values, names)
+    same = aggregate.coinciding(Cube.of_rows(rows, names, config.grid.amplitude), names)
     failures = int((rows["status"] == FAILED).sum())
 
     def mse(period: float) -> Drawing:
@@ -139,6 +139,7 @@ def _illustrations(
 ) -> dict[str, Drawing]:
     """Name -> what draws it from the configuration: a record, its spectrum, time histories."""
     from owtsweep.studies.hub import aggregate, scheme_names
+    from owtsweep.studies.hub.cube import Cube
     from owtsweep.studies.hub.figures import (
         error_spectra,
         record_and_spectrum,
@@ -161,8 +162,8 @@ def _illustrations(
         return style.save(record_and_spectrum.draw_spectrum(config), folder, name, metadata)
 
     def errors(folder: Path, name: str) -> list[Path]:
-        values = aggregate.expand(rows, list(config.grid.amplitude))
-        same = aggregate.coinciding(values, scheme_names(config))
+        names = scheme_names(config)
+        same = aggregate.coinciding(Cube.of_rows(rows, names, config.grid.amplitude), names)
         return style.save(error_spectra.draw(config, coinciding=same), folder, name, metadata)
 
     return {

@@ -137,7 +137,7 @@ def _boundary(
     if not exists.empty:
         column = [periods.index(period) for period in exists["natural_period"]]
         middle, low, high = (
-            _place(exists[name].to_numpy(dtype=float), amplitudes)
+            place(exists[name].to_numpy(dtype=float), amplitudes)
             for name in ("boundary", "ci_low", "ci_high")
         )
         outline: dict[str, Any] = {"color": "white", "solid_capstyle": "butt", "zorder": 4}
@@ -159,7 +159,7 @@ def _boundary(
     return notes
 
 
-def _place(amplitude: Array, amplitudes: Sequence[float]) -> Array:
+def place(amplitude: Array, amplitudes: Sequence[float]) -> Array:
     """Where an amplitude lies between the rows of the map, logarithmically; its edges at most."""
     rows = np.arange(len(amplitudes), dtype=float)
     if len(amplitudes) == 1:

@@ -1,0 +1,208 @@
+"""What a block costs besides its computing: plan, key, status, write, read; and whole large plans.
+
+    python benchmarks/bookkeeping.py           per block, medians of 5: some seconds
+    python benchmarks/bookkeeping.py --large   also a million cases and 10 000 replicates: minutes
+
+Writes benchmarks/bookkeeping.csv; with --write also the tables of docs/scaling.md. The goal:
+planning and bookkeeping under 2 ms per block.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from bulk_study import BulkStudy, bulk_config
+from owtsweep.config import compose
+from owtsweep.studies import get_study
+from owtsweep.sweep.plan import make_plan
+from owtsweep.sweep.run import sweep
+from owtsweep.sweep.runs import Run
+from page import put
+from scale import made_up_rows
+
+REPEATS = 5
+BLOCKS = 240
+GOAL_MS = 2.0
+#: What is paid once per block of a sweep; "sum" is of these.
+STAGES = ("plan and key", "status, missing", "write", "status, stored", "read and sort")
+FILE = Path(__file__).with_suffix(".csv")
+LARGE = (
+    ("--cases=1000000", "--per-block=80"),
+    ("--cases=1000000", "--per-block=8"),
+    ("--hub=10000",),
+)
+
+
+def measure() -> list[dict[str, Any]]:
+    """Milliseconds per block, medians of `REPEATS`, one row per kind of block and stage.
+
+    `cpu_ms` leaves out waiting: for the disk, or for a busy machine's other work.
+    """
+    hub = get_study("hub")
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        kinds = {
+            "hub, 80 cases": (hub, compose([f"grid.replicates={BLOCKS // 24 * 8}"])),
+            "dummy, 80 cases": (BulkStudy(), bulk_config(place, 80 * BLOCKS, 80)),
+            "dummy, 8 cases": (BulkStudy(), bulk_config(place, 8 * BLOCKS, 8)),
+        }
+        for number, (kind, (study, config)) in enumerate(kinds.items()):
+            samples = [
+                _stages(Run(place / f"{number}-{repeat}", config, study))
+                for repeat in range(REPEATS)
+            ]
+            stages = {stage: _medians([one[stage] for one in samples]) for stage in samples[0]}
+            terms = [stages[stage] for stage in STAGES]
+            stages["sum"] = [sum(values) for values in zip(*terms, strict=True)]
+            found += [_row(kind, stage, *values) for stage, values in stages.items()]
+        found += _whole_sweep(place)
+    return found
+
+
+def _stages(run: Run) -> dict[str, list[float]]:
+    """ms per block of every stage, one by one: wall and CPU."""
+    random = np.random.default_rng(0)
+    run.store.cases.mkdir(parents=True)
+    plan, planning = _timed(lambda: make_plan(run.study, run.config))
+    rows = [_rows(run, block, random) for block in plan.values()]
+    versions = {"study": run.study.name, "schema_version": "1", "numerics_version": "1"}
+
+    def status() -> list[str]:
+        return [run.store.status(key) for key in plan]
+
+    def write() -> None:
+        for key, frame in zip(plan, rows, strict=True):
+            run.store.write(key, frame, versions)
+
+    missing, before = _timed(status)
+    _, writing = _timed(write)
+    stored, after = _timed(status)
+    (frame, lacking), reading = _timed(run.stored)
+    _, aggregating = _timed(lambda: run.study.aggregate(run.config, frame))
+    assert set(missing) == {"missing"}
+    assert set(stored) == {"done"}
+    assert not lacking
+    seconds = (planning, before, writing, after, reading, aggregating)
+    names = (*STAGES, "aggregate")
+    return {
+        name: [1e3 * value / len(plan) for value in pair]
+        for name, pair in zip(names, seconds, strict=True)
+    }
+
+
+def _rows(run: Run, block: Any, random: np.random.Generator) -> Any:
+    if run.study.name == "hub":
+        return made_up_rows(block.content, random)
+    return next(run.study.run(run.config, [block]))[1]
+
+
+def _whole_sweep(place: Path) -> list[dict[str, Any]]:
+    """Sweeps of dummy blocks from end to end: nothing stored, and all stored."""
+    first, again = [], []
+    for repeat in range(REPEATS):
+        config = bulk_config(place / f"whole-{repeat}", 80 * BLOCKS, 80, workers=1)
+        first.append(_timed(lambda config=config: sweep(BulkStudy(), config))[1])
+        again.append(_timed(lambda config=config: sweep(BulkStudy(), config))[1])
+    return [
+        _row(
+            "dummy, 80 cases",
+            f"whole sweep, {what}",
+            *(1e3 * value / BLOCKS for value in _medians(pairs)),
+        )
+        for what, pairs in (("nothing stored", first), ("all stored", again))
+    ]
+
+
+def _medians(pairs: Sequence[Sequence[float]]) -> list[float]:
+    return [median(values) for values in zip(*pairs, strict=True)]
+
+
+def _row(block: str, stage: str, wall: float, cpu: float) -> dict[str, Any]:
+    return {
+        "block": block,
+        "stage": stage,
+        "ms_per_block": round(wall, 4),
+        "cpu_ms": round(cpu, 4),
+    }
+
+
+def _timed(work: Callable[[], Any]) -> tuple[Any, tuple[float, float]]:
+    began, cpu = time.perf_counter(), time.process_time()
+    result = work()
+    return result, (time.perf_counter() - began, time.process_time() - cpu)
+
+
+def large() -> list[dict[str, Any]]:
+    """Seconds per stage and peak memory of whole large plans, each in its own process, once."""
+    program = Path(__file__).with_name("scale.py")
+    found = []
+    for arguments in LARGE:
+        done = subprocess.run(
+            [sys.executable, str(program), *arguments], capture_output=True, text=True, check=True
+        )
+        found.append(json.loads(done.stdout.splitlines()[-1]))
+    return found
+
+
+def write_csv(rows: list[dict[str, Any]]) -> None:
+    """The table beside this file."""
+    with FILE.open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def _block_table(rows: list[dict[str, Any]]) -> str:
+    lines = ["| block | stage | ms | of them CPU |", "|---|---|---|---|"]
+    for row in rows:
+        figures = f"{row['ms_per_block']:.2f} | {row['cpu_ms']:.2f}"
+        lines.append(f"| {row['block']} | {row['stage']} | {figures} |")
+    return "\n".join(lines) + "\n"
+
+
+def _plan_table(plans: list[dict[str, Any]]) -> str:
+    lines = ["| cases | blocks | seconds | peak, MB |", "|---|---|---|---|"]
+    for plan in plans:
+        stages = ", ".join(f"{name} {value:.1f}" for name, value in plan["seconds"].items())
+        lines.append(f"| {plan['cases']} | {plan['blocks']} | {stages} | {plan['peak_MB']} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> int:
+    """Measure, print and write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--large", action="store_true", help="also whole large plans")
+    parser.add_argument("--write", action="store_true", help="put the tables into docs/scaling.md")
+    options = parser.parse_args()
+    rows = measure()
+    print(f"{'block':<16} {'stage':<30} {'ms':>8} {'cpu ms':>8}")
+    for row in rows:
+        over = "  over the goal" if row["stage"] == "sum" and row["ms_per_block"] > GOAL_MS else ""
+        figures = f"{row['ms_per_block']:8.3f} {row['cpu_ms']:8.3f}"
+        print(f"{row['block']:<16} {row['stage']:<30} {figures}{over}")
+    write_csv(rows)
+    plans = large() if options.large else []
+    for plan in plans:
+        print(json.dumps(plan))
+    if options.write:
+        put("bookkeeping", _block_table(rows))
+    if options.write and plans:
+        put("large", _plan_table(plans))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

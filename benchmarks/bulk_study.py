@@ -1,0 +1,112 @@
+"""A study whose blocks cost nothing: what remains of a sweep is the bookkeeping."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from owtsweep.config import Compute, Config
+from owtsweep.studies.base import OK, Block
+
+SCHEMES = ("A", "B", "C", "D")
+
+
+@dataclass(frozen=True)
+class BulkGrid:
+    """`cases` in all, `per_block` of them in a block; four schemes share the cases evenly."""
+
+    cases: int = 0
+    per_block: int = 80
+
+
+@dataclass(frozen=True)
+class BulkConfig(Config):
+    """The keys of the study."""
+
+    study: str = "bulk"
+    experiment: str = "bulk"
+    grid: BulkGrid = field(default_factory=BulkGrid)
+
+
+class BulkStudy:
+    """`owtsweep.studies.base.Study`: a case's value is a known function of its number."""
+
+    name = "bulk"
+    schema_version = 1
+    numerics_version = 1
+
+    def config_type(self) -> type[Config]:
+        return BulkConfig
+
+    def plan(self, config: BulkConfig) -> list[Block]:
+        """Per group one block of each scheme, as in the hub study."""
+        each = config.grid.cases // len(SCHEMES)
+        return [
+            Block(
+                group=f"{first}",
+                label=f"{scheme}, from {first}",
+                content={
+                    "seed": config.seed,
+                    "scheme": scheme,
+                    "first": first,
+                    "last": min(first + config.grid.per_block, each),
+                },
+                cases=min(config.grid.per_block, each - first),
+            )
+            for first in range(0, each, config.grid.per_block)
+            for scheme in SCHEMES
+        ]
+
+    def backend(self, config: BulkConfig) -> str:
+        return "threading"
+
+    def run(
+        self, config: BulkConfig, blocks: Sequence[Block]
+    ) -> Iterator[tuple[Block, pd.DataFrame]]:
+        for block in blocks:
+            content = block.content
+            replicate = np.arange(content["first"], content["last"])
+            table = {
+                "scheme": content["scheme"],
+                "replicate": replicate,
+                "value": value(content["scheme"], replicate),
+                "status": OK,
+                "reason": "",
+            }
+            yield block, pd.DataFrame(table)
+
+    def sort_columns(self) -> list[str]:
+        return ["scheme", "replicate"]
+
+    def aggregate(self, config: BulkConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+        """The exact sum of every scheme and how many cases it has."""
+        groups = rows.groupby("scheme", as_index=False, observed=True)["value"]
+        return {"summary": groups.agg(["sum", "count"])}
+
+    def overview(self) -> str:
+        return "none"
+
+    def terminal(self, config: Any, tables: Any) -> Any:
+        return ""
+
+    def draw(self, *arguments: Any, **options: Any) -> list[Path]:
+        return []
+
+
+def value(scheme: str, replicate: np.ndarray) -> np.ndarray:
+    """A whole number below 2^16, so that sums are exact in any order."""
+    return ((replicate * 2654435761 + SCHEMES.index(scheme) * 40503) % 65536).astype(float)
+
+
+def bulk_config(results: Path, cases: int, per_block: int, workers: int = 2) -> BulkConfig:
+    """A study of so many cases below `results`."""
+    return BulkConfig(
+        results=str(results),
+        grid=BulkGrid(cases, per_block),
+        compute=Compute(workers=workers),
+    )

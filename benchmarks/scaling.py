@@ -1,0 +1,178 @@
+"""The measured part of docs/scaling.md: how computing grows, and how many cores a study wants.
+
+    python benchmarks/scaling.py           measure and print: a minute or two
+    python benchmarks/scaling.py --write   also put the tables into docs/scaling.md
+
+Run it on a quiet machine, after benchmarks/bookkeeping.py, whose table it reads.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from owtsweep.config import compose
+from owtsweep.studies import get_study
+from owtsweep.sweep.run import sweep
+from page import put
+
+REPEATS = 5
+BOOKKEEPING = Path(__file__).with_name("bookkeeping.csv")
+#: The study whose parts are varied one by one.
+BASE = {"replicates": 16, "periods": 2, "duration": 500, "amplitudes": 10}
+#: Records of the reference engine (s): what the longer one adds is the cost of a second.
+REFERENCE_DURATIONS = (24, 34)
+
+
+@dataclass(frozen=True)
+class Job:
+    """A study of a given size: its computing in core-seconds, its blocks and its tasks."""
+
+    name: str
+    seconds: float
+    blocks: int
+    tasks: int
+
+
+def seconds(
+    replicates: int,
+    periods: int,
+    duration: float,
+    amplitudes: int,
+    *,
+    workers: int = 1,
+    repeats: int = REPEATS,
+    wall: bool = False,
+    extra: tuple[str, ...] = (),
+) -> float:
+    """Median core-seconds of a sweep without figures, shards written; `wall`: seconds."""
+    overrides = [
+        f"grid.replicates={replicates}",
+        f"grid.natural_period={[3.0 + 0.5 * i for i in range(periods)]}",
+        f"grid.amplitude={[0.05 * (i + 1) for i in range(amplitudes)]}",
+        f"record.duration={duration}",
+        f"compute.workers={workers}",
+        "measures.settling_time=1",
+        *extra,
+    ]
+    found = []
+    for _ in range(repeats):
+        with tempfile.TemporaryDirectory() as folder:
+            config = compose([*overrides, f"results={folder}"])
+            began = time.process_time()
+            outcome = sweep(get_study("hub"), config)
+            cores = time.process_time() - began
+            assert not outcome.failed
+            found.append(outcome.seconds if wall else cores)
+    return median(found)
+
+
+def growth() -> list[dict[str, Any]]:
+    """One row per axis of the study: time at the base and at four times as much."""
+    base = seconds(**BASE)
+    rows = []
+    for axis in ("replicates", "periods", "duration", "amplitudes"):
+        more = seconds(**{**BASE, axis: 4 * BASE[axis]})
+        exponent = math.log(more / base) / math.log(4.0)
+        rows.append({"axis": axis, "base": base, "more": more, "exponent": exponent})
+    return rows
+
+
+def per_record_second(rows: list[dict[str, Any]]) -> float:
+    """Core-seconds per second of record, all four schemes, from what more duration adds."""
+    (duration,) = (row for row in rows if row["axis"] == "duration")
+    records = BASE["replicates"] * BASE["periods"]
+    return (duration["more"] - duration["base"]) / (3 * BASE["duration"] * records)
+
+
+def jobs(batch: float, reference: float) -> list[Job]:
+    """Studies that somebody may want; the costs are core-seconds per second of record."""
+    default = 6 * 2000.0
+    per_task = 8
+    million = 1_000_000
+    return [
+        Job("default study, 20 replicates", 20 * default * batch, 72, 18),
+        Job("the same, 100 replicates", 100 * default * batch, 312, 78),
+        Job("the same, 10 000 replicates", 1e4 * default * batch, 30_000, 7500),
+        Job("1 million cases of a Python scheme, 0.1 s each", 0.1 * million,
+            million // per_task, million // per_task // 10),
+        Job("`engine=reference`, 20 replicates", 20 * default * reference, 72, 18),
+    ]  # fmt: skip
+
+
+def bookkeeping() -> dict[str, float]:
+    """CPU ms per block of the hub study by stage; the disk's share is in the text."""
+    with BOOKKEEPING.open() as stream:
+        rows = [row for row in csv.DictReader(stream) if row["block"].startswith("hub")]
+    return {row["stage"]: float(row["cpu_ms"]) for row in rows}
+
+
+def tables(repeats_reference: int = 1) -> str:
+    """The measured tables in Markdown."""
+    seconds(1, 1, 30, 1, repeats=1)  # compile
+    rows = growth()
+    batch = per_record_second(rows)
+    one, two = (seconds(**BASE, workers=workers, wall=True) for workers in (1, 2))
+    stepwise = ("engine=reference", "compute.backend=threading")
+    short, long = (
+        seconds(1, 1, duration, 1, repeats=repeats_reference, extra=stepwise)
+        for duration in REFERENCE_DURATIONS
+    )
+    reference = (long - short) / (REFERENCE_DURATIONS[1] - REFERENCE_DURATIONS[0])
+    books = bookkeeping()
+    worker = books["write"]
+    coordinator = books["sum"] - worker + books["aggregate"]
+    lines = [
+        f"Base: {BASE['replicates']} replicates, {BASE['periods']} periods, {BASE['duration']} s, "
+        f"{BASE['amplitudes']} amplitudes,",
+        "four schemes, one worker; core-seconds, shards and tables included.",
+        "",
+        "| four times as many | base | four times | exponent |",
+        "|---|---|---|---|",
+        *(
+            f"| {row['axis']} | {row['base']:.2f} | {row['more']:.2f} | {row['exponent']:.2f} |"
+            for row in rows
+        ),
+        "",
+        f"- One second of record with all four schemes: {1e6 * batch:.0f} µs of one core, so one",
+        f"  replicate of the default study {12000 * batch:.2f} core-seconds (*kernels*).",
+        f"- The same second with `engine=reference`: {reference:.2f} s, {reference / batch:.0f}",
+        "  times as much (*kernels*).",
+        f"- Two workers: {one / two:.2f} times as fast as one (*kernels*).",
+        f"- Per block: {worker:.2f} ms in the worker that writes it, {coordinator:.2f} ms in the",
+        "  one process that plans, checks, reads and aggregates.",
+        "",
+        "| study | core-hours | coordinator, s | cores for an hour | at most useful |",
+        "|---|---|---|---|---|",
+    ]
+    for job in jobs(batch, reference):
+        work = job.seconds + 1e-3 * worker * job.blocks
+        serial = 1e-3 * coordinator * job.blocks
+        cores = max(1, math.ceil(work / (3600.0 - serial)))
+        wanted = f"{cores}" if cores <= job.tasks else f"{cores} (more than it can use)"
+        lines.append(f"| {job.name} | {work / 3600:.3g} | {serial:.1f} | {wanted} | {job.tasks} |")
+    return "\n".join(lines) + "\n"
+
+
+def main() -> int:
+    """Measure, print, and write where asked."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--write", action="store_true", help="put the tables into docs/scaling.md")
+    options = parser.parse_args()
+    text = tables()
+    print(text)
+    if options.write:
+        put("growth", text)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,109 @@
+"""What a comparison of runs is, as far as machinery and studies need to agree.
+
+`owtsweep.sweep.compare` finds runs, keys and pairs without knowing what they mean; a study that
+answers to `Comparable` says what follows from them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One run of a comparison.
+
+    Attributes
+    ----------
+    name
+        Its folder's name.
+    hash
+        The run's hash.
+    config
+        The resolved configuration.
+    rows
+        The rows of its stored cases, failed ones included, sorted.
+    values
+        Swept key -> this run's value, in the order of `Comparison.keys`.
+    """
+
+    name: str
+    hash: str
+    config: Any
+    rows: pd.DataFrame
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two runs to be held against each other, by their index; `along` says why these two.
+
+    `along` is a swept key whose neighbouring values they have, all others being equal, or "first
+    run" if `first` is merely the first of the comparison.
+    """
+
+    first: int
+    second: int
+    along: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Runs of one study in the order of their swept values.
+
+    `keys` tell the runs apart; `following` change too, but are told by the others.
+    """
+
+    keys: tuple[str, ...]
+    following: tuple[str, ...]
+    runs: tuple[Candidate, ...]
+    pairs: tuple[Pair, ...]
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a study found.
+
+    Attributes
+    ----------
+    tables
+        Name -> table; each is written as `<name>.csv`.
+    overview
+        One row per run, in their order, texts only: what the terminal shows.
+    notes
+        What a reader must know: what was left out, what is not paired.
+    report
+        Sections of `comparison.md`, Markdown.
+    figures
+        The files drawn.
+    """
+
+    tables: Mapping[str, pd.DataFrame]
+    overview: pd.DataFrame
+    notes: tuple[str, ...] = ()
+    report: str = ""
+    figures: tuple[Path, ...] = field(default=())
+
+
+@runtime_checkable
+class Comparable(Protocol):
+    """A study whose runs can be compared."""
+
+    def compare(
+        self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
+    ) -> Findings:
+        """Compare runs; figures go into `folder` and carry `metadata`.
+
+        Raises
+        ------
+        InputError
+            If these runs have nothing in common; nothing has been written then.
+        """
+        ...

@@ -1,0 +1,208 @@
+"""Comparing runs: find them, tell them apart, let their study speak, write what it says."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.config import as_mapping, require
+from owtsweep.errors import InputError
+from owtsweep.studies.base import FAILED, OK
+from owtsweep.studies.comparison import Candidate, Comparable, Comparison, Findings
+from owtsweep.sweep.files import check_writable, write_atomically
+from owtsweep.sweep.runs import Run, load
+from owtsweep.sweep.swept import RUN, make_pairs, ranks, show, swept_keys
+from owtsweep.sweep.tables import write_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: The record of a multirun (`commands/multirun_record.py` writes it).
+MULTIRUN = "multirun.json"
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A finished comparison: where it lies, what was found, the terminal's table, all notes."""
+
+    folder: Path
+    findings: Findings
+    overview: pd.DataFrame
+    notes: tuple[str, ...]
+
+
+def compare(paths: Sequence[str]) -> Compared:
+    """Compare the runs of a multirun, or some runs, and write the comparison.
+
+    Parameters
+    ----------
+    paths
+        One multirun folder, or several folders of runs (or of multiruns).
+
+    Returns
+    -------
+    Compared
+        Its folder is `<multirun>/comparison`, or `comparison-<hash>` beside the first run.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two runs with a succeeded case, their studies differ or cannot
+        compare, or they have nothing in common. Nothing has been written then.
+    """
+    runs, preferred, notes = _find(paths)
+    studies = list(dict.fromkeys(run.config.study for run in runs))
+    require(
+        len(studies) < 2, f"compare: these are runs of several studies, {', '.join(studies)}; "
+        "compare runs of one study",
+    )  # fmt: skip
+    loaded = _with_results(runs, notes)
+    if len(loaded) < 2:
+        found = "no run" if not loaded else "only one run"
+        why = f" ({notes[0]})" if notes else ""
+        raise InputError(f"{paths[0]}: {found} with a succeeded case here{why}; compare needs two")
+    study = loaded[0][0].study
+    if not isinstance(study, Comparable):
+        raise InputError(f"compare: the study {study.name!r} has no comparison of its runs")
+    comparison = _arrange(loaded, preferred, notes)
+    hashes = " ".join(candidate.hash for candidate in comparison.runs)
+    folder = _folder(paths, [run for run, _ in loaded])
+    check_writable(folder)
+    findings = study.compare(comparison, folder, metadata={"runs": hashes, "folder": folder.name})
+    every_note = (*comparison.notes, *findings.notes)
+    overview = _overview(comparison, findings)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, table in findings.tables.items():
+        if len(table.columns):  # a file without columns could not be read back
+            write_table(folder, name, table)
+    write_atomically(folder / "comparison.md", _report(comparison, findings, overview, every_note))
+    return Compared(folder, findings, overview, every_note)
+
+
+def _find(paths: Sequence[str]) -> tuple[list[Run], list[str], list[str]]:
+    """The runs named, the keys that a multirun swept, and notes on what cannot be opened."""
+    runs: list[Run] = []
+    preferred: list[str] = []
+    notes: list[str] = []
+    seen: set[Path] = set()
+    for path in map(Path, paths):
+        require(path.exists(), f"{path}: there is no such folder; name a multirun or runs")
+        require(path.is_dir(), f"{path}: this is a file; name the folder of a multirun or of runs")
+        multirun = not (path / "config.yaml").is_file()
+        folders, swept = _members(path, notes) if multirun else ([path], [])
+        require(bool(folders), f"{path}: there is no run in it; name a multirun or several runs")
+        preferred += swept
+        for folder in folders:
+            if folder.resolve() in seen:
+                raise InputError(f"{folder}: this run is named twice; name each once")
+            seen.add(folder.resolve())
+            try:
+                runs.append(load(folder))
+            except InputError as error:
+                if not multirun:
+                    raise
+                notes.append(f"{folder.name} is left out: {error}")
+    return runs, list(dict.fromkeys(preferred)), notes
+
+
+def _members(path: Path, notes: list[str]) -> tuple[list[Path], list[str]]:
+    """The run folders of a multirun in their order, and the keys that were swept."""
+    found = sorted(config.parent for config in path.glob("*/config.yaml"))
+    if not (path / MULTIRUN).is_file():
+        return found, []
+    try:
+        planned = json.loads((path / MULTIRUN).read_text())["runs"]
+        names = [str(run["folder"]) for run in planned]
+        keys = [str(key) for run in planned for key in run["values"]]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path / MULTIRUN}: this is no record of a multirun ({error})") from error
+    there = {folder.name: folder for folder in found}
+    notes += [f"{name} is left out: it was never started" for name in names if name not in there]
+    ordered = [there.pop(name) for name in names if name in there]
+    return ordered + list(there.values()), keys
+
+
+def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.DataFrame]]:
+    loaded = []
+    for run in runs:
+        rows, missing = run.stored()
+        if rows is None or not (rows["status"] == OK).any():
+            notes.append(f"{run.folder.name} is left out: no case of it has succeeded")
+            continue
+        failed = int((rows["status"] == FAILED).sum())
+        if missing:
+            notes.append(f"{run.folder.name} is incomplete: {missing} of its blocks are missing")
+        if failed:
+            notes.append(f"{run.folder.name}: {failed} of its {len(rows)} rows failed")
+        loaded.append((run, rows))
+    return loaded
+
+
+def _arrange(
+    loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str], notes: Sequence[str]
+) -> Comparison:
+    mappings = [as_mapping(run.config) for run, _ in loaded]
+    keys, following = swept_keys(mappings, preferred)
+    values: list[dict[str, Any]] = [{k: _value(m, k) for k in keys} for m in mappings]
+    shown = [tuple(show(item) for item in own.values()) for own in values]
+    if len(set(shown)) < len(shown):  # runs on other grids or with other schemes, say
+        names = [run.folder.name for run, _ in loaded]
+        unique = len(set(names)) == len(names)
+        for own, (run, _) in zip(values, loaded, strict=True):
+            own[RUN] = run.folder.name if unique else str(run.folder)
+        keys = [*keys, RUN]
+    places = list(zip(*(ranks([own[key] for own in values]) for key in keys), strict=True))
+    order = sorted(range(len(loaded)), key=lambda i: places[i])
+    runs = tuple(
+        Candidate(run.folder.name, run.hash, run.config, rows, values[i])
+        for i in order
+        for run, rows in [loaded[i]]
+    )
+    pairs = make_pairs([places[i] for i in order], keys)
+    return Comparison(tuple(keys), tuple(following), runs, tuple(pairs), tuple(notes))
+
+
+def _value(mapping: Any, key: str) -> Any:
+    for part in key.split("."):
+        mapping = mapping.get(part) if isinstance(mapping, dict) else None
+    return mapping
+
+
+def _folder(paths: Sequence[str], runs: Sequence[Run]) -> Path:
+    if len(paths) == 1:
+        return Path(paths[0]) / "comparison"
+    identity = "\n".join(sorted(f"{run.folder.name} {run.hash}" for run in runs))
+    digest = hashlib.blake2b(identity.encode(), digest_size=5).hexdigest()
+    return runs[0].folder.parent / f"comparison-{digest}"
+
+
+def _overview(comparison: Comparison, findings: Findings) -> pd.DataFrame:
+    import pandas as pd
+
+    swept = pd.DataFrame(
+        [[show(run.values[key]) for key in comparison.keys] for run in comparison.runs],
+        columns=list(comparison.keys),
+    )
+    return pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
+
+
+def _report(
+    comparison: Comparison, findings: Findings, overview: pd.DataFrame, notes: Sequence[str]
+) -> str:
+    header = ["| " + " | ".join(overview.columns) + " | run folder |"]
+    header.append("|" + "---|" * (len(overview.columns) + 1))
+    lines = [
+        "| " + " | ".join([*row, run.name]) + " |"
+        for row, run in zip(overview.itertuples(index=False), comparison.runs, strict=True)
+    ]
+    parts = ["# Comparison of " + f"{len(comparison.runs)} runs", "\n".join([*header, *lines])]
+    if comparison.following:
+        keys = ", ".join(f"`{key}`" for key in comparison.following)
+        parts.append(f"Changing along with these keys: {keys}.")
+    if notes:
+        parts.append("Notes:\n\n" + "\n".join(f"- {note}" for note in notes))
+    return "\n\n".join([*parts, findings.report]).rstrip() + "\n"

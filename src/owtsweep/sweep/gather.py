@@ -1,0 +1,133 @@
+"""Many shards as one table of rows, in bounded memory.
+
+An Arrow table of a hundred rows costs some 10 kB beside what it holds, and text costs pandas more
+than numbers do. So shards are joined a batch at a time, and text is kept as a code per row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Shards that are joined at a time.
+BATCH = 256
+
+
+def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
+    """The rows of all tables in their order, or None if there is no table.
+
+    Parameters
+    ----------
+    tables
+        `pyarrow.Table`s; they are let go as they are read.
+
+    Returns
+    -------
+    DataFrame
+        Text columns are categorical, their categories in the order of text; `as_text` makes plain
+        text of them. Columns that a table lacks are empty there.
+    """
+    import pandas as pd
+
+    batches = [_columns(batch) for batch in _batched(tables)]
+    if not batches:
+        return None
+    sizes = [len(next(iter(batch.values()))) for batch in batches]
+    names = list(dict.fromkeys(name for batch in batches for name in batch))
+    # Each column's pieces are let go as soon as it is whole.
+    columns = {name: _whole([batch.pop(name, None) for batch in batches], sizes) for name in names}
+    return pd.DataFrame(columns, copy=False)
+
+
+def sort_rows(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
+    """Sort in place, stably, by these columns; text in the order of text. Returns the frame.
+
+    A column at a time: the whole frame is never there twice.
+    """
+    order = np.lexsort([_rank(frame[name]) for name in reversed(columns)])
+    for name in frame.columns:
+        frame[name] = frame[name].array.take(order)
+    return frame
+
+
+def as_text(frame: pd.DataFrame) -> pd.DataFrame:
+    """A copy whose categorical columns are plain text."""
+    text = {name: frame[name] for name in frame.columns if _is_categorical(frame[name])}
+    return frame.astype({name: column.cat.categories.dtype for name, column in text.items()})
+
+
+def _batched(tables: Iterable[Any]) -> Iterator[list[Any]]:
+    remaining = iter(tables)
+    while batch := list(islice(remaining, BATCH)):
+        yield batch
+
+
+def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
+    """Some tables as columns, outside Arrow's memory."""
+    joined = pa.concat_tables(tables, promote_options="default").combine_chunks()
+    columns = {}
+    for name, column in zip(joined.column_names, joined.columns, strict=True):
+        if pa.types.is_large_string(column.type) or pa.types.is_string(column.type):
+            column = column.dictionary_encode()
+        columns[name] = column.to_pandas().copy()
+    return columns
+
+
+def _whole(pieces: list[Any], sizes: list[int]) -> Any:
+    """One column of its pieces, of which some may be None or without any value."""
+    import pandas as pd
+
+    known = [piece for piece in pieces if piece is not None and not _is_nothing(piece)]
+    if not known:
+        return next(piece for piece in pieces if piece is not None).reindex(range(sum(sizes)))
+    filled = [
+        _nothing_like(known[0], size) if piece is None or _is_nothing(piece) else piece
+        for piece, size in zip(pieces, sizes, strict=True)
+    ]
+    if _is_categorical(known[0]):
+        return pd.api.types.union_categoricals(filled, sort_categories=True)
+    return pd.concat(filled, ignore_index=True)
+
+
+def _nothing_like(piece: Any, size: int) -> Any:
+    """An empty column beside one of that type; what Arrow makes of it."""
+    import pandas as pd
+
+    if piece.dtype.kind in "iuf":
+        return pd.Series(np.full(size, np.nan))
+    if piece.dtype.kind == "b":
+        return pd.Series(np.full(size, None))
+    return pd.Series(index=range(size), dtype=piece.dtype)
+
+
+def _is_nothing(piece: Any) -> bool:
+    if _is_categorical(piece):
+        return len(piece.cat.categories) == 0
+    return bool(piece.dtype.kind == "O" and piece.isna().all())
+
+
+def _is_categorical(column: Any) -> bool:
+    import pandas as pd
+
+    return isinstance(column.dtype, pd.CategoricalDtype)
+
+
+def _rank(column: Any) -> Any:
+    """Numbers that sort as the column does, what is missing last."""
+    import pandas as pd
+
+    if _is_categorical(column):
+        codes, last = column.cat.codes.to_numpy(), len(column.cat.categories)
+    elif column.dtype.kind in "iufb":
+        return column.to_numpy()
+    else:
+        codes, uniques = pd.factorize(column, sort=True)
+        last = len(uniques)
+    return np.where(codes < 0, last, codes).astype(np.int32)

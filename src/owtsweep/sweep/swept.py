@@ -1,0 +1,106 @@
+"""Which keys tell runs apart, in which order the runs stand, and which are neighbours."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Hashable, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+from owtsweep.studies.comparison import Pair
+
+#: Sections and keys that say where and how a run was computed, or over which grid: not swept.
+NOT_SWEPT = frozenset({"grid", "schemes", "compute", "results", "name", "config_version"})
+#: The key that stands in where no key tells two runs apart: the name of the run folder.
+RUN = "run"
+FIRST = "first run"
+
+
+def flatten(config: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Dotted key -> value of a configuration as plain mappings; lists are values."""
+    flat: dict[str, Any] = {}
+    for key, value in config.items():
+        if isinstance(value, Mapping) and value:
+            flat |= flatten(value, f"{prefix}{key}.")
+        else:
+            flat[f"{prefix}{key}"] = value
+    return flat
+
+
+def show(value: Any) -> str:
+    """A value as a user would type it in an override, shortened to fit a title."""
+    if isinstance(value, float):
+        return f"{value:.10g}"
+    text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+    return text if len(text) <= 30 else f"{text[:27]}..."
+
+
+def swept_keys(
+    configs: Sequence[Mapping[str, Any]], preferred: Sequence[str] = ()
+) -> tuple[list[str], list[str]]:
+    """The fewest keys that tell the configurations apart, and those that merely follow them.
+
+    A tuning changes dozens of keys at once; `tuning` alone tells the runs apart, so the others
+    follow. A key is kept unless those kept before it determine its value.
+
+    Parameters
+    ----------
+    configs
+        Configurations as plain mappings.
+    preferred
+        Keys to consider first: those that the user swept.
+    """
+    flat = [
+        {key: item for key, item in flatten(c).items() if key.split(".")[0] not in NOT_SWEPT}
+        for c in configs
+    ]
+    keys = list(dict.fromkeys(key for config in flat for key in config))
+    ids = {key: [_identity(config.get(key)) for config in flat] for key in keys}
+    differing = [key for key in keys if len(set(ids[key])) > 1]
+    order = {key: place for place, key in enumerate(preferred)}
+    # Names at the top (tuning, experiment) stand for the sections that they set.
+    differing.sort(key=lambda key: (order.get(key, len(order)), key.count(".") > 0))
+    kept: list[str] = []
+    for key in differing:
+        groups: dict[tuple[Hashable, ...], set[Hashable]] = {}
+        for index, value in enumerate(ids[key]):
+            groups.setdefault(tuple(ids[other][index] for other in kept), set()).add(value)
+        if any(len(values) > 1 for values in groups.values()):
+            kept.append(key)
+    return kept, [key for key in differing if key not in kept]
+
+
+def ranks(values: Sequence[Any]) -> list[int]:
+    """The place of each value on its axis: numbers by size, others by first appearance."""
+    numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
+    distinct = {_identity(value): value for value in values}
+    axis = sorted(distinct, key=lambda i: distinct[i]) if numbers else list(distinct)
+    return [axis.index(_identity(value)) for value in values]
+
+
+def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pair]:
+    """Neighbours along each key, all other keys being equal, and each run with the first one.
+
+    Parameters
+    ----------
+    places
+        Per run the place of its value on the axis of each key (`ranks`).
+    keys
+        The keys.
+    """
+    pairs = []
+    for axis, key in enumerate(keys):
+        lines: dict[tuple[int, ...], list[tuple[int, int]]] = {}
+        for index, place in enumerate(places):
+            rest = (*place[:axis], *place[axis + 1 :])
+            lines.setdefault(rest, []).append((place[axis], index))
+        for line in lines.values():
+            ordered = [index for _, index in sorted(line)]
+            pairs += [Pair(a, b, key) for a, b in pairwise(ordered)]
+    known = {(pair.first, pair.second) for pair in pairs}
+    pairs += [Pair(0, i, FIRST) for i in range(1, len(places)) if (0, i) not in known]
+    return sorted(pairs, key=lambda pair: (pair.first, pair.second))
+
+
+def _identity(value: Any) -> str:
+    return json.dumps(value, sort_keys=True, default=str)
