@@ -13,10 +13,11 @@ if TYPE_CHECKING:
     from owtsweep.api import load, run
     from owtsweep.errors import InputError
     from owtsweep.studies.hub.contract import Estimate, Innovation
+    from owtsweep.studies.hub.online import online
     from owtsweep.sweep.runs import Run
 
 __version__ = "0.1.0"
-__all__ = ["Estimate", "Innovation", "InputError", "Run", "__version__", "load", "run"]
+__all__ = ["Estimate", "Innovation", "InputError", "Run", "__version__", "load", "online", "run"]
 
 _HOMES = {
     "Estimate": "owtsweep.studies.hub.contract",
@@ -24,6 +25,7 @@ _HOMES = {
     "Innovation": "owtsweep.studies.hub.contract",
     "Run": "owtsweep.sweep.runs",
     "load": "owtsweep.api",
+    "online": "owtsweep.studies.hub.online",
     "run": "owtsweep.api",
 }
 

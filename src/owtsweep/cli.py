@@ -48,6 +48,13 @@ def _sweep(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--yes", action="store_true", help="do not ask before deleting")
 
 
+def _overrides(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "overrides", nargs="*", metavar="override", help="Hydra override, e.g. tuning=matched"
+    )
+    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
+
+
 def _run_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
@@ -83,6 +90,11 @@ COMMANDS = {
         "Compare the runs of a multirun, or some runs: how the map moves with what was changed.",
         "compare results/multirun-0a1b2c3d4e",
         _runs_argument,
+    ),
+    "spectrum": (
+        "Draw the schemes' error spectra and noise floors, without any record.",
+        "spectrum tuning=matched sensors.gnss.delay=0.4",
+        _overrides,
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",

@@ -14,7 +14,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-KERNEL_SOURCES = ("estimation/riccati.py", "estimation/windowing.py", "studies/hub/kernels")
+KERNEL_SOURCES = (
+    "estimation/riccati.py",
+    "estimation/windowing.py",
+    "studies/hub/kernels",
+    "studies/hub/expected/kernels.py",
+)
 
 
 def source_hash() -> str:

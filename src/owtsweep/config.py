@@ -24,7 +24,7 @@ CONFIG_VERSION = 1
 RENAMED: dict[str, str] = {}
 
 BACKENDS = ("auto", "threading", "loky")
-ENGINES = ("batch", "reference")
+ENGINES = ("batch", "reference", "expected")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,9 +103,25 @@ def require(condition: bool, message: str) -> None:
         raise InputError(message)
 
 
+#: Metadata of a key that is younger than stored runs: while it is unset it is no part of what
+#: identifies a configuration, so that their keys and hashes stay.
+YOUNGER = {"younger": True}
+
+
 def as_mapping(config: Any) -> dict[str, Any]:
-    """The configuration as plain dicts, lists and scalars, ready for YAML or JSON."""
-    return dataclasses.asdict(config)
+    """What identifies a configuration or a section, as plain dicts, lists and scalars."""
+    mapping = dataclasses.asdict(config)
+    _drop_unset(config, mapping)
+    return mapping
+
+
+def _drop_unset(config: Any, mapping: dict[str, Any]) -> None:
+    for item in dataclasses.fields(config):
+        value = getattr(config, item.name)
+        if dataclasses.is_dataclass(value):
+            _drop_unset(value, mapping[item.name])
+        if item.metadata.get("younger") and mapping[item.name] in (None, {}):
+            del mapping[item.name]
 
 
 def conf_directory() -> Path:
@@ -302,10 +318,10 @@ def group_options(group: str) -> list[str]:
 
 
 def dump(config: Config) -> str:
-    """The resolved configuration as YAML, as stored in a run's config.yaml."""
+    """The resolved configuration as YAML, every key of it, as stored in a run's config.yaml."""
     from omegaconf import OmegaConf
 
-    return OmegaConf.to_yaml(OmegaConf.create(_plain(as_mapping(config))))
+    return OmegaConf.to_yaml(OmegaConf.create(_plain(dataclasses.asdict(config))))
 
 
 def load(path: Path) -> Config:

@@ -143,3 +143,17 @@ def test_git_that_is_not_there_is_no_error(tmp_path, monkeypatch):
 
     monkeypatch.setattr(provenance.subprocess, "run", absent)
     assert git_state(tmp_path) is None
+
+
+def test_a_table_is_written_as_pandas_writes_it(tmp_path):
+    table = pd.DataFrame(
+        {
+            "text": ["plain", "with, comma", 'a "quote"', "", "two\nlines"],
+            "float": [0.1 + 0.2, np.nan, 1e-300, -0.0, 4.0],
+            "whole": [1, 2, 3, 4, 5],
+            "flag": [True, False, True, False, True],
+            "kind": pd.Categorical(["a", "b", "a", "a", "b"]),
+        }
+    )
+    path = write_table(tmp_path, "table", table)
+    assert path.read_text(encoding="utf-8") == table.to_csv(index=False, lineterminator="\n")

@@ -25,6 +25,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
             f"{opened.folder}: this is a run of study {opened.study.name!r}, which has no "
             f"published results; name a run of study {STUDY!r}"
         )
+    if config.engine == "expected":
+        raise InputError(
+            f"{opened.folder}: this run has no records, so nothing has an interval to be judged "
+            "by; name a run with engine=batch"
+        )
     rows = opened.cases()
     if not (rows["status"] == OK).any():
         raise InputError(f"{opened.folder}: no case of this run has succeeded; run its sweep again")

@@ -16,6 +16,9 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
+#: How far beyond a constraint an answer may lie, as a fraction of the admitted interval.
+FEASIBILITY = 1e-9
+
 
 @dataclass(frozen=True)
 class WindowWeights:
@@ -112,6 +115,8 @@ def window_map(
 class CasadiWindow:
     """Eq. (11) as an optimisation problem, solved by CasADi: the oracle of `window_map`.
 
+    With `constraints` it is the only way: that many rows on every free node's state.
+
     Two axes at once (states ordered as in Sigma_2: x, y, v_x, v_y, b_x, b_y), with the last node at
     the present. Variables are scaled by the standard deviations that the weights imply.
 
@@ -136,6 +141,7 @@ class CasadiWindow:
         fixed_arrival: bool = False,
         use_first_fix: bool = True,
         solver: str = "qrqp",
+        constraints: int = 0,
     ) -> None:
         import casadi as ca
 
@@ -146,10 +152,11 @@ class CasadiWindow:
         A = ca.MX.sym("A", states, states)
         A_f = ca.MX.sym("A_f", states, states)
         link = ca.MX.sym("link", states, states)  # square roots of information
-        fix = ca.MX.sym("fix")
+        fix = ca.MX.sym("fix", nodes)
         x0 = ca.MX.sym("x0", states)
         prior = ca.MX.sym("prior", states, states)
         scale = ca.MX.sym("scale", states)
+        rows = ca.MX.sym("rows", constraints, states)
 
         def state(i: int) -> ca.MX:
             return scale * X[:, i]
@@ -157,7 +164,7 @@ class CasadiWindow:
         cost = ca.MX(0)
         for i in range(nodes):  # (11c)
             if i > 0 or use_first_fix:
-                cost += ca.sumsqr(fix * (z[:, i] - state(i)[:outputs]))
+                cost += ca.sumsqr(fix[i] * (z[:, i] - state(i)[:outputs]))
         for i in range(intervals):  # (11b)
             cost += ca.sumsqr(ca.mtimes(link, state(i + 1) - ca.mtimes(A, state(i)) - inputs[:, i]))
         if last_node:  # (11d), t_f after the last fix and without a fix of its own (11i)
@@ -166,23 +173,39 @@ class CasadiWindow:
         if arrival:
             cost += ca.sumsqr(ca.mtimes(prior, state(0) - x0))
         parameters = ca.vertcat(
-            *(ca.vec(p) for p in (z, inputs, A, A_f, link, fix, x0, prior, scale))
+            *(ca.vec(p) for p in (z, inputs, A, A_f, link, fix, x0, prior, scale, rows))
         )
         problem = {"x": ca.vec(X), "p": parameters, "f": 0.5 * cost}
+        free = range(int(fixed_arrival), nodes + int(last_node))
+        limited = [ca.mtimes(rows, state(i)) for i in free] if constraints else []
         if fixed_arrival:
-            problem["g"] = state(0) - x0
+            limited.insert(0, state(0) - x0)
+        if limited:
+            problem["g"] = ca.vertcat(*limited)
+        self._equal = states if fixed_arrival else 0
+        self._limited = len(free) if constraints else 0
         self._free = slice(states if fixed_arrival else 0, None)
         if solver == "qrqp":
             options = {"print_iter": False, "print_header": False, "print_time": False}
-            self._solve = ca.qpsol("mhe", "qrqp", problem, {**options, "error_on_fail": False})
+            solve = ca.qpsol("mhe", "qrqp", problem, {**options, "error_on_fail": False})
         elif solver == "ipopt":
             quiet: dict[str, Any] = {"print_level": 0, "sb": "yes", "tol": 1e-12}
-            self._solve = ca.nlpsol("mhe", "ipopt", problem, {"ipopt": quiet, "print_time": 0})
+            solve = ca.nlpsol("mhe", "ipopt", problem, {"ipopt": quiet, "print_time": 0})
         else:
             raise ValueError(f"solver is {solver!r}, neither 'qrqp' nor 'ipopt'")
+        self._solvers = [solve]
+        if constraints:
+            # qrqp at times reports success far outside the constraints; daqp, a dual active-set
+            # method, then finds the answer
+            exact: dict[str, Any] = {"daqp": {"primal_tol": 1e-12}, "error_on_fail": False}
+            self._solvers.append(ca.qpsol("mhe", "daqp", problem, exact))
         self._gradient = ca.Function(
             "gradient", [problem["x"], parameters], [ca.gradient(problem["f"], problem["x"])]
         )
+        if constraints:
+            force = ca.MX.sym("force", problem["g"].shape[0])
+            pull = ca.jtimes(problem["g"], problem["x"], force, True)
+            self._pull = ca.Function("pull", [problem["x"], parameters, force], [pull])
         self._shape = (states, nodes + int(last_node))
 
     def solve(
@@ -193,9 +216,13 @@ class CasadiWindow:
         A: Array,
         A_f: Array,
         link: Array,
-        fix: float,
+        fix: float | Array,
         x0: Array,
         prior: Array,
+        *,
+        rows: Array | None = None,
+        lower: Array | None = None,
+        upper: Array | None = None,
     ) -> Array:
         """The states of all nodes, (states, nodes [+ 1]).
 
@@ -211,30 +238,74 @@ class CasadiWindow:
         A, A_f
             (states, states) over a GNSS interval and over t_f.
         link, fix, prior
-            Square roots of information: (states, states), scalar, (states, states).
+            Square roots of information: (states, states), scalar or one per node (zero where the
+            fix is missing), (states, states).
         x0
             (states,) arrival state.
+        rows, lower, upper
+            (constraints, states) and (constraints,): lower <= rows x <= upper at every free node.
 
         Raises
         ------
         ArithmeticError
-            If the gradient at the answer is not small: the solvers' own flags cannot be trusted.
+            If the answer does not meet the conditions of optimality: the gradient is not small (up
+            to what the active constraints hold), a constraint is broken or a multiplier has the
+            wrong sign. The solvers' own flags cannot be trusted.
         """
         nodes = z.shape[1]
-        states = self._minimum(scale, z, inputs, A, A_f, link, fix, x0, prior)
+        fix = np.broadcast_to(fix, nodes)
+        G = np.zeros((0, len(scale))) if rows is None else rows
+        limits = np.zeros((2, self._limited, len(G)))
+        if lower is not None and upper is not None:
+            limits += np.stack([lower, upper])[:, None]
+        data = (A, A_f, link, fix)
+        states = self._minimum(limits, scale, G, z, inputs, *data, x0, prior)
         predicted = A @ states[:, :-1]
         predicted[:, nodes - 1 :] = A_f @ states[:, nodes - 1 : -1]
         left = (z - states[: len(z), :nodes], inputs - (states[:, 1:] - predicted))
-        return states + self._minimum(scale, *left, A, A_f, link, fix, x0 - states[:, 0], prior)
+        if self._limited:
+            limits = limits - (G @ states[:, -self._limited :]).T
+        return states + self._minimum(limits, scale, G, *left, *data, x0 - states[:, 0], prior)
 
-    def _minimum(self, scale: Array, *parameters: Array | float) -> Array:
+    def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
+        """The minimum with `limits` (2, nodes, constraints) on the rows: the first that is one."""
         packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
-        p = np.concatenate([packed, scale])
-        answer = np.asarray(self._solve(x0=0.0, p=p, lbg=0.0, ubg=0.0)["x"]).ravel()
-        slope = np.asarray(self._gradient(answer, p)).ravel()[self._free]
+        p = np.concatenate([packed, scale, rows.ravel("F")])
+        equal = np.zeros(self._equal)
+        low, high = (np.concatenate([equal, limit.ravel()]) for limit in limits)
+        for solve in self._solvers:
+            found = solve(x0=0.0, p=p, lbg=low, ubg=high)
+            answer, force = (np.asarray(found[name]).ravel() for name in ("x", "lam_g"))
+            states = answer.reshape(self._shape, order="F") * scale[:, None]
+            fault = self._slope_left(answer, p, force)
+            if not fault and self._limited:
+                fault = self._broken_limit(states, rows, limits, force[self._equal :])
+            if not fault:
+                return np.asarray(states)
+        raise ArithmeticError(f"the MHE's solver stopped {fault}")
+
+    def _slope_left(self, answer: Array, p: Array, force: Array) -> str:
+        """Whether the gradient is not small, up to what the constraints hold."""
+        slope = np.asarray(self._gradient(answer, p)).ravel()
         start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
+        if self._limited:
+            pull = np.asarray(self._pull(answer, p, force)).ravel()
+            slope = slope + pull
+            start = np.append(start, pull)  # where constraints hold, they set the scale
+        slope = slope[self._free]
         if not np.max(np.abs(slope)) <= 1e-6 * (1.0 + np.max(np.abs(start))):
-            raise ArithmeticError(
-                f"the MHE's solver stopped at a gradient of {max(abs(slope)):.2g}"
-            )
-        return answer.reshape(self._shape, order="F") * scale[:, None]
+            return f"at a gradient of {max(abs(slope)):.2g}"
+        return ""
+
+    def _broken_limit(self, states: Array, rows: Array, limits: Array, force: Array) -> str:
+        """Whether a limit is broken, or a multiplier pushes where no limit is reached."""
+        value = (rows @ states[:, -self._limited :]).T
+        width = limits[1] - limits[0]
+        below, above = (value - limits[0]) / width, (limits[1] - value) / width
+        if not min(np.min(below), np.min(above)) >= -FEASIBILITY:
+            return "at a state that breaks a constraint"
+        force = force.reshape(width.shape)
+        idle = 1e-6 * (1.0 + np.max(np.abs(force)))
+        if np.any((force > idle) & (above > 1e-6)) or np.any((force < -idle) & (below > 1e-6)):
+            return "where no constraint holds it"
+        return ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from owtsweep.errors import InputError
 from owtsweep.sweep.files import write_atomically
@@ -15,9 +15,31 @@ if TYPE_CHECKING:
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
     """Write `<name>.csv`, whole or not at all; the index is not kept."""
     path = folder / f"{name}.csv"
-    # Without a format pandas writes the shortest text that is the same float.
-    write_atomically(path, table.to_csv(index=False, lineterminator="\n"))
+    columns = [_text(table[column]) for column in table.columns]
+    lines = [",".join(map(_quoted, table.columns)), *map(",".join, zip(*columns, strict=True))]
+    write_atomically(path, "\n".join(lines) + "\n")
     return path
+
+
+def _text(column: pd.Series[Any]) -> list[str]:
+    """A column as `DataFrame.to_csv` writes it; a missing value is an empty field.
+
+    Not by pandas itself: a column mostly repeats itself, and each value is put into words once.
+    """
+    import numpy as np
+    import pandas as pd
+
+    codes, values = pd.factorize(column, use_na_sentinel=True)
+    # repr gives the shortest text that is the same float
+    words = [_quoted(v) if isinstance(v, str) else str(v) for v in values.tolist()]
+    text: list[str] = np.array([*words, ""], dtype=object)[codes].tolist()
+    return text
+
+
+def _quoted(word: str) -> str:
+    if not any(character in word for character in ',"\r\n'):
+        return word
+    return '"' + word.replace('"', '""') + '"'
 
 
 def read_table(folder: Path, name: str) -> pd.DataFrame:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
 
 __all__ = ["HubStudy"]
+
+logger = logging.getLogger(__name__)
 
 
 class HubStudy:
@@ -32,23 +35,41 @@ class HubStudy:
         return HubConfig
 
     def plan(self, config: HubConfig) -> list[Block]:
-        """One block per period, run of 8 replicates and scheme."""
+        """One block per period, run of 8 replicates and scheme; without records, per scheme."""
+        if config.engine == "expected":
+            from owtsweep.studies.hub.expected import engine
+
+            return engine.plan(config)
         from owtsweep.studies.hub import blocks
 
         return blocks.plan(config)
 
     def backend(self, config: HubConfig) -> str:
         """Threads for kernels, which release the GIL; processes as soon as one scheme is Python."""
+        if config.engine == "expected":
+            return "threading"
         from owtsweep.studies.hub.blocks import uses_kernels
         from owtsweep.studies.hub.schemes import resolve_all
 
-        compiled = all(uses_kernels(config, scheme) for scheme in resolve_all(config.schemes))
+        schemes = resolve_all(config.schemes, config)
+        for scheme in schemes:
+            if config.engine == "batch" and getattr(scheme, "constrained", False):
+                logger.warning(
+                    "%s: its constraints leave no kernel that serves all amplitudes; it runs step "
+                    "by step, amplitude by amplitude",
+                    scheme.name,
+                )
+        compiled = all(uses_kernels(config, scheme) for scheme in schemes)
         return "threading" if compiled else "loky"
 
     def run(
         self, config: HubConfig, blocks: Sequence[Block]
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group."""
+        if config.engine == "expected":
+            from owtsweep.studies.hub.expected import engine
+
+            return engine.run(config, blocks)
         from owtsweep.studies.hub.blocks import run
 
         return run(config, blocks)
@@ -59,6 +80,10 @@ class HubStudy:
 
     def aggregate(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """summary and best_scheme."""
+        if config.engine == "expected":
+            from owtsweep.studies.hub.expected import answers
+
+            return answers.tables(config, rows)
         from owtsweep.studies.hub import aggregate
         from owtsweep.studies.hub.cube import Cube
 
@@ -99,6 +124,10 @@ class HubStudy:
         metadata: Mapping[str, str] | None = None,
     ) -> list[Path]:
         """All figures and tables of the paper that the run has the data for."""
+        if config.engine == "expected":
+            from owtsweep.studies.hub.expected import drawing
+
+            return drawing.draw_all(config, tables, rows, folder, only=only, metadata=metadata)
         from owtsweep.studies.hub.figures import draw_all
 
         return draw_all(config, tables, rows, folder, only=only, metadata=metadata)

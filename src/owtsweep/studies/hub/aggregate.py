@@ -13,13 +13,12 @@ import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.studies.base import OK
+from owtsweep.studies.hub.contest import agree, contest
 from owtsweep.studies.hub.cube import (
     CONFIDENCE,
     VALUE_COLUMNS,
     Cube,
     mean_and_error,
-    ordered_sum,
-    p_value,
     t_quantile,
 )
 
@@ -55,8 +54,6 @@ BEST_COLUMNS = (
     "distinguishable",
 )
 CRITERIA = ("position", "velocity")
-#: Values that agree to this are equal up to rounding: the schemes are one and the same.
-COINCIDENCE = 1e-9
 
 
 def expand(rows: pd.DataFrame, amplitudes: Sequence[float]) -> pd.DataFrame:
@@ -181,32 +178,33 @@ def best_scheme(
     import pandas as pd
 
     cube = _cube(values, schemes)
-    found: list[dict[str, Any]] = []
+    names = np.array([*schemes, ""], dtype=object)  # place -1: no runner-up
+    tables: list[pd.DataFrame] = []
     for criterion in criteria if not cube.empty else ():
-        measure_index = _position(cube.measures, criterion, "criteria")
-        window_index = _position(cube.windows, window, "window")
-        cells: list[dict[str, Any]] = []
-        for i, period in enumerate(cube.natural_periods):
-            measured = np.stack(
-                [
-                    cube.values(scheme, i, [measure_index])[:, 0, window_index]
-                    for scheme in range(len(schemes))
-                ]
-            )
-            cells += [
-                {"natural_period": period, "amplitude": amplitude, "criterion": criterion}
-                | {"window": window}
-                | comparison
-                for j, amplitude in enumerate(cube.amplitudes)
-                if (comparison := _compare(measured[:, j], schemes)) is not None
-            ]
-        rejected = holm([float(cell["p"]) for cell in cells], level=1.0 - CONFIDENCE)
-        found += [
-            cell | {"distinguishable": bool(verdict)}
-            for cell, verdict in zip(cells, rejected, strict=True)
+        measure = _position(cube.measures, criterion, "criteria")
+        at = _position(cube.windows, window, "window")
+        results = [
+            contest(np.stack([cube.values(i, j, [measure])[:, 0, at] for i in range(len(schemes))]))
+            for j in range(len(cube.natural_periods))
         ]
-    found.sort(key=lambda cell: (cell["natural_period"], cell["amplitude"]))
-    return pd.DataFrame(found, columns=list(BEST_COLUMNS))
+        table = pd.concat(
+            [
+                pd.DataFrame(
+                    {"natural_period": period, "amplitude": cube.amplitudes, "criterion": criterion}
+                    | {"window": window}
+                    | result._asdict()
+                ).assign(best=names[result.best], runner_up=names[result.runner_up])[result.judged]
+                for period, result in zip(cube.natural_periods, results, strict=True)
+            ]
+        )
+        tables.append(
+            table.assign(distinguishable=holm(table["p"].to_list(), level=1.0 - CONFIDENCE))
+        )
+    if not tables:
+        return pd.DataFrame(columns=list(BEST_COLUMNS))
+    order = ["natural_period", "amplitude"]
+    whole = pd.concat(tables).sort_values(order, kind="stable", ignore_index=True)
+    return whole[list(BEST_COLUMNS)]
 
 
 def coinciding(values: pd.DataFrame | Cube, schemes: Sequence[str]) -> list[tuple[str, ...]]:
@@ -247,50 +245,6 @@ def _position(labels: Sequence[str], label: str, argument: str) -> int:
     return labels.index(label)
 
 
-def _compare(cell: Floats, schemes: Sequence[str]) -> dict[str, Any] | None:
-    """Best and runner-up of one cell, (scheme, replicate); None without a common replicate."""
-    took_part = np.flatnonzero(np.isfinite(cell).any(axis=-1))
-    common = np.isfinite(cell[took_part]).all(axis=0)
-    if not took_part.size or not common.any():
-        return None
-    samples = cell[np.ix_(took_part, common)]
-    names = [schemes[index] for index in took_part.tolist()]
-    means = ordered_sum(samples) / samples.shape[1]
-
-    everyone = np.arange(len(names))
-    best, like_best = _least(means, samples, everyone)
-    others = np.setdiff1d(everyone, like_best)
-    told_apart = others.size > 0
-    if not told_apart:
-        others = np.setdiff1d(everyone, [best])
-    row: dict[str, Any] = {"best": names[best], "mse_best": float(means[best])}
-    if not others.size:
-        nothing = dict.fromkeys(("mse_runner_up", "difference", "ci_low", "ci_high"), float("nan"))
-        return row | nothing | {"runner_up": "", "p": 1.0}
-
-    runner_up, _ = _least(means, samples, others)
-    difference = means[runner_up] - means[best]
-    _, error, n = mean_and_error(samples[runner_up] - samples[best])
-    margin = t_quantile(n - 1) * error
-    return row | {
-        "runner_up": names[runner_up],
-        "mse_runner_up": float(means[runner_up]),
-        "difference": float(difference),
-        "ci_low": float(difference - margin),
-        "ci_high": float(difference + margin),
-        "p": p_value(float(difference), float(error), int(n)) if told_apart else 1.0,
-    }
-
-
-def _least(
-    means: Floats, samples: Floats, contenders: NDArray[np.intp]
-) -> tuple[int, NDArray[np.intp]]:
-    """The contender of least mean, by the last name of those it coincides with, and all those."""
-    least = contenders[np.argmin(means[contenders])]
-    alike = np.array([i for i in contenders if _same(samples[i], samples[least])])
-    return int(alike[-1]), alike
-
-
 def _coincide(cube: Cube, i: int, j: int, measures: list[int]) -> bool:
     """Whether two schemes agree wherever both have a value, and there is any."""
     pairs = (
@@ -301,19 +255,13 @@ def _coincide(cube: Cube, i: int, j: int, measures: list[int]) -> bool:
     return True in verdicts and False not in verdicts
 
 
-def _same(one: Floats, other: Floats) -> bool:
-    """Whether all values that both have agree up to rounding, and there are any."""
-    return _agree(one, other) is True
-
-
 def _agree(one: Floats, other: Floats) -> bool | None:
-    """As `_same`; None if there is no value that both have."""
+    """Whether all values that both have coincide; None if there is none."""
     both = np.isfinite(one) & np.isfinite(other)
     one, other = one[both], other[both]
     if not one.size:
         return None
-    scale = np.maximum(np.abs(one), np.abs(other))
-    return bool(np.all(np.abs(one - other) <= COINCIDENCE * scale))
+    return bool(np.all(agree(one, other)))
 
 
 def _cube(values: pd.DataFrame | Cube, schemes: Sequence[str]) -> Cube:

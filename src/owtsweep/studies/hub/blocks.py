@@ -16,10 +16,10 @@ from owtsweep.studies.base import Block
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub.batch import Lanes, direct_sums, superposed_sums
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
 from owtsweep.studies.hub.loop import run_estimator
 from owtsweep.studies.hub.records import Records, make_records
-from owtsweep.studies.hub.schemes import resolve, resolve_all
+from owtsweep.studies.hub.schemes import resolve, resolve_all, under
 from owtsweep.studies.hub.sensors import Measurements, observe
 
 #: Replicates of one block: 0-7, 8-15, ...
@@ -28,11 +28,11 @@ REPLICATES_PER_BLOCK = 8
 
 def plan(config: HubConfig) -> list[Block]:
     """One block per period, run of replicates and scheme (and amplitude, when run directly)."""
-    shared = _shared_content(config)
-    schemes = resolve_all(config.schemes)
+    shared = shared_content(config)
+    schemes = resolve_all(config.schemes, config)
     # Once per scheme: the blocks share these parts, or a large plan would not fit into memory.
     owns = [
-        {**shared, **_scheme_content(config, entry, scheme)}
+        {**shared, **scheme_content(config, entry, scheme)}
         for entry, scheme in zip(config.schemes, schemes, strict=True)
     ]
     blocks = []
@@ -60,7 +60,7 @@ def _superposes(config: HubConfig, scheme: Scheme) -> bool:
     return config.evaluation == "superposed" and scheme.linear
 
 
-def _shared_content(config: HubConfig) -> dict[str, Any]:
+def shared_content(config: HubConfig) -> dict[str, Any]:
     """What every block depends on; never the grid's lists."""
     whole = as_mapping(config)
     keys = (
@@ -79,7 +79,7 @@ def _shared_content(config: HubConfig) -> dict[str, Any]:
     return content
 
 
-def _scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
+def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
     """What a scheme's rows depend on: its sections of the tuning, or all for a user's scheme."""
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
     tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
@@ -108,6 +108,13 @@ def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
     return config.engine == "batch" and hasattr(scheme, "kernel")
 
 
+def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
+    """An estimator to be fed step by step: compiled in the batch engine, where there is such."""
+    if config.engine == "batch" and hasattr(scheme, "stream"):
+        return scheme.stream(sensors, config)  # type: ignore[no-any-return]
+    return scheme.start(sensors, config)  # type: ignore[no-any-return]
+
+
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; motion and noise are made once for all of them."""
     records: Records | None = None
@@ -118,7 +125,7 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
         if records is None or lanes is None:
             records = make_records(config, content["natural_period"], content["replicates"])
             lanes = Lanes(records)
-        scheme = resolve(entries[content["scheme"]])
+        scheme = under(resolve(entries[content["scheme"]]), config)
         amplitude = content.get("amplitude")
         settled = round(config.measures.settling_time / records.sensors.step)
         arguments = (config, scheme, records, settled, amplitude)
@@ -194,7 +201,7 @@ def _looped(
     )
     if amplitude is None:
         responses = [
-            run_estimator(scheme.start(sensors, config), part, sensors)
+            run_estimator(start(config, scheme, sensors), part, sensors)
             for part in (observed, noise)
         ]
         return list(measures.from_trajectories(responses[0], responses[1], truth, settled))
@@ -202,7 +209,7 @@ def _looped(
         amplitude * observed.specific_force + noise.specific_force,
         amplitude * observed.fixes + noise.fixes,
     )
-    response = run_estimator(scheme.start(sensors, config), whole, sensors)
+    response = run_estimator(start(config, scheme, sensors), whole, sensors)
     extremes = config.measures.extremes
     return list(
         measures.from_trajectories(None, response, amplitude * truth, settled, extremes=extremes)

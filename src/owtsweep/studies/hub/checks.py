@@ -50,11 +50,15 @@ def check(config: HubConfig) -> None:
     _check_spectrum(config)
     for name in ("ekf", "mkf", "hme1", "hme2"):
         _check_filter(name, getattr(config, name))
-    schemes = resolve_all(config.schemes)
+    schemes = resolve_all(config.schemes, config)
     if any(scheme.name in ("HME1", "HME2") for scheme in schemes):
         _check_window(config, "hme.smoother_window", config.hme.smoother_window)
     if any(scheme.name == "HME2" for scheme in schemes):
         _check_mhe(config, config.hme.mhe)
+    if config.engine == "expected":
+        from owtsweep.studies.hub.expected.checks import check as check_expected
+
+        check_expected(config)
     if config.measures.extremes:
         require(
             config.evaluation == "direct",
@@ -251,6 +255,11 @@ def _check_mhe(config: HubConfig, mhe: Mhe) -> None:
     )
     if mhe.smoother_window is not None:
         _check_window(config, "hme.mhe.smoother_window", mhe.smoother_window)
+    if mhe.constraints is not None:
+        for key, unit in (("position", "m"), ("velocity", "m/s"), ("bias", "m/s^2")):
+            bound = getattr(mhe.constraints, key)
+            if bound is not None:
+                positive(f"hme.mhe.constraints.{key}", bound, unit)
     imu, gnss = config.sensors.imu, config.sensors.gnss
     M = round(imu.rate / gnss.rate)
     positive("hme.mhe.interval", mhe.interval, "s")

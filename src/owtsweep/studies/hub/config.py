@@ -5,10 +5,10 @@ Units are SI; angles are in degrees, as users state a yaw or a wave direction.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
-from owtsweep.config import Config
+from owtsweep.config import YOUNGER, Config
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,6 +101,26 @@ class FilterTuning:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Constraints:
+    """Bounds on the states of the MHE's window, each component's magnitude; null for none.
+
+    `position` (m) and `velocity` (m/s) in NED, as the hub may move. `bias` (m/s^2) of the IMU in
+    its own frame, as its data sheet states it: b^b = R' (g - x4), since x4 = -R b^b + g in Eq. (6).
+    """
+
+    position: float | None = field(default=None, metadata=YOUNGER)
+    velocity: float | None = field(default=None, metadata=YOUNGER)
+    bias: float | None = field(default=None, metadata=YOUNGER)
+
+    @property
+    def bounds(self) -> tuple[float, float, float]:
+        """Of position, velocity and bias; infinite where there is none."""
+        values = (self.position, self.velocity, self.bias)
+        p, v, b = (float("inf") if value is None else value for value in values)
+        return p, v, b
+
+
+@dataclass(frozen=True, kw_only=True)
 class Mhe:
     """The moving horizon estimator of HME2.
 
@@ -111,7 +131,8 @@ class Mhe:
     accelerometer noise and bias walk behind the link weights; null takes the sensor's own.
     `r_fix`: variance of a fix. `p0`: initial variances of position, velocity, bias.
     `smoother_window`: HME2's own N_s; null takes hme.smoother_window. `solver`: qrqp or ipopt
-    (reference engine).
+    (reference engine). `constraints`: bounds on the window's states; with any of them HME2 is not
+    linear.
     """
 
     interval: float
@@ -125,6 +146,12 @@ class Mhe:
     p0: list[float]
     smoother_window: int | None
     solver: str
+    constraints: Constraints | None = field(default=None, metadata=YOUNGER)
+
+    @property
+    def bounds(self) -> tuple[float, float, float]:
+        """Of |p|, |v| and |b^b|; infinite where there is none."""
+        return (self.constraints or Constraints()).bounds
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -133,7 +133,7 @@ def histories(
 
     estimated: dict[str, Estimated] = {}
     left_out: dict[str, str] = {}
-    for scheme in resolve_all(config.schemes):
+    for scheme in resolve_all(config.schemes, config):
         wanted = schemes is None or scheme.name in schemes
         if not (wanted and hasattr(scheme, "kernel")):
             continue

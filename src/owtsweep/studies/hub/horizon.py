@@ -43,6 +43,9 @@ class Horizon:
         Weights of Eq. (11a) for one GNSS interval.
     initial_covariance
         (3, 3): the prior while the window fills (with an arrival term only).
+    bounds
+        (3,): of |p|, |v| (NED) and |b^b| (IMU's frame), infinite where there is none. The maps
+        below do not know them.
     """
 
     interval: int
@@ -53,6 +56,7 @@ class Horizon:
     inputs: str
     weights: WindowWeights
     initial_covariance: Array
+    bounds: Array
 
     def intervals(self, fix: int) -> int:
         """How many GNSS intervals the window holds when fix number `fix` is its newest."""
@@ -127,6 +131,7 @@ def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
             fix_variance=variance(tuning.r_fix, sensors.position_sigma, sensors),
         ),
         initial_covariance=np.diag(tuning.p0),
+        bounds=np.array(tuning.bounds),
     )
 
 

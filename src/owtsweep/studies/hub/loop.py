@@ -11,6 +11,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.contract import Estimate, Estimator, Sensors
+from owtsweep.studies.hub.online.estimator import OnlineEstimator
 from owtsweep.studies.hub.sensors import Measurements
 
 
@@ -28,13 +29,15 @@ class Trajectory(NamedTuple):
 
 
 def run_estimator(estimator: Estimator, measurements: Measurements, sensors: Sensors) -> Trajectory:
-    """Feed a whole record to an estimator.
+    """Feed a whole record to an estimator; a fix that is NaN did not arrive.
 
     Raises
     ------
     ValueError
         If an estimate has the wrong shape or is not finite, naming the step.
     """
+    if isinstance(estimator, OnlineEstimator):
+        return _at_once(estimator, measurements, sensors)
     steps = len(measurements.specific_force)
     state = np.empty((steps, 4))
     covariance: Array | None = None
@@ -43,6 +46,8 @@ def run_estimator(estimator: Estimator, measurements: Measurements, sensors: Sen
     M = sensors.fix_interval
     for k in range(steps):
         fix = measurements.fixes[k // M] if k % M == 0 else None
+        if fix is not None and np.isnan(fix).any():
+            fix = None
         estimate = estimator.update(measurements.specific_force[k], fix)
         if not isinstance(estimate, Estimate):
             raise TypeError(f"update gave a {type(estimate).__name__}, not an owtsweep.Estimate")
@@ -62,6 +67,25 @@ def run_estimator(estimator: Estimator, measurements: Measurements, sensors: Sen
         step = int(np.argmax(~np.isfinite(state).all(axis=1)))
         raise ValueError(f"the estimate of step {step} is not finite")
     return Trajectory(state, covariance, innovation, innovation_covariance)
+
+
+def _at_once(
+    estimator: OnlineEstimator, measurements: Measurements, sensors: Sensors
+) -> Trajectory:
+    """The compiled form takes a record in one call."""
+    force = np.ascontiguousarray(measurements.specific_force)
+    fixes = np.full_like(force, np.nan)
+    fixes[:: sensors.fix_interval] = measurements.fixes
+    out = estimator.run(force, fixes)
+    if not np.all(np.isfinite(out.state)):
+        step = int(np.argmax(~np.isfinite(out.state).all(axis=1)))
+        raise ValueError(f"the estimate of step {step} is not finite")
+    return Trajectory(
+        out.state,
+        np.kron(out.covariance, np.eye(2)),
+        out.innovation,
+        out.innovation_variance[:, None, None] * np.eye(2),
+    )
 
 
 def _vector(value: Array, name: str, step: int) -> Array:

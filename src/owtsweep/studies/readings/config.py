@@ -47,6 +47,10 @@ class ReadingsConfig(HubConfig):
 
     def check(self) -> None:
         super().check()
+        require(
+            self.engine != "expected",
+            "engine: the search judges records; use engine=batch, not expected",
+        )
         calibration = self.calibration
         for key in ("trials", "replicates"):
             value = getattr(calibration, key)

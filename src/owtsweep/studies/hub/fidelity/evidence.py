@@ -11,7 +11,8 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.base import OK
-from owtsweep.studies.hub.aggregate import COINCIDENCE, expand
+from owtsweep.studies.hub.aggregate import expand
+from owtsweep.studies.hub.contest import agree
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -136,7 +137,7 @@ class Evidence:
 
 def coincide(a: Array, b: Array) -> bool:
     """Whether two schemes agree up to rounding in every replicate."""
-    return bool(np.all(np.abs(a - b) <= COINCIDENCE * np.maximum(np.abs(a), np.abs(b))))
+    return bool(np.all(agree(a, b)))
 
 
 def least(found: Mapping[str, Array]) -> str:

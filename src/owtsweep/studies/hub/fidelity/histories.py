@@ -53,7 +53,7 @@ def make_histories(config: HubConfig) -> Histories | None:
     Returns None where the run has not both schemes with a batch kernel, or its spectrum does not
     exist at 3.8 s.
     """
-    known = {scheme.name: scheme for scheme in resolve_all(config.schemes)}
+    known = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     if not all(name in known and hasattr(known[name], "kernel") for name in SCHEMES):
         return None
     inside: dict[str, list[float]] = {name: [] for name in SCHEMES}

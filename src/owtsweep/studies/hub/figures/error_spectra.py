@@ -57,7 +57,7 @@ def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeError
     phase = frequency * known.fix_step
     frequency = frequency[np.abs(phase - np.round(phase)) > 0.02]
     found: dict[str, SchemeErrors] = {}
-    for scheme in resolve_all(config.schemes):
+    for scheme in resolve_all(config.schemes, config):
         if not hasattr(scheme, "kernel"):
             continue
         try:
@@ -78,6 +78,7 @@ def draw(
     *,
     coinciding: Sequence[Sequence[str]] = (),
     errors: dict[str, SchemeErrors] | None = None,
+    motion: bool = False,
 ) -> Figure:
     """Draw position and velocity error spectra of a study's schemes with their noise floors.
 
@@ -87,6 +88,8 @@ def draw(
         Groups of schemes with the same numbers, for the footnote.
     errors
         As `compute` returns them, if they are there already.
+    motion
+        Whether to draw the motion spectra of the grid's natural periods below.
 
     Raises
     ------
@@ -95,9 +98,13 @@ def draw(
     """
     found = compute(config) if errors is None else errors
     with style.context():
-        figure = style.new_figure(10.0, 5.2)
-        for axes, measure in zip(figure.subplots(1, 2), UNITS, strict=True):
+        figure = style.new_figure(10.0, 6.6 if motion else 5.2)
+        ratios = [3.4, 1.0] if motion else [1.0]
+        grid = figure.subplots(len(ratios), 2, squeeze=False, height_ratios=ratios)
+        for axes, measure in zip(grid[0], UNITS, strict=True):
             panel(axes, found, config, measure)
+        for axes in grid[1] if motion else ():
+            motion_spectra(axes, config, figure.axes[0].get_xlim())
         handles, labels = figure.axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside right upper", frameon=False)
         figure.suptitle(
@@ -108,7 +115,8 @@ def draw(
             fontsize=12,
         )
         same = [f"{' and '.join(group)} give the same numbers." for group in coinciding]
-        style.footnote(figure, " ".join([EXPLANATION, *same, *unsettled(config, found)]))
+        below = [MOTION_EXPLANATION] if motion else []
+        style.footnote(figure, " ".join([EXPLANATION, *below, *same, *unsettled(config, found)]))
     return figure
 
 
@@ -119,10 +127,36 @@ EXPLANATION = (
     " settled: the start-up transient of a record is in neither."
 )
 
+MOTION_EXPLANATION = (
+    "Below: spectra of the motion at the grid's natural periods, each with its peak at 1."
+)
+#: More spectra than these would hide each other.
+MOST_SPECTRA = 8
+
+
+def motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
+    """Draw the motion spectra of the grid's natural periods over their band, peaks at 1."""
+    from owtsweep.motion.spectra import spectrum
+
+    periods = sorted(config.grid.natural_period)
+    chosen = np.unique(np.linspace(0, len(periods) - 1, MOST_SPECTRA).round().astype(int))
+    frequency = np.geomspace(config.band[0], config.band[1], 2000)
+    shown = [periods[i] for i in chosen] if len(periods) > MOST_SPECTRA else periods
+    for number, period in enumerate(shown):
+        shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+        density = shape.density(frequency) / shape.density(np.array([shape.peak_frequency]))
+        grey = str(0.15 + 0.5 * number / max(len(shown) - 1, 1))
+        axes.loglog(frequency, density, color=grey, linewidth=1.0)
+    axes.set_xlim(*limits)
+    axes.set_ylim(1e-4, 2.0)
+    _frequency_ticks(axes, limits[0], BEYOND[1] * config.band[1])
+    axes.set_xlabel("frequency of the motion (Hz)")
+    axes.set_ylabel("motion spectrum")
+
 
 def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
     """Sentences on what the panel does not show."""
-    names = [scheme.name for scheme in resolve_all(config.schemes)]
+    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     without = {
         "curve (no kernel, or it does not settle)": [n for n in names if n not in errors],
         "bar (the noise does not settle)": [n for n in errors if errors[n].floor is None],
@@ -171,7 +205,6 @@ def panel(
 def _scales(
     axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measure: str, top: float
 ) -> None:
-    from matplotlib.ticker import FuncFormatter, NullFormatter
 
     frequency: Array = next(iter(errors.values())).spectrum.frequency
     left, right = np.log(frequency[0]), np.log(frequency[-1])
@@ -184,11 +217,16 @@ def _scales(
     axes.text(0.5 * sum(FLOOR_SPAN), 0.02, "noise\nalone", transform=axes.transAxes,
               ha="center", va="bottom", fontsize=8)  # fmt: skip
     axes.axvspan(*config.band, color="0.95", zorder=0)
-    ticks = [f for f in (0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 1.0) if frequency[0] <= f <= frequency[-1]]
-    axes.set_xticks(ticks)
+    _frequency_ticks(axes, frequency[0], frequency[-1])
+    axes.set_xlabel("frequency of the motion (Hz); grey: band of the records")
+
+
+def _frequency_ticks(axes: Axes, low: float, high: float) -> None:
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    axes.set_xticks([f for f in (0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 1.0) if low <= f <= high])
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_xlabel("frequency of the motion (Hz); grey: band of the records")
 
 
 def _mark_periods(axes: Axes, periods: Sequence[float]) -> None:

@@ -50,8 +50,10 @@ def resolve(entry: Any) -> Scheme:
     )
 
 
-def resolve_all(entries: Sequence[Any]) -> list[Scheme]:
+def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
     """All schemes of a run, with unique names, in the order given.
+
+    With a tuning, each as that tuning makes it: `under(tuning)` where a scheme has it.
 
     Raises
     ------
@@ -60,12 +62,19 @@ def resolve_all(entries: Sequence[Any]) -> list[Scheme]:
     """
     if not entries:
         raise InputError("schemes: the list is empty; use e.g. schemes=[MKF,HME1]")
-    schemes = [resolve(entry) for entry in entries]
+    schemes = [under(resolve(entry), tuning) for entry in entries]
     names = [scheme.name for scheme in schemes]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"schemes: {name!r} stands there twice; names must differ")
     return schemes
+
+
+def under(scheme: Scheme, tuning: Any) -> Scheme:
+    """The scheme as a tuning makes it: a constrained HME2, say, is not linear."""
+    if tuning is not None and hasattr(scheme, "under"):
+        return scheme.under(tuning)  # type: ignore[no-any-return]
+    return scheme
 
 
 def _instantiate(entry: Mapping[str, Any]) -> Scheme:

@@ -13,6 +13,7 @@ from typing import Any
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import axis_filter
+from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.schemes.mkf import FilterEstimator
 
 
@@ -26,6 +27,10 @@ class EKF:
     def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
         """A fresh estimator."""
         return FilterEstimator(tuning.ekf, sensors)
+
+    def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
+        """A fresh compiled estimator."""
+        return online_chain(tuning.ekf, sensors)
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:

@@ -14,15 +14,23 @@ from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.config import FilterTuning
 from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
 from owtsweep.studies.hub.models import axis_filter, input_model
+from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
+from owtsweep.studies.hub.schemes.uncertainty import predicted_covariance
 
 
 class DelayedChain:
-    """What HME1 and HME2 share: everything behind the position that the filter is given."""
+    """What HME1 and HME2 share: everything behind the position that the filter is given.
+
+    Covariances come from the schedule until a fix is missing or comes at another step than it
+    should (`on_schedule` goes False), and from the filter's own past from then on.
+    """
 
     def __init__(self, tuning: FilterTuning, window: int, sensors: Sensors, gains: Chain) -> None:
         axis = axis_filter(tuning, sensors)
+        self.axis = axis
         self.sensors = sensors
+        self.on_schedule = True
         self.filter = MultirateKalmanFilter(axis, sensors.rotation, tuning.update_rule)
         self.smoother = FixedLagSmoother(self.filter.kf.F, window)
         self.input_model = input_model(tuning, sensors)
@@ -50,19 +58,31 @@ class DelayedChain:
         inputs = np.array(self.samples)[:-1] @ self.sensors.rotation.T  # all but the newest
         start = np.array([state[:2], state[2:4], state[6:8]])  # x1, x2, x4 of both axes
         now = np.array([predict(self.input_model, start[:, i], inputs[:, [i]]) for i in range(2)])
-        row = int(self.gains.gains.row(self.count))
-        self.count += 1
         innovation = None
         if fix is not None:
             innovation = Innovation(step.innovation, step.innovation_covariance)
-        covariance = np.kron(self.gains.covariance[row], np.eye(2))
+        covariance = np.kron(self._covariance(full=smoothed is not None), np.eye(2))
+        self.count += 1
         return Estimate(now[:, 0], now[:, 1], covariance, innovation), step
+
+    def _covariance(self, *, full: bool) -> Array:
+        if self.on_schedule or not full:
+            return np.asarray(self.gains.covariance[int(self.gains.gains.row(self.count))])
+        past = self.smoother.register
+        return predicted_covariance(
+            [entry[1][::2, ::2] for entry in past],
+            [entry[3][::2, ::2] for entry in past],
+            self.axis,
+            self.input_model,
+            self.sensors.delay + self.window,
+        )
 
 
 class HME1Estimator:
     """Algorithm 1, one step at a time."""
 
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
+        self.sensors = sensors
         self.chain = DelayedChain(tuning.hme1, tuning.hme.smoother_window, sensors, gains)
         self.held_fix: Array = np.zeros(2)
 
@@ -70,6 +90,8 @@ class HME1Estimator:
         """One pass through Algorithm 1."""
         if position is not None:
             self.held_fix = np.array(position, dtype=float)
+        if (position is not None) != (self.chain.count % self.sensors.fix_interval == 0):
+            self.chain.on_schedule = False
         delayed = self.chain.push(specific_force)
         return self.chain.step(delayed, position, self.held_fix)[0]
 
@@ -84,6 +106,12 @@ class HME1:
     def start(self, sensors: Sensors, tuning: Any) -> HME1Estimator:
         """A fresh estimator."""
         return HME1Estimator(sensors, tuning, self.kernel(sensors, tuning))
+
+    def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
+        """A fresh compiled estimator."""
+        return online_chain(
+            tuning.hme1, sensors, window=tuning.hme.smoother_window, delay=sensors.delay
+        )
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:

@@ -3,48 +3,54 @@
 from __future__ import annotations
 
 from collections import deque
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise
-from owtsweep.estimation.mhe import CasadiWindow, square_root_information
 from owtsweep.estimation.predictor import predict
+from owtsweep.studies.hub import window
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.contract import Estimate, Sensors
-from owtsweep.studies.hub.horizon import Horizon, horizon, transition_over
-from owtsweep.studies.hub.models import axis_filter, input_model, sigma_2
+from owtsweep.studies.hub.horizon import Horizon, horizon
+from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model, sigma_2
+from owtsweep.studies.hub.online.estimator import OFF_GRID, OnlineEstimator, online_chain
 from owtsweep.studies.hub.schemes.hme1 import DelayedChain
-
-_I = np.eye(2)
+from owtsweep.studies.hub.schemes.multirate import FilterStep
 
 
 class MovingHorizonEstimator:
     """Registers 2 and 3 and the optimisation (Algorithms 4 and 5, Eq. 11), two axes.
 
-    Printed: both parts of register 2 are built from register 1; its own past is meant.
+    Printed: both parts of register 2 are built from register 1; its own past is meant. A fix that
+    is missing leaves a node without one.
     """
 
     def __init__(self, mhe: Horizon, sensors: Sensors, gains: Chain, solver: str) -> None:
         self.mhe, self.sensors, self.gains, self.solver = mhe, sensors, gains, solver
+        self.on_schedule = True
         self.model = discretise(sigma_2(0.0, 0.0), sensors.step)
-        self.fixes: deque[Array] = deque(maxlen=mhe.length + 1)
+        self.fixes: deque[Array | None] = deque(maxlen=mhe.length + 1)
         self.effects: deque[Array] = deque(maxlen=mhe.length)  # of the inputs, per interval
-        self.states: dict[int, Array] = {}  # register 3, by the number of the fix
-        self.inputs: list[Array] = []  # since the last fix, as the MHE sees them
+        self.states: dict[int, FilterStep] = {}  # register 3, by the number of the node
+        self.inputs: list[Array] = []  # since the last node, as the MHE sees them
         self.recent: list[Array] = []  # since the last tick of T_m
         self.held: Array = np.zeros(2)
         self.fix_number = -1
 
-    def take_fix(self, fix: Array) -> None:
+    def take_fix(self, fix: Array | None) -> None:
         """Register 2, every T_g."""
         self.fix_number += 1
         if self.fix_number > 0:
             self.effects.append(self._effect())
         self.inputs = []
         self.fixes.append(fix)
+
+    def determined(self) -> bool:
+        """Whether the window's fixes determine its states, or correct what arrived there."""
+        used = list(self.fixes)[1 if self.mhe.uses_filter(self.fix_number) else 0 :]
+        return sum(fix is not None for fix in used) >= (1 if self.mhe.arrival else 3)
 
     def take_input(self, step: int, force: Array) -> None:
         """Register 2: the input (NED) that is held over the step that now begins."""
@@ -55,60 +61,42 @@ class MovingHorizonEstimator:
             self.recent = []
         self.inputs.append(force if self.mhe.inputs == "all" else self.held)
 
-    def take_state(self, x: Array) -> None:
-        """Register 3, at the fixes: x1, x2, x4 of the filter."""
-        self.states[self.fix_number] = x[[0, 1, 2, 3, 6, 7]]
+    def take_state(self, filtered: FilterStep) -> None:
+        """Register 3, at the nodes."""
+        self.states[self.fix_number] = filtered
         self.states.pop(self.fix_number - self.mhe.length - 1, None)
 
     def position(self, since_fix: int) -> Array:
-        """The position now (delayed time), `since_fix` steps after the newest fix."""
-        n = len(self.effects)
-        uses_filter = self.mhe.uses_filter(self.fix_number)
-        fixed = self.mhe.is_fixed(self.fix_number)
-        problem = _problem(
-            n,
-            last_node=since_fix > 0,
-            arrival=self.mhe.arrival and not fixed,
-            fixed_arrival=fixed,
-            use_first_fix=not uses_filter,
-            solver=self.solver,
-        )
-        M = self.sensors.fix_interval
-        weights = self.mhe.weights
+        """The position now (delayed time), `since_fix` steps after the newest node."""
+        filled = self.mhe.uses_filter(self.fix_number)
         effects = [*self.effects] + ([self._effect()] if since_fix else [])
-        prior: Array = np.eye(6)
+        M = self.sensors.fix_interval
         x0: Array = np.zeros(6)
         covariance = self.mhe.arrival_covariance(self.fix_number, self.gains.gains, M)
-        if covariance is not None:
-            prior = np.kron(square_root_information(covariance), _I)
-        if uses_filter:
-            x0 = self.states[self.fix_number - self.mhe.length]
-        deviation = np.sqrt(np.diagonal(weights.link_covariance))
-        scale = np.kron([np.sqrt(weights.fix_variance), deviation[1], deviation[2]], [1.0, 1.0])
-        nodes = problem.solve(
-            scale,
-            np.array(self.fixes).T,
-            np.array(effects).reshape(-1, 6).T,
-            np.kron(weights.transition, _I),
-            np.kron(transition_over(since_fix * self.sensors.step), _I),
-            np.kron(square_root_information(weights.link_covariance), _I),
-            1.0 / np.sqrt(weights.fix_variance),
-            x0,
-            prior,
+        if filled:
+            past = self.states[self.fix_number - self.mhe.length]
+            x0 = past.x[[0, 1, 2, 3, 6, 7]]
+            if not self.on_schedule:
+                covariance = past.P[::2, ::2][np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)]
+        nodes = window.solve(
+            self.mhe,
+            self.sensors,
+            solver=self.solver,
+            since_fix=since_fix,
+            fixes=np.array([np.zeros(2) if fix is None else fix for fix in self.fixes]),
+            have=np.array([fix is not None for fix in self.fixes]),
+            effects=np.array(effects),
+            filled=filled,
+            x0=x0,
+            covariance=covariance,
         )
-        return nodes[:2, -1]
+        return np.asarray(nodes[:2, -1])
 
     def _effect(self) -> Array:
-        """B u of the inputs since the last fix, (6,)."""
+        """B u of the inputs since the last node, (6,)."""
         inputs = np.array(self.inputs).reshape(-1, 2)
         axes = [predict(self.model, np.zeros(3), inputs[:, [i]]) for i in range(2)]
         return np.array(axes).T.ravel()
-
-
-@lru_cache(maxsize=256)
-def _problem(intervals: int, **kind: Any) -> CasadiWindow:
-    """A window's problem on two axes; it holds no data, so all estimators share it."""
-    return CasadiWindow(intervals, states=6, outputs=2, **kind)
 
 
 class HME2Estimator:
@@ -124,21 +112,31 @@ class HME2Estimator:
         self.step = 0
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """One pass through Algorithm 2."""
-        delayed = self.chain.push(specific_force)
-        if position is not None:
-            self.mhe.take_fix(np.array(position, dtype=float))
+        """One pass through Algorithm 2.
+
+        Raises
+        ------
+        ValueError
+            If a fix comes between the steps at which fixes are due: the MHE has no node there.
+        """
         since_fix = self.step % self.sensors.fix_interval
+        if position is not None and since_fix:
+            raise ValueError(OFF_GRID.format(step=self.step, interval=self.sensors.fix_interval))
+        delayed = self.chain.push(specific_force)
+        if since_fix == 0:
+            if position is None:
+                self.chain.on_schedule = self.mhe.on_schedule = False
+            self.mhe.take_fix(None if position is None else np.array(position, dtype=float))
         fix = None
-        if self.mhe.fix_number < self.settings.first:
+        if not self.mhe.determined():
             fix = position  # too few fixes for a window: they pass through
         elif self.step % self.settings.interval == 0:
             fix = self.mhe.position(since_fix)
         if fix is not None:
             self.held_fix = fix
         estimate, filtered = self.chain.step(delayed, fix, self.held_fix)
-        if position is not None:
-            self.mhe.take_state(filtered.x)
+        if since_fix == 0:
+            self.mhe.take_state(filtered)
         self.mhe.take_input(self.step, self.sensors.rotation @ delayed)
         self.step += 1
         return estimate
@@ -161,6 +159,21 @@ class HME2:
         """A fresh estimator."""
         return HME2Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
+    def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
+        """A fresh compiled estimator."""
+        return online_chain(
+            tuning.hme2,
+            sensors,
+            window=window_of(tuning),
+            delay=sensors.delay,
+            mhe=horizon(tuning.hme.mhe, sensors),
+            solver=tuning.hme.mhe.solver,
+        )
+
+    def under(self, tuning: Any) -> HME2 | ConstrainedHME2:
+        """Itself, or with constraints what these make of it."""
+        return ConstrainedHME2() if np.any(np.isfinite(tuning.hme.mhe.bounds)) else self
+
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
         """The scheme for the batch engine, for records of that many steps."""
@@ -174,6 +187,23 @@ class HME2:
             horizon=horizon(tuning.hme.mhe, sensors),
             steps=steps,
         )
+
+
+class ConstrainedHME2:
+    """HME2 with constraints on the MHE's window: not linear, and without a kernel."""
+
+    name = "HME2"
+    linear = False
+    constrained = True
+    sections = HME2.sections
+
+    def start(self, sensors: Sensors, tuning: Any) -> HME2Estimator:
+        """A fresh estimator that solves every window with its constraints."""
+        return SCHEME.start(sensors, tuning)
+
+    def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
+        """A fresh compiled estimator: CasADi where the unconstrained answer breaks a constraint."""
+        return SCHEME.stream(sensors, tuning)
 
 
 SCHEME = HME2()

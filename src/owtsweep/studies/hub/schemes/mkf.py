@@ -15,6 +15,7 @@ from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.config import FilterTuning
 from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
 from owtsweep.studies.hub.models import axis_filter
+from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
 
 
@@ -48,6 +49,10 @@ class MKF:
     def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
         """A fresh estimator."""
         return FilterEstimator(tuning.mkf, sensors)
+
+    def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
+        """A fresh compiled estimator."""
+        return online_chain(tuning.mkf, sensors)
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:

@@ -1,0 +1,74 @@
+"""What one IMU sample costs on board: each scheme's online form, one `update` per sample.
+
+python benchmarks/online.py
+"""
+
+from __future__ import annotations
+
+import time
+from typing import NamedTuple
+
+import numpy as np
+
+import owtsweep
+
+SCHEMES = ("EKF", "MKF", "HME1", "HME2")
+#: Most that HME2 may take, median, microseconds per IMU step.
+GOAL = 200.0
+
+
+class Cost(NamedTuple):
+    """Microseconds per IMU step: of `update`, and of `run` over the whole record."""
+
+    scheme: str
+    tuning: str
+    median: float
+    high: float
+    worst: float
+    at_once: float
+
+
+def measure(
+    steps: int = 20_000, repeats: int = 5, tunings: tuple[str, ...] = ("paper", "matched")
+) -> list[Cost]:
+    """The cost of each scheme at the default rates, 100 Hz and 1 Hz.
+
+    median, high (the 99.9th percentile) and worst are over all steps of all repeats, so that they
+    hold whatever else the machine does; at_once is the median over repeats.
+    """
+    random = np.random.default_rng(0)
+    force = random.normal(size=(steps, 2))
+    positions = np.full((steps, 2), np.nan)
+    positions[::100] = random.normal(size=(len(positions[::100]), 2))
+    fixes = [None if np.isnan(position[0]) else position for position in positions]
+    costs = []
+    for tuning in tunings:
+        for scheme in SCHEMES:
+            owtsweep.online(scheme, [f"tuning={tuning}"]).update(force[0], fixes[0])  # compile
+            spent = np.empty((repeats, steps))
+            whole = np.empty(repeats)
+            for repeat in range(repeats):
+                estimator = owtsweep.online(scheme, [f"tuning={tuning}"])
+                for k in range(steps):
+                    began = time.perf_counter()
+                    estimator.update(force[k], fixes[k])
+                    spent[repeat, k] = time.perf_counter() - began
+                estimator = owtsweep.online(scheme, [f"tuning={tuning}"])
+                began = time.perf_counter()
+                estimator.run(force, positions)
+                whole[repeat] = (time.perf_counter() - began) / steps
+            median, high = 1e6 * np.quantile(spent, [0.5, 0.999])
+            costs.append(
+                Cost(scheme, tuning, float(median), float(high), 1e6 * float(spent.max()),
+                     1e6 * float(np.median(whole)))
+            )  # fmt: skip
+    return costs
+
+
+if __name__ == "__main__":
+    print("microseconds per IMU step   update: median   99.9 %    worst   run at once")
+    for cost in measure():
+        print(
+            f"{cost.scheme:5s} tuning={cost.tuning:8s}{cost.median:20.1f}{cost.high:9.1f}"
+            f"{cost.worst:9.0f}{cost.at_once:14.2f}"
+        )

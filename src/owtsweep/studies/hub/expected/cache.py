@@ -1,0 +1,112 @@
+"""Results that cost seconds are kept: in memory, and in the user's cache folder.
+
+A file is known by everything that its numbers depend on, the program's own source included, so an
+edit never meets numbers of before. A file that is damaged is computed again.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import json
+import os
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+
+#: Entries in memory; the folder is the user's to empty.
+KEPT = 64
+_MEMORY: OrderedDict[str, dict[str, Array]] = OrderedDict()
+_LOCK = threading.Lock()
+_LOCKS: dict[str, threading.Lock] = {}
+#: Where the code stands that such numbers depend on, below the package.
+SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
+
+
+def folder() -> Path:
+    """Where the files lie."""
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "owtsweep" / "expected"
+
+
+def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
+    """Arrays by name, computed unless they are known.
+
+    Parameters
+    ----------
+    what
+        Everything that the arrays depend on besides this program; JSON-serialisable.
+    compute
+        Makes the arrays.
+    """
+    text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
+    key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
+    with _LOCK:
+        mine = _LOCKS.setdefault(key, threading.Lock())
+    with mine:  # threads that need the same arrays wait for the first of them
+        arrays = _MEMORY.get(key)
+        if arrays is None:
+            arrays = _read(folder() / f"{key}.npz")
+        if arrays is None:
+            arrays = compute()
+            _write(folder() / f"{key}.npz", arrays)
+    with _LOCK:
+        _MEMORY[key] = arrays
+        _MEMORY.move_to_end(key)
+        while len(_MEMORY) > KEPT:
+            _LOCKS.pop(_MEMORY.popitem(last=False)[0], None)
+    return arrays
+
+
+def forget() -> None:
+    """Empty the memory; files stay."""
+    with _LOCK:
+        _MEMORY.clear()
+        _LOCKS.clear()
+
+
+def _read(path: Path) -> dict[str, Array] | None:
+    try:
+        data = path.read_bytes()
+        digest, body = data[:16], data[16:]
+        if hashlib.blake2b(body, digest_size=16).digest() != digest:
+            return None
+        with np.load(io.BytesIO(body), allow_pickle=False) as found:
+            return {name: found[name] for name in found.files}
+    except (OSError, ValueError, KeyError):
+        return None
+
+
+def _write(path: Path, arrays: Mapping[str, Array]) -> None:
+    from owtsweep.sweep.files import write_atomically
+
+    buffer = io.BytesIO()
+    np.savez(buffer, **dict(arrays))  # type: ignore[arg-type]
+    body = buffer.getvalue()
+    # a home that cannot be written must not stop anybody from computing
+    with contextlib.suppress(OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, hashlib.blake2b(body, digest_size=16).digest() + body)
+
+
+@cache
+def source_hash() -> str:
+    """Hash of the code that expected errors depend on, and of the numerical libraries."""
+    import scipy
+
+    package = Path(__file__).resolve().parents[3]
+    digest = hashlib.blake2b(f"{np.__version__} {scipy.__version__}".encode(), digest_size=8)
+    for entry in SOURCES:
+        path = package / entry
+        for file in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
+            digest.update(str(file.relative_to(package)).encode())
+            digest.update(file.read_bytes())
+    return digest.hexdigest()

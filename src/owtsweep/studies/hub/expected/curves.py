@@ -1,0 +1,189 @@
+"""What a scheme makes of motion and of each noise, on the mean over all records of a length.
+
+Everything is as it is in a record: gains from the first step on, states from zero, the windows of
+that record. So the expectation is that of the record, whether or not the scheme settles in it; the
+only approximations are to read curves off between their nodes, and to take an answer that repeats
+for one that goes on repeating.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.expected import inputs, nodes
+from owtsweep.studies.hub.expected.inputs import Probe
+from owtsweep.studies.hub.expected.probing import energies
+from owtsweep.studies.hub.sensors import fix_count
+
+#: An interval is halved where reading its middle off misses by this part: of the curve, for
+#: motion; of the whole sum, for noise.
+MOTION_TOLERANCE = 2e-3
+NOISE_TOLERANCE = 1e-4
+#: A bias' walk is followed up to this frequency, in units of the fix rate: its energy beyond is
+#: 1e-4 of the whole and less.
+WALK_TO = 1.0
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Expected errors of one scheme for records of one length, per measure and window.
+
+    Arrays have the axes (measure: position, velocity; window: full, settled).
+
+    Attributes
+    ----------
+    frequency
+        (n,) Hz.
+    motion
+        (2, 2, n): mean square error over the mean square of a sinusoidal displacement of random
+        phase, along its direction; m^2 per m^2 and s^-2.
+    noise
+        (3, 2, 2): variance of one axis from GNSS, IMU noise and the walk of its bias, m^2 and
+        (m/s)^2.
+    constant
+        (2, 2): mean square error of one axis per squared constant force, s^4 and s^2.
+    """
+
+    frequency: Array
+    motion: Array
+    noise: Array
+    constant: Array
+
+    def at(self, frequency: Array) -> Array:
+        """`motion` at other frequencies of the band, (2, 2, n)."""
+        return _between(frequency, self.frequency, self.motion)
+
+
+def curves(
+    chain: Chain, sensors: Sensors, *, steps: int, settled: int, band: tuple[float, float]
+) -> Curves:
+    """Probe a chain.
+
+    Parameters
+    ----------
+    chain
+        For records of `steps` steps.
+    steps, settled
+        Steps of a record, and the first one of the settled window.
+    band
+        Edges of the motion, Hz.
+    """
+    prober = _Prober(chain, sensors, steps, settled)
+    motion = prober.motion(band)
+    lengths = np.array([steps, steps - settled])
+    noise = [
+        sensors.position_sigma**2 * prober.fixes(),
+        sensors.force_sigma**2 * prober.forces(),
+        sensors.bias_walk**2 * sensors.step * prober.walks(),
+    ]
+    return Curves(
+        frequency=motion[0],
+        motion=motion[1] / lengths[:, None],
+        noise=np.array(noise) / lengths,
+        constant=prober(inputs.constant())[..., 0] / lengths,
+    )
+
+
+class _Prober:
+    """One chain on records of one length."""
+
+    def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
+        self.chain, self.sensors, self.steps, self.settled = chain, sensors, steps, settled
+        self.scales = nodes.scales(chain, sensors)
+
+    def __call__(self, probe: Probe) -> Array:
+        return energies(self.chain, self.sensors, probe, self.steps, self.settled)
+
+    def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
+        """Nodes over the band and the energies at each."""
+
+        def wrong(left: Array, right: Array, predicted: Array, found: Array) -> Array:
+            return np.asarray(
+                np.any(np.abs(predicted - found) > MOTION_TOLERANCE * found, axis=(0, 1))
+            )
+
+        first = nodes.over_band(band, self.scales, self.steps * self.sensors.step)
+
+        def answer(frequency: Array) -> Array:
+            return self(inputs.motion(frequency, self.sensors))
+
+        return nodes.refined(first, answer(first), answer, _between, wrong)
+
+    def fixes(self) -> Array:
+        """Energies from fixes of variance 1, (measure, window)."""
+        count = fix_count(self.steps, self.sensors.fix_interval)
+        per_number = 1.0 / (count * self.sensors.fix_step)
+        return self._phasors(count, per_number, lambda n: inputs.fixes(n, count, self.sensors))
+
+    def forces(self) -> Array:
+        """Energies from samples of variance 1, (measure, window)."""
+        per_number = 1.0 / (self.steps * self.sensors.step)
+        return self._phasors(self.steps, per_number, lambda n: inputs.forces(n, self.steps))
+
+    def _phasors(self, count: int, per_number: float, probe: Callable[[Array], Probe]) -> Array:
+        """The sum over a basis of `count` phasors; numbers n and count - n answer alike."""
+        number = np.arange(1.0, count // 2 + 1.0)
+        weight = np.where(2.0 * number == count, 1.0, 2.0) / count
+        return self(probe(np.zeros(1)))[..., 0] / count + self._sum(
+            number, weight, len(number), per_number, probe
+        )
+
+    def walks(self) -> Array:
+        """Energies from a Wiener process with steps of variance 1, (measure, window).
+
+        Its covariance min(k, l) has the eigenvalues 1 / (2 - 2 cos angle) on sin(angle k).
+        """
+        last = self.steps - 1
+        per_number = 0.5 / (self.steps * self.sensors.step)
+        highest = min(last, max(round(WALK_TO * self.scales.rate / per_number), 64))
+        number = np.arange(1.0, highest + 1.0)
+        angle = inputs.walks(number, self.steps).angle
+        weight = 4.0 / (2.0 * last + 1.0) / (2.0 - 2.0 * np.cos(angle))
+        return self._sum(number, weight, highest, per_number, lambda n: inputs.walks(n, self.steps))
+
+    def _sum(
+        self,
+        number: Array,
+        weight: Array,
+        last: int,
+        per_number: float,
+        probe: Callable[[Array], Probe],
+    ) -> Array:
+        """Sum of weight x energy over all numbers, most of them read off between nodes."""
+        first = nodes.numbers(last, per_number, self.scales)
+        upto = np.concatenate([[0.0], np.cumsum(weight)])
+        values = self(probe(first))
+        if len(first) < 2:
+            return np.asarray(np.sum(weight * values, axis=-1))
+        total = np.sum(weight * _between(number, first, values), axis=-1)
+
+        def large(left: Array, right: Array, part: Array) -> Array:
+            shares = upto[right.astype(int)] - upto[left.astype(int)]
+            return np.asarray(
+                np.any(part * shares > NOISE_TOLERANCE * total[..., None], axis=(0, 1))
+            )
+
+        def wrong(left: Array, right: Array, predicted: Array, found: Array) -> Array:
+            return large(left, right, np.abs(predicted - found))
+
+        found = nodes.refined(
+            first, values, lambda n: self(probe(n)), _between, wrong, matters=large, whole=True
+        )
+        return np.asarray(np.sum(weight * _between(number, *found), axis=-1))
+
+
+def _between(x: Array, known: Array, values: Array) -> Array:
+    """Positive curves (..., n) between their nodes: cubic (monotone) in both logarithms."""
+    from scipy.interpolate import PchipInterpolator
+
+    logs = np.log(np.maximum(values, np.finfo(float).tiny))
+    if len(known) < 2:
+        return np.asarray(np.exp(np.repeat(logs, len(x), axis=-1)))
+    curve = PchipInterpolator(np.log(known), logs, axis=-1)
+    return np.asarray(np.exp(curve(np.log(np.clip(x, known[0], known[-1])))))

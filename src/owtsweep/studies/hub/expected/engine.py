@@ -1,0 +1,157 @@
+"""`engine: expected`: the blocks of a study without records, and their rows.
+
+One block per scheme holds all natural periods: what takes time, the scheme's curves, knows none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from owtsweep.arrays import Array
+from owtsweep.config import as_mapping
+from owtsweep.motion.spectra import spectrum
+from owtsweep.studies.base import Block
+from owtsweep.studies.hub import blocks as sampled
+from owtsweep.studies.hub import measures
+from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.expected.cache import cached
+from owtsweep.studies.hub.expected.curves import Curves, curves
+from owtsweep.studies.hub.expected.peak import RECORDS, peak_factors
+from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
+from owtsweep.studies.hub.schemes import resolve, resolve_all
+
+#: Raised by hand whenever the numbers of this engine change.
+EXPECTED_VERSION = 1
+MEASURES = ("position", "velocity")
+AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}
+
+
+def plan(config: HubConfig) -> list[Block]:
+    """One block per scheme."""
+    shared = sampled.shared_content(config)
+    if config.normalise == "peak":
+        shared["peak_records"] = RECORDS
+    else:
+        del shared["seed"]  # no record, nothing random
+    periods = sorted(float(period) for period in config.grid.natural_period)
+    cells = len(periods) * len(config.grid.amplitude)
+    return [
+        Block(
+            group=scheme.name,
+            label=f"{scheme.name}, expected",
+            content={
+                **shared,
+                **sampled.scheme_content(config, entry, scheme),
+                "expected_version": EXPECTED_VERSION,
+                "natural_periods": periods,
+            },
+            cases=cells,
+            cases_per_row=cells,
+        )
+        for entry, scheme in zip(config.schemes, resolve_all(config.schemes, config), strict=True)
+    ]
+
+
+def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+    """The rows of some schemes."""
+    for block in blocks:
+        name, periods = block.content["scheme"], block.content["natural_periods"]
+        yield block, rows(config, name, periods)
+
+
+def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame:
+    """One row per natural period, measure and window: motion at 1 m, no cross term, noise.
+
+    Natural periods are expanded without any loop over schemes' steps.
+    """
+    known = sensing.sensors(config.sensors)
+    curve = curves_of(config, name)
+    motion = motion_of(config, curve, periods)
+    noise = noise_of(config, curve)
+    angle = np.deg2rad(config.wave_direction)
+    along = (np.cos(angle) ** 2, np.sin(angle) ** 2)
+    steps = round(config.record.duration / known.step)
+    samples = (steps, steps - round(config.measures.settling_time / known.step))
+    parts = []
+    for m, measure in enumerate(MEASURES):
+        for w, window in enumerate(measures.WINDOWS):
+            axes = [(AXES[measure][i], along[i], noise[i, m, w]) for i in range(2)]
+            whole = (measure, 1.0, noise[0, m, w] + noise[1, m, w])
+            for label, share, floor in (*axes, whole):
+                parts.append(
+                    {
+                        "natural_period": np.asarray(periods, dtype=float),
+                        "measure": label,
+                        "window": window,
+                        "motion": share * motion[:, m, w],
+                        "noise": floor,
+                        "n_samples": samples[w],
+                    }
+                )
+    table = pd.concat([pd.DataFrame(part) for part in parts], ignore_index=True)
+    finite = bool(np.all(np.isfinite(table[["motion", "noise"]].to_numpy())))
+    table = table.assign(
+        replicate=0,
+        scheme=name,
+        amplitude=np.nan,
+        cross=0.0,
+        value=np.nan,
+        status="ok" if finite else "failed",
+        reason="" if finite else "the estimate is not finite",
+    )
+    if not finite:
+        table = table.iloc[:1]
+    return table[list(measures.COLUMNS)].astype({"replicate": "int64", "n_samples": "int64"})
+
+
+def curves_of(config: HubConfig, name: str) -> Curves:
+    """The curves of a scheme of the study, cached."""
+    known = sensing.sensors(config.sensors)
+    steps = round(config.record.duration / known.step)
+    settled = round(config.measures.settling_time / known.step)
+    band = (config.band[0], config.band[1])
+    by_name = {resolve(entry).name: entry for entry in config.schemes}
+    scheme: Any = resolve(by_name[name])
+    what = {
+        "what": "curves",
+        "version": EXPECTED_VERSION,
+        "sensors": as_mapping(known),
+        "scheme": sampled.scheme_content(config, by_name[name], scheme),
+        "steps": steps,
+        "settled": settled,
+        "band": list(band),
+    }
+
+    def compute() -> dict[str, Array]:
+        chain = scheme.kernel(known, config, steps)
+        found = curves(chain, known, steps=steps, settled=settled, band=band)
+        return {key: getattr(found, key) for key in Curves.__dataclass_fields__}
+
+    return Curves(**cached(what, compute))
+
+
+def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Array:
+    """Expected mean square error from motion of amplitude 1 m, (periods, measure, window)."""
+    known = lines_of((config.band[0], config.band[1]), config.record.duration)
+    at_lines = curve.at(known.frequency)
+    kind, bandwidth = config.spectrum.kind, config.spectrum.bandwidth
+    found = np.array(
+        [expected_ratio(spectrum(kind, period, bandwidth), at_lines, known) for period in periods]
+    )
+    if config.normalise == "peak":
+        found *= peak_factors(config, list(periods))[:, None, None]
+    return found
+
+
+def noise_of(config: HubConfig, curve: Curves) -> Array:
+    """Expected mean square error from all that is not motion, (axis, measure, window)."""
+    known = sensing.sensors(config.sensors)
+    bias = np.full(2, config.sensors.imu.bias_initial)
+    constant = known.rotation @ bias - np.array(known.gravity)
+    each = constant**2
+    return np.asarray(curve.noise.sum(axis=0) + each[:, None, None] * curve.constant)

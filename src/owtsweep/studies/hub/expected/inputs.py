@@ -1,0 +1,78 @@
+"""The inputs that a chain is probed with, in place of records.
+
+The mean over records of a sum of squared errors is a sum over any orthonormal basis of the inputs.
+The bases are chosen so that the answer to a basis vector changes smoothly with its number; so some
+dozens are run, and the others read off a curve.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.contract import Sensors
+
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Probe:
+    """Sinusoids that all act in the same way.
+
+    Attributes
+    ----------
+    angle
+        (n,) rad per step of the IMU.
+    force, fix
+        (n,) what a unit sinusoid gives the IMU, and the fixes.
+    truth
+        Whether the sinusoid is a displacement that the estimate should follow (its fixes come
+        late, then); else the estimate should stay at zero.
+    phasor
+        Whether a cosine and a sine are run for each (else the sine alone, from phase `shift`).
+    shift
+        Phase at step 0, rad.
+    """
+
+    angle: Array
+    force: Array
+    fix: Array
+    truth: bool = False
+    phasor: bool = True
+    shift: float = 0.0
+
+    def part(self, first: int, last: int) -> Probe:
+        """Some of its sinusoids."""
+        some = slice(first, last)
+        return replace(self, angle=self.angle[some], force=self.force[some], fix=self.fix[some])
+
+
+def motion(frequency: Array, sensors: Sensors) -> Probe:
+    """Displacements e^{iwt} of 1 m at frequencies in Hz."""
+    omega = 2.0 * np.pi * frequency
+    return Probe(omega * sensors.step, -(omega**2), np.ones(len(omega)), truth=True)
+
+
+def forces(number: Array, steps: int) -> Probe:
+    """Specific forces e^{2 pi i number k / steps}: with 1/sqrt(steps), a basis of IMU noise."""
+    return Probe(2.0 * np.pi * number / steps, np.ones(len(number)), np.zeros(len(number)))
+
+
+def fixes(number: Array, count: int, sensors: Sensors) -> Probe:
+    """Fixes e^{2 pi i number q / count}: with 1/sqrt(count), a basis of the noise of fixes."""
+    angle = 2.0 * np.pi * number / (count * sensors.fix_interval)
+    return Probe(angle, np.zeros(len(number)), np.ones(len(number)))
+
+
+def walks(number: Array, steps: int) -> Probe:
+    """The eigenvectors of a Wiener process that starts from zero at step 0: sin(angle k)."""
+    angle = (2.0 * number - 1.0) * np.pi / (2.0 * (steps - 1) + 1.0)
+    return Probe(angle, np.ones(len(number)), np.zeros(len(number)), phasor=False)
+
+
+def constant() -> Probe:
+    """A force of 1 m/s^2 throughout: sin(0 k + pi/2)."""
+    return Probe(np.zeros(1), np.ones(1), np.zeros(1), phasor=False, shift=0.5 * np.pi)

@@ -1,0 +1,129 @@
+"""Where a curve is computed: first nodes by what can be known, then between them as needed.
+
+A curve may ripple (a memory that ends abruptly), peak (a poorly damped mode) or change within one
+over the record's length (a slow mode, seen at multiples of the fix rate). First nodes find all of
+these; halving the intervals where the curve is not what its neighbours say resolves them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.contract import Sensors
+
+#: Nodes per ripple, before any interval is halved.
+PER_RIPPLE = 2.5
+#: Widest spacing of first nodes up to the fix rate, in units of it, and nodes per decade beyond.
+WIDEST = 0.02
+PER_DECADE = 8
+#: Halvings of an interval at most.
+HALVINGS = 7
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Finest structures (Hz) of a chain's curves, and its fix rate (Hz).
+
+    `window`: of its longest memory, seen below the fix rate. `lag`: of its smoother and predictor,
+    seen in what follows the IMU at higher frequencies.
+    """
+
+    window: float
+    lag: float
+    rate: float
+
+
+def scales(chain: Chain, sensors: Sensors) -> Scales:
+    """The scales of a chain."""
+    rate = 1.0 / sensors.fix_step
+    window = chain.mhe.horizon * sensors.fix_step if chain.mhe.active else 0.0
+    lag = (chain.filter.window + chain.predictor.steps) * sensors.step
+    widest = WIDEST * rate * PER_RIPPLE
+    return Scales(min(1.0 / max(window, 1e-9), widest), 1.0 / max(lag, 1e-9), rate)
+
+
+def over_band(band: tuple[float, float], known: Scales, duration: float) -> Array:
+    """First frequencies (Hz) over a band, both edges included."""
+    low, high = band
+    nodes = [np.geomspace(low, high, 8), _evenly(low, high, known.window / PER_RIPPLE)]
+    for multiple in range(1, int(high / known.rate) + 2):
+        offsets = np.geomspace(0.25 / duration, 0.5 * known.window, 10)
+        centre = multiple * known.rate
+        nodes += [centre - offsets, np.array([centre]), centre + offsets]
+    found = np.unique(np.concatenate(nodes))
+    found = found[(found >= low) & (found <= high)]
+    apart = np.diff(found) > 1e-9 * high
+    return np.asarray(found[np.concatenate([[True], apart])])
+
+
+def numbers(last: int, per_number: float, known: Scales) -> Array:
+    """First numbers 1 ... last of basis vectors of the frequencies number x per_number (Hz)."""
+    decades = np.log10(max(last, 2))
+    nodes = [np.arange(1.0, min(last, 3) + 1.0), np.geomspace(1, last, int(PER_DECADE * decades))]
+    for spacing, top in ((known.window, known.rate), (known.lag, 6.0 * known.lag)):
+        nodes.append(_evenly(1.0, min(top / per_number, last), spacing / PER_RIPPLE / per_number))
+    found = np.unique(np.rint(np.concatenate(nodes)))
+    return np.asarray(found[(found >= 1) & (found <= last)])
+
+
+def _evenly(low: float, high: float, spacing: float) -> Array:
+    if high <= low:
+        return np.array([low])
+    return np.linspace(low, high, int(np.ceil((high - low) / max(spacing, 1e-12))) + 1)
+
+
+def refined(
+    nodes: Array,
+    values: Array,
+    answer: Callable[[Array], Array],
+    between: Callable[[Array, Array, Array], Array],
+    wrong: Callable[[Array, Array, Array, Array], Array],
+    *,
+    matters: Callable[[Array, Array, Array], Array] | None = None,
+    whole: bool = False,
+) -> tuple[Array, Array]:
+    """Nodes and values of a curve, intervals halved until it is what its neighbours say.
+
+    Parameters
+    ----------
+    nodes, values
+        First nodes, increasing, and the curve (..., n) there.
+    answer
+        The curve at other nodes.
+    between
+        (x, nodes, values) -> values at x.
+    wrong
+        (left, right, predicted, found) -> (n,): which middles miss.
+    matters
+        (left, right, predicted) -> (n,): which middles to look at in the first place.
+    whole
+        Whether nodes are whole numbers.
+    """
+    left, right = nodes[:-1], nodes[1:]
+    for _ in range(HALVINGS):
+        middle = np.sqrt(left * right)
+        if whole:
+            middle = np.rint(middle)
+            inside = (middle > left) & (middle < right)
+            left, right, middle = left[inside], right[inside], middle[inside]
+        predicted = between(middle, nodes, values)
+        if matters is not None:
+            some = matters(left, right, predicted)
+            left, middle, right = left[some], middle[some], right[some]
+            predicted = predicted[..., some]
+        if not len(middle):
+            break
+        found = answer(middle)
+        missed = wrong(left, right, predicted, found)
+        order = np.argsort(np.append(nodes, middle), kind="stable")
+        nodes = np.append(nodes, middle)[order]
+        values = np.concatenate([values, found], axis=-1)[..., order]
+        left, middle, right = left[missed], middle[missed], right[missed]
+        left, right = np.append(left, middle), np.append(middle, right)
+        left, right = np.sort(left), np.sort(right)
+    return nodes, values

@@ -1,0 +1,75 @@
+"""How much smaller than its peak a record is: from synthesised records alone, no scheme in them.
+
+A record scaled to a largest displacement of 1 m has the mean square (standard deviation / peak)^2.
+Its mean over records changes slowly with the natural period, so it is computed on a fixed ladder of
+periods and read off in between: no result depends on which periods a grid holds.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import as_mapping
+from owtsweep.motion.spectra import spectrum
+from owtsweep.motion.synthesis import synthesise
+from owtsweep.streams import stream
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.expected.cache import cached
+
+#: Records per rung. All rungs share their phases, so that the factor changes smoothly.
+RECORDS = 400
+#: Rungs of the ladder per octave of period.
+PER_OCTAVE = 2
+#: Samples per shortest period of the band: a peak between two of them is at most 0.5 % higher.
+SAMPLES = 32
+#: A name that no record of a sweep has.
+STREAM = "phase of a peak factor"
+
+
+def peak_factors(config: HubConfig, periods: list[float]) -> Array:
+    """Mean of (standard deviation / peak)^2 over the records of each natural period, (periods,)."""
+    if config.spectrum.kind != "translated":  # known at single periods only
+        return np.array([_factor(config, period) for period in periods])
+    longest, shortest = 1.0 / config.band[0], 1.0 / config.band[1]
+    result = []
+    for period in periods:
+        rung = np.log2(period) * PER_OCTAVE
+        ends = np.clip(2.0 ** (np.array([np.floor(rung), np.floor(rung) + 1.0]) / PER_OCTAVE),
+                       shortest, longest)  # fmt: skip
+        values = [_factor(config, float(end)) for end in ends]
+        result.append(np.interp(np.log(period), np.log(ends), values))
+    return np.array(result)
+
+
+def _factor(config: HubConfig, period: float) -> float:
+    what: dict[str, Any] = {
+        "what": "peak factor",
+        "seed": config.seed,
+        "duration": config.record.duration,
+        "spectrum": as_mapping(config.spectrum),
+        "band": list(config.band),
+        "period": period,
+        "records": RECORDS,
+    }
+    return float(cached(what, lambda: {"factor": np.array(_mean(config, period))})["factor"])
+
+
+def _mean(config: HubConfig, period: float) -> float:
+    duration = config.record.duration
+    steps = int(np.ceil(duration * config.band[1] * SAMPLES))
+    shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+    total = 0.0
+    for record in range(RECORDS):
+        motion = synthesise(
+            shape,
+            stream(config.seed, "hub", 0.0, record, STREAM),
+            steps=steps,
+            step=duration / steps,
+            band=(config.band[0], config.band[1]),
+            normalise="peak",
+        )
+        total += float(np.var(motion.position))
+    return total / RECORDS

@@ -1,0 +1,92 @@
+"""Error spectra and noise floors as tables: CSV and terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from owtsweep.studies.hub.contest import agree
+from owtsweep.studies.hub.figures.error_spectra import SchemeErrors
+from owtsweep.studies.hub.noise_floor import SOURCES
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from rich.table import Table
+
+    from owtsweep.studies.hub.config import HubConfig
+
+MEASURES = ("position", "velocity")
+
+
+def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
+    """scheme, frequency (Hz), position (m^2/m^2) and velocity (s^-2) per m^2 of displacement."""
+    import pandas as pd
+
+    parts = [
+        pd.DataFrame(
+            {
+                "scheme": name,
+                "frequency": found.spectrum.frequency,
+                "position": found.spectrum.position,
+                "velocity": found.spectrum.velocity,
+            }
+        )
+        for name, found in errors.items()
+    ]
+    return pd.concat(parts, ignore_index=True)
+
+
+def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
+    """scheme, measure, source (gnss, imu, bias or all), mse; NaN where a scheme does not settle."""
+    import pandas as pd
+
+    rows = []
+    for name, found in errors.items():
+        for measure in MEASURES:
+            parts = dict.fromkeys(SOURCES, float("nan"))
+            if found.floor is not None:
+                parts = {source: getattr(found.floor, measure)[source] for source in SOURCES}
+            for source, value in {**parts, "all": sum(parts.values())}.items():
+                rows.append((name, measure, source, value))
+    return pd.DataFrame(rows, columns=["scheme", "measure", "source", "mse"])
+
+
+def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
+    """Groups of schemes with the same error spectrum."""
+    groups: list[list[str]] = []
+    for name, found in errors.items():
+        for group in groups:
+            other = errors[group[0]].spectrum
+            if all(np.all(agree(found.spectrum.of(m), other.of(m))) for m in MEASURES):
+                group.append(name)
+                break
+        else:
+            groups.append([name])
+    return [tuple(group) for group in groups if len(group) > 1]
+
+
+def terminal(config: HubConfig, errors: Mapping[str, SchemeErrors]) -> Table:
+    """The settled noise floors, as root mean squares."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(
+        title=f"Settled error from noise alone, rms of x + y, tuning {config.tuning}",
+        box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
+    )  # fmt: skip
+    table.add_column("scheme")
+    table.add_column("of")
+    for source in (*SOURCES, "all"):
+        table.add_column(source, justify="right")
+    for name, found in errors.items():
+        for measure, unit in (("position", "cm"), ("velocity", "cm/s")):
+            if found.floor is None:
+                table.add_row(name, measure, *["-"] * len(SOURCES), "does not settle")
+                continue
+            parts = getattr(found.floor, measure)
+            values = [*(parts[source] for source in SOURCES), found.floor.of(measure)]
+            cells = [f"{100 * np.sqrt(value):.3g} {unit}" for value in values]
+            table.add_row(name, measure, *cells)
+    return table

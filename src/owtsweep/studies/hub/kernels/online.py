@@ -1,0 +1,330 @@
+"""One vessel's estimator, sample by sample, with gains for the measurements that really arrived.
+
+All four schemes: [MHE ->] filter [-> fixed-lag smoother] [-> predictor], two axes. Everything but
+the filter itself is recomputed from its registers at every step, so nothing can drift, and memory
+is constant: the registers are one row per step, moved to the front when they are full.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.compiled import njit
+from owtsweep.estimation.riccati import MASK_ROWS, riccati_step
+from owtsweep.estimation.windowing import covariances
+from owtsweep.studies.hub.kernels.filtering import ALL, AVERAGED
+from owtsweep.studies.hub.kernels.window import (
+    FIXED,
+    NO_ARRIVAL,
+    PRIOR,
+    older_nodes,
+    put,
+    solve_window,
+    square_root_information,
+    take,
+    violates,
+)
+
+#: Where the counters stand: step, row of the registers, links in the window, whether the window
+#: is determined.
+STEP, ROW, LINKS, DETERMINED = 0, 1, 2, 3
+#: (p, v, b) among the four states of the filter.
+PICK = (0, 1, 3)
+
+
+@njit
+def advance(begin, resume, force, fixes, f, h, m, state, covariance, innovation, variance):
+    """Take samples force[begin:] (IMU's frame) and fixes (NaN: none); fill the outputs' rows.
+
+    Returns the row at which the MHE's constraints are violated, or the number of rows: solve the
+    window with its constraints, put the answer into m.given (and m.node), and call again from that
+    row with `resume`. f, h, m: filter and horizon settings and memory (`online.memory`).
+    """
+    rows = len(force)
+    for i in range(begin, rows):
+        fresh = not np.isnan(fixes[i, 0])
+        if not resume:
+            take_sample(force[i], f, m)
+            if h.active:
+                if m.counter[STEP] % f.fix_interval == 0:
+                    take_fix(fresh, fixes[i], f, h, m)
+                if not horizon_position(f, h, m):
+                    return i
+            elif fresh:
+                m.given[0], m.given[1] = fixes[i, 0], fixes[i, 1]
+        resume = False
+        if h.active:
+            fresh = horizon_has_position(f, h, m)
+        ss = filter_step(fresh, f, m)
+        if h.active:
+            after_filter(f, h, m)
+        output(f, m, state[i], covariance[i])
+        if fresh:
+            variance[i] = ss
+            for axis in range(2):
+                innovation[i, axis] = m.innovation[axis]
+        else:
+            variance[i] = np.nan
+            innovation[i, 0] = innovation[i, 1] = np.nan
+        m.counter[STEP] += 1
+    return rows
+
+
+@njit
+def take_sample(force, f, m):
+    """Register 1: the newest sample in NED; make room when the registers are full."""
+    row = m.counter[ROW] + 1
+    keep = f.delay + f.window + 2
+    if row == len(m.force):
+        for i in range(keep):
+            old = row - keep + i
+            m.force[i, 0], m.force[i, 1] = m.force[old, 0], m.force[old, 1]
+            for register in (m.X, m.e):
+                put(register[i], 0, 0, register[old])
+            for register in (m.C, m.Pm, m.Pf):
+                put(register[i], 0, 0, register[old])
+        row = keep
+    for i in range(2):
+        m.force[row, i] = f.rotation[i, 0] * force[0] + f.rotation[i, 1] * force[1]
+    m.counter[ROW] = row
+
+
+@njit
+def filter_step(fresh, f, m):
+    """Algorithm 6 with the live covariance; returns the variance of the innovation."""
+    row = m.counter[ROW]
+    ss = riccati_step(
+        f.A, f.Q, f.slow, f.fast, f.r_slow, f.r_fast, m.P, fresh, f.rule, m.K, m.Pm[row],
+        m.Pf[row], m.work,
+    )  # fmt: skip
+    put(m.P, 0, 0, m.Pf[row])
+    applied = fresh or f.rule == MASK_ROWS
+    now, before = row - f.delay, row - f.delay - 1
+    for axis in range(2):
+        r = m.force[now, axis]
+        for i in range(4):
+            total = f.B[i] * m.force[before, axis]
+            for j in range(4):
+                total += f.A[i, j] * m.x[j, axis]
+            m.predicted[i, axis] = total
+            r -= f.fast[i] * total
+        s = m.given[axis] - m.predicted[0, axis]
+        m.innovation[axis] = s
+        for i in range(4):
+            e = m.K[i, 1] * r
+            if applied:
+                e += m.K[i, 0] * s
+            m.e[row, i, axis] = e
+            m.x[i, axis] = m.predicted[i, axis] + e
+            m.X[row, i, axis] = m.x[i, axis]
+    return ss
+
+
+@njit
+def take_fix(fresh, fix, f, h, m):
+    """Registers 2 and 3: a node, with or without a fix; solve the window if it is determined."""
+    n = m.counter[LINKS]
+    if m.counter[STEP] > 0:
+        if n == h.length:
+            for i in range(n):
+                m.have[i] = m.have[i + 1]
+                m.z[i, 0], m.z[i, 1] = m.z[i + 1, 0], m.z[i + 1, 1]
+                put(m.states[i], 0, 0, m.states[i + 1])
+                put(m.covariances[i], 0, 0, m.covariances[i + 1])
+                if i > 0:
+                    put(m.effects[i - 1], 0, 0, m.effects[i])
+        else:
+            n += 1
+            m.counter[LINKS] = n
+        for axis in range(2):
+            m.effects[n - 1, 0, axis] = m.running[0, axis]
+            m.effects[n - 1, 1, axis] = m.running[1, axis]
+            m.effects[n - 1, 2, axis] = 0.0
+    m.running[:] = 0.0
+    m.have[n] = fresh
+    for axis in range(2):
+        m.z[n, axis] = fix[axis] if fresh else 0.0
+    uses_filter = h.arrival != NO_ARRIVAL and m.counter[STEP] >= h.length * f.fix_interval
+    first = 1 if uses_filter else 0
+    found = 0
+    for i in range(first, n + 1):
+        found += m.have[i]
+    m.counter[DETERMINED] = found >= (3 if h.arrival == NO_ARRIVAL else 1)
+    if not m.counter[DETERMINED]:
+        return
+    kind = h.arrival
+    x0, prior = m.zero, h.prior
+    if uses_filter:
+        x0 = m.states[0]
+        if kind == PRIOR:
+            square_root_information(m.covariances[0], m.prior)
+            prior = m.prior
+    elif kind == FIXED:
+        kind = PRIOR  # while the window fills, its oldest state is uncertain
+    solve_window(
+        n, h.transition, h.link, h.inverse_sigma, m.z, m.have, m.effects, x0, prior, kind, first,
+        m.blocks, m.nodes,
+    )  # fmt: skip
+    put(m.node, 0, 0, m.nodes[n])
+    if h.constrained:
+        older_nodes(n, m.blocks, m.nodes)
+
+
+@njit
+def horizon_has_position(f, h, m):
+    """Whether the filter is given a position at this step."""
+    since = m.counter[STEP] % f.fix_interval
+    if m.counter[DETERMINED]:
+        return m.counter[STEP] % h.interval == 0
+    return since == 0 and m.have[m.counter[LINKS]]
+
+
+@njit
+def horizon_position(f, h, m):
+    """Put the MHE's position into m.given; False if the window breaks its constraints."""
+    n = m.counter[LINKS]
+    since = m.counter[STEP] % f.fix_interval
+    if not m.counter[DETERMINED]:
+        if since == 0 and m.have[n]:
+            # too few fixes for a window: they pass through
+            m.given[0], m.given[1] = m.z[n, 0], m.z[n, 1]
+        return True
+    if m.counter[STEP] % h.interval != 0:
+        return True
+    t = since * h.step
+    last = m.nodes[n + 1]
+    for axis in range(2):
+        p, v, b = m.node[0, axis], m.node[1, axis], m.node[2, axis]
+        last[0, axis] = p + t * v + 0.5 * t * t * b + m.running[0, axis]
+        last[1, axis] = v + t * b + m.running[1, axis]
+        last[2, axis] = b
+        m.given[axis] = last[0, axis]
+    if h.constrained:
+        if since > 0:  # the nodes at the fixes have been looked at, and mended, then
+            return not violates_beyond_rounding(last, f, h)
+        start = 1 if h.arrival == FIXED and m.counter[STEP] >= h.length * f.fix_interval else 0
+        for i in range(start, n + 1):
+            if violates(m.nodes[i], h.bounds, f.rotation, f.gravity):
+                return False
+    return True
+
+
+@njit
+def violates_beyond_rounding(last, f, h):
+    """As `violates`, for a node predicted from one that may stand on its bound."""
+    return violates(last, h.bounds * (1.0 + 1e-8), f.rotation, f.gravity)
+
+
+@njit
+def after_filter(f, h, m):
+    """Register 3 at the fixes; integrate this step's input as it reaches the MHE."""
+    n = m.counter[LINKS]
+    if m.counter[STEP] % f.fix_interval == 0:
+        for i in range(3):
+            for axis in range(2):
+                m.states[n, i, axis] = m.x[PICK[i], axis]
+            for j in range(3):
+                m.covariances[n, i, j] = m.P[PICK[i], PICK[j]]
+    T = h.step
+    tick = m.counter[STEP] % h.interval == 0
+    for axis in range(2):
+        u = m.force[m.counter[ROW] - f.delay, axis]
+        if h.inputs != ALL:
+            m.recent[axis] += u
+            if tick:
+                m.held[axis] = m.recent[axis] / h.interval if h.inputs == AVERAGED else u
+                m.recent[axis] = 0.0
+            u = m.held[axis]
+        m.running[0, axis] += T * m.running[1, axis] + 0.5 * T * T * u
+        m.running[1, axis] += T * u
+
+
+@njit
+def smoother_gain(A, filtered, predicted, work, C):
+    """C = P_{k|k} A' P_{k+1|k}^-1 by elimination, which a covariance allows without pivoting."""
+    n = len(A)
+    M, X = work[0], work[1]
+    put(M, 0, 0, predicted)
+    for i in range(n):
+        for j in range(n):
+            total = 0.0
+            for m in range(n):
+                total += A[i, m] * filtered[m, j]
+            X[i, j] = total
+    for c in range(n):
+        for i in range(c + 1, n):
+            factor = M[i, c] / M[c, c]
+            for j in range(c, n):
+                M[i, j] -= factor * M[c, j]
+            for j in range(n):
+                X[i, j] -= factor * X[c, j]
+    for i in range(n - 1, -1, -1):
+        for j in range(n):
+            total = X[i, j]
+            for m in range(i + 1, n):
+                total -= M[i, m] * C[j, m]
+            C[j, i] = total / M[i, i]
+
+
+@njit
+def output(f, m, state, covariance):
+    """Smooth and predict (Algorithms 8 and 9) and say how uncertain that is."""
+    row, k, window = m.counter[ROW], m.counter[STEP], f.window
+    if not f.predicts:
+        for axis in range(2):
+            state[axis], state[2 + axis] = m.x[0, axis], m.x[1, axis]
+        take(covariance, m.P, 0, 0)
+        return
+    if window > 0 and k > 0:
+        smoother_gain(f.A, m.Pf[row - 1], m.Pm[row], m.work, m.C[row - 1])
+    A, B = f.input_A, f.input_B
+    for axis in range(2):
+        s0 = s1 = s2 = s3 = 0.0
+        if k >= window:
+            for j in range(row - 1, row - 1 - window, -1):
+                C = m.C[j]
+                y0, y1 = m.e[j + 1, 0, axis] + s0, m.e[j + 1, 1, axis] + s1
+                y2, y3 = m.e[j + 1, 2, axis] + s2, m.e[j + 1, 3, axis] + s3
+                s0 = C[0, 0] * y0 + C[0, 1] * y1 + C[0, 2] * y2 + C[0, 3] * y3
+                s1 = C[1, 0] * y0 + C[1, 1] * y1 + C[1, 2] * y2 + C[1, 3] * y3
+                s2 = C[2, 0] * y0 + C[2, 1] * y1 + C[2, 2] * y2 + C[2, 3] * y3
+                s3 = C[3, 0] * y0 + C[3, 1] * y1 + C[3, 2] * y2 + C[3, 3] * y3
+            X = m.X[row - window]
+            p, v, b = X[0, axis] + s0, X[1, axis] + s1, X[3, axis] + s3
+        else:
+            p = v = b = 0.0  # the smoother's register is not full yet
+        for j in range(row - f.delay - window, row):
+            u = m.force[j, axis]
+            p, v = (
+                p + A[0, 1] * v + A[0, 2] * b + B[0] * u,
+                v + A[1, 2] * b + B[1] * u,
+            )
+        state[axis], state[2 + axis] = p, v
+    output_covariance(f, m, covariance)
+
+
+@njit
+def output_covariance(f, m, covariance):
+    """(2, 2) of the prediction's (p, v), as `chain._output_covariance` has it for a schedule."""
+    row, window = m.counter[ROW], f.window
+    if f.delay + window == 0:
+        take(covariance, m.P, 0, 0)
+        return
+    smoothed, coupling = m.smoothed, m.coupling
+    if m.counter[STEP] >= window:
+        begin = row - window
+        covariances(
+            m.Pf[begin : row + 1], m.Pm[begin : row + 1], m.C[begin : row + 1], window, f.fast,
+            f.response, smoothed, coupling,
+        )  # fmt: skip
+        P, cross = smoothed[window], coupling[window]
+    else:
+        P, cross = f.P0, m.no_coupling
+    for a in range(2):
+        for b in range(2):
+            total = f.added[a, b]
+            for i in range(3):
+                total += f.ahead[a, i] * cross[PICK[i], b] + f.ahead[b, i] * cross[PICK[i], a]
+                for j in range(3):
+                    total += f.ahead[a, i] * P[PICK[i], PICK[j]] * f.ahead[b, j]
+            covariance[a, b] = total

@@ -1,0 +1,174 @@
+"""The MHE's window with whatever fixes arrived, solved as it is: a square-root information filter.
+
+The least squares problem of Eq. (11) is a chain, so its factor is found node by node: one QR step
+over each link leaves the block of the older node behind and carries a 3 x 3 factor on. Without
+missing fixes the result is the batch engine's map applied to the data. Both axes share the factors.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.compiled import njit
+
+#: What is known of the oldest node: nothing, a prior, or its state itself.
+NO_ARRIVAL, PRIOR, FIXED = 0, 1, 2
+
+
+@njit
+def put(target, row, column, source):
+    """Copy a matrix into a larger one (numba takes seconds to compile an assignment of slices)."""
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            target[row + i, column + j] = source[i, j]
+
+
+@njit
+def take(target, source, row, column):
+    """Copy a part of a larger matrix."""
+    for i in range(target.shape[0]):
+        for j in range(target.shape[1]):
+            target[i, j] = source[row + i, column + j]
+
+
+@njit
+def square_root_information(P, U):
+    """U with U' U = P^-1 for a covariance (3, 3): the inverse of its Cholesky factor."""
+    L = np.zeros((3, 3))
+    for i in range(3):
+        for j in range(i + 1):
+            total = P[i, j]
+            for m in range(j):
+                total -= L[i, m] * L[j, m]
+            L[i, j] = np.sqrt(total) if i == j else total / L[j, j]
+    for j in range(3):
+        for i in range(3):
+            total = 1.0 if i == j else 0.0
+            for m in range(i):
+                total -= L[i, m] * U[m, j]
+            U[i, j] = total / L[i, i]
+
+
+@njit
+def triangularise(M, columns):
+    """Householder's reflections of M (rows, any), in place, until `columns` are triangular."""
+    rows, width = M.shape
+    for c in range(min(columns, rows - 1)):
+        norm = 0.0
+        for i in range(c, rows):
+            norm += M[i, c] * M[i, c]
+        norm = np.sqrt(norm)
+        if norm == 0.0:
+            continue
+        alpha = -norm if M[c, c] > 0.0 else norm
+        head = M[c, c] - alpha
+        beta = -1.0 / (alpha * head)  # 2 / v'v
+        for j in range(c + 1, width):
+            total = head * M[c, j]
+            for i in range(c + 1, rows):
+                total += M[i, c] * M[i, j]
+            total *= beta
+            M[c, j] -= total * head
+            for i in range(c + 1, rows):
+                M[i, j] -= total * M[i, c]
+        M[c, c] = alpha
+        for i in range(c + 1, rows):
+            M[i, c] = 0.0
+
+
+@njit
+def solve_window(n, A, U, inverse_sigma, z, have, effects, x0, prior, kind, first, blocks, nodes):
+    """Fill nodes[: n + 1] (each (3, 2): p, v, b of both axes) with the window's solution.
+
+    n links with transition A and square-root information U; fixes z (n + 1, 2) where `have`;
+    effects (n, 3, 2) of the inputs; arrival state x0 (3, 2) with square-root information `prior`;
+    fixes before node `first` are left out. The data must determine the states. blocks (n, 3, 8)
+    receives the factors.
+    """
+    R = np.zeros((3, 3))
+    r = np.zeros((3, 2))
+    step = np.empty((6, 8))
+    row = np.empty((4, 5))
+    if kind == PRIOR:
+        for i in range(3):
+            for j in range(3):
+                R[i, j] = prior[i, j]
+                for axis in range(2):
+                    r[i, axis] += prior[i, j] * x0[j, axis]
+    for node in range(n + 1):
+        if have[node] and node >= first:
+            put(row, 0, 0, R)
+            put(row, 0, 3, r)
+            row[3, 0] = inverse_sigma
+            row[3, 1] = 0.0
+            row[3, 2] = 0.0
+            row[3, 3] = inverse_sigma * z[node, 0]
+            row[3, 4] = inverse_sigma * z[node, 1]
+            triangularise(row, 3)
+            take(R, row, 0, 0)
+            take(r, row, 0, 3)
+        if node == n:
+            break
+        step[:] = 0.0
+        if kind == FIXED and node == 0:
+            for i in range(3):
+                step[i, i] = 1.0  # stands for a factor without bound: met exactly
+            put(step, 0, 6, x0)
+        else:
+            put(step, 0, 0, R)
+            put(step, 0, 6, r)
+        for i in range(3):
+            for j in range(3):
+                step[3 + i, 3 + j] = U[i, j]
+                for m in range(3):
+                    step[3 + i, j] -= U[i, m] * A[m, j]
+                for axis in range(2):
+                    step[3 + i, 6 + axis] += U[i, j] * effects[node, j, axis]
+        if kind == FIXED and node == 0:
+            for i in range(3):
+                for j in range(3):
+                    for axis in range(2):
+                        step[3 + i, 6 + axis] -= step[3 + i, j] * x0[j, axis]
+        else:
+            triangularise(step, 3)
+        take(blocks[node], step, 0, 0)
+        take(R, step, 3, 3)
+        take(r, step, 3, 6)
+    put(row, 0, 0, R)
+    put(row, 0, 3, r)
+    for j in range(5):
+        row[3, j] = 0.0
+    triangularise(row, 3)
+    for axis in range(2):
+        for i in range(2, -1, -1):
+            total = row[i, 3 + axis]
+            for j in range(i + 1, 3):
+                total -= row[i, j] * nodes[n, j, axis]
+            nodes[n, i, axis] = total / row[i, i]
+
+
+@njit
+def older_nodes(n, blocks, nodes):
+    """Carry the newest node's solution back to all older ones."""
+    for node in range(n - 1, -1, -1):
+        block = blocks[node]
+        for axis in range(2):
+            for i in range(2, -1, -1):
+                total = block[i, 6 + axis]
+                for j in range(3):
+                    total -= block[i, 3 + j] * nodes[node + 1, j, axis]
+                for j in range(i + 1, 3):
+                    total -= block[i, j] * nodes[node, j, axis]
+                nodes[node, i, axis] = total / block[i, i]
+
+
+@njit
+def violates(x, bounds, rotation, gravity):
+    """Whether a node (3, 2) breaks |p|, |v| (NED) or |b^b| (IMU's frame) <= bounds (3,)."""
+    for axis in range(2):
+        bias = 0.0  # b^b = R' (g - x4), Eq. (6)
+        for j in range(2):
+            bias += rotation[j, axis] * (gravity[j] - x[2, j])
+        if abs(x[0, axis]) > bounds[0] or abs(x[1, axis]) > bounds[1] or abs(bias) > bounds[2]:
+            return True
+    return False

@@ -1,0 +1,74 @@
+"""Schemes as they run on board: one sample in, one estimate out, for as long as it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.errors import InputError
+
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.contract import Sensors
+    from owtsweep.studies.hub.online.estimator import OnlineEstimator
+
+__all__ = ["Streaming", "online"]
+
+
+def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
+    """A scheme to run on board: feed it one IMU sample at a time.
+
+    Parameters
+    ----------
+    scheme
+        EKF, MKF, HME1 or HME2.
+    overrides
+        The sensors and the tuning, as on the command line, e.g. `["tuning=matched",
+        "sensors.gnss.delay=0.3"]`.
+
+    Returns
+    -------
+    OnlineEstimator
+        With `update(specific_force, position=None) -> Estimate`. Fixes may be missing: gains and
+        covariances are those of what arrived. The first estimator of a machine compiles for half a
+        minute.
+
+    Raises
+    ------
+    InputError
+        If the scheme has no such form, or the overrides are wrong.
+    """
+    from owtsweep.config import compose
+    from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.studies.hub.sensors import sensors
+
+    known = Streaming(scheme)
+    config = compose([*overrides, f"schemes=[{scheme}]"])
+    if not isinstance(config, HubConfig):
+        raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
+    return known.start(sensors(config.sensors), config)
+
+
+class Streaming:
+    """A registered scheme whose `start` gives the online form, for tests and for `schemes`."""
+
+    def __init__(self, scheme: str) -> None:
+        from owtsweep.studies.hub.schemes import resolve
+
+        self._scheme: Any = resolve(scheme)
+        if not hasattr(self._scheme, "stream"):
+            raise InputError(f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1 or HME2")
+        self.name: str = self._scheme.name
+        self.linear: bool = self._scheme.linear
+
+    def under(self, tuning: Any) -> Streaming:
+        """As that tuning makes it: with constraints not linear."""
+        from owtsweep.studies.hub.schemes import under
+
+        made = Streaming(self.name)
+        made.linear = under(self._scheme, tuning).linear
+        return made
+
+    def start(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
+        """A fresh estimator."""
+        estimator: OnlineEstimator = self._scheme.stream(sensors, tuning)
+        return estimator

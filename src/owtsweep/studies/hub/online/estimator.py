@@ -1,0 +1,198 @@
+"""A scheme as it runs on board: one compiled call per sample, gains for what really arrived."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
+from owtsweep.studies.hub.models import axis_filter, input_model
+from owtsweep.studies.hub.online.memory import (
+    FilterSettings,
+    HorizonSettings,
+    OnlineMemory,
+    filter_settings,
+    horizon_settings,
+    new_memory,
+)
+
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.config import FilterTuning
+    from owtsweep.studies.hub.horizon import Horizon
+
+OFF_GRID = (
+    "position: a fix came at step {step}, and HME2 takes fixes only at multiples of {interval} "
+    "IMU steps, where its window has nodes; move it to the next of them, or leave it out"
+)
+_EYE = np.eye(2)
+
+
+class OnlineEstimates(NamedTuple):
+    """What an estimator gave over some steps.
+
+    state (steps, 4): x, y, v_x, v_y in NED; covariance (steps, 2, 2) of (p, v), alike for both
+    axes; innovation (steps, 2) and innovation_variance (steps,), NaN at steps without one.
+    """
+
+    state: Array
+    covariance: Array
+    innovation: Array
+    innovation_variance: Array
+
+
+class OnlineEstimator:
+    """A running scheme; `update` for one sample, `run` for many.
+
+    A fix may be missing at any step. EKF, MKF and HME1 take fixes at any step, each `delay` old;
+    HME2 only at multiples of the fix interval.
+    """
+
+    def __init__(
+        self,
+        sensors: Sensors,
+        settings: FilterSettings,
+        horizon: HorizonSettings,
+        mhe: Horizon | None,
+        solver: str,
+    ) -> None:
+        self._sensors, self._mhe, self._solver = sensors, mhe, solver
+        self._filter, self._horizon = settings, horizon
+        self._memory: OnlineMemory = new_memory(settings, horizon)
+        self._force, self._fix = np.empty((1, 2)), np.empty((1, 2))
+        #: How often the constraints were violated, so that a problem had to be solved.
+        self.solved = 0
+
+    @property
+    def step(self) -> float:
+        """The IMU's sampling interval, s."""
+        return self._sensors.step
+
+    def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
+        """Take one sample and, when there is one, a fix; return the estimate of now.
+
+        Parameters
+        ----------
+        specific_force
+            (2,) in the IMU's frame, m/s^2.
+        position
+            (2,) in NED, m: the position of `delay` steps ago; None (or NaN) when there is none.
+
+        Raises
+        ------
+        ValueError
+            If a sample is not finite, or a fix comes where HME2 cannot take it. The estimator is
+            then as it was before.
+        """
+        self._force[0] = specific_force
+        self._fix[0] = np.nan if position is None else position
+        out = self.run(self._force, self._fix)
+        innovation = None
+        if out.innovation_variance[0] == out.innovation_variance[0]:  # not NaN
+            innovation = Innovation(out.innovation[0], out.innovation_variance[0] * _EYE)
+        P = out.covariance[0]
+        covariance = np.zeros((4, 4))
+        covariance[::2, ::2] = P
+        covariance[1::2, 1::2] = P
+        return Estimate(out.state[0, :2], out.state[0, 2:], covariance, innovation)
+
+    def run(self, specific_force: Array, positions: Array) -> OnlineEstimates:
+        """Take many samples at once, as `update` would one by one.
+
+        Parameters
+        ----------
+        specific_force, positions
+            (steps, 2); NaN in both components of a position where there is none.
+        """
+        from owtsweep.studies.hub.kernels.online import advance
+
+        self._check(specific_force, positions)
+        steps = len(specific_force)
+        out = OnlineEstimates(
+            np.empty((steps, 4)), np.empty((steps, 2, 2)), np.empty((steps, 2)), np.empty(steps)
+        )
+        done, resume = 0, False
+        while True:
+            done = advance(
+                done, resume, specific_force, positions, self._filter, self._horizon,
+                self._memory, *out,
+            )  # fmt: skip
+            if done == steps:
+                return out
+            self._solve_with_constraints()
+            resume = True
+
+    def _check(self, force: Array, positions: Array) -> None:
+        first = int(self._memory.counter[0])
+        if not np.isfinite(force).all():
+            step = first + int(np.argmax(~np.isfinite(force).all(axis=1)))
+            raise ValueError(f"specific_force: it is not finite at step {step}")
+        there = positions == positions  # not NaN
+        if not there.any():
+            return
+        if not np.array_equal(there[:, 0], there[:, 1]) or np.isinf(positions).any():
+            raise ValueError("position: give both components as finite numbers, or none at all")
+        if self._horizon.active:
+            at = first + np.flatnonzero(there[:, 0])
+            off = at[at % self._sensors.fix_interval != 0]
+            if len(off):
+                raise ValueError(OFF_GRID.format(step=off[0], interval=self._sensors.fix_interval))
+
+    def _solve_with_constraints(self) -> None:
+        """The window at hand breaks its constraints: solve it with them."""
+        from owtsweep.studies.hub import window
+
+        if self._mhe is None:
+            raise TypeError("there is no window without an MHE")
+        m, n = self._memory, int(self._memory.counter[2])
+        number, since = divmod(int(m.counter[0]), self._sensors.fix_interval)
+        effects = m.effects[:n].reshape(n, 6)
+        if since:
+            effects = np.vstack([effects, [*m.running[0], *m.running[1], 0.0, 0.0]])
+        filled = self._mhe.uses_filter(number)
+        covariance = None
+        if self._mhe.arrival:
+            covariance = m.covariances[0] if filled else self._mhe.initial_covariance
+        nodes = window.solve(
+            self._mhe,
+            self._sensors,
+            solver=self._solver,
+            since_fix=since,
+            fixes=m.z[: n + 1],
+            have=m.have[: n + 1],
+            effects=effects,
+            filled=filled,
+            x0=m.states[0].ravel() if filled and self._mhe.arrival else np.zeros(6),
+            covariance=covariance,
+        )
+        last = nodes[:, -1].reshape(3, 2)
+        if not since:
+            m.node[:] = last
+        m.given[:] = last[0]
+        self.solved += 1
+
+
+def online_chain(
+    tuning: FilterTuning,
+    sensors: Sensors,
+    *,
+    window: int = 0,
+    delay: int | None = None,
+    mhe: Horizon | None = None,
+    solver: str = "qrqp",
+) -> OnlineEstimator:
+    """A fresh estimator of the chain [MHE ->] filter [-> smoother -> predictor].
+
+    Parameters
+    ----------
+    window
+        N_s in steps.
+    delay
+        Steps of register 1, over which the predictor goes; None for a filter on the undelayed IMU
+        whose state is the estimate.
+    """
+    axis = axis_filter(tuning, sensors)
+    predict = None if delay is None else input_model(tuning, sensors)
+    settings = filter_settings(axis, sensors, tuning.update_rule, delay or 0, window, predict)
+    return OnlineEstimator(sensors, settings, horizon_settings(mhe, sensors), mhe, solver)

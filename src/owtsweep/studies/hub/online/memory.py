@@ -1,0 +1,202 @@
+"""What the online kernels are given: a scheme's numbers, and the registers of one estimator."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.discretisation import Discrete
+from owtsweep.estimation.gains import RULES
+from owtsweep.estimation.mhe import square_root_information
+from owtsweep.estimation.predictor import prediction_noise
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.horizon import INPUTS, Horizon
+from owtsweep.studies.hub.models import POSITION, AxisFilter
+
+
+class FilterSettings(NamedTuple):
+    """Filter, smoother and predictor: one axis' model, and times in IMU steps.
+
+    A, Q (4, 4), B (4,), slow and fast (4,) measurement rows with variances r_slow and r_fast, rule
+    (index of `RULES`), P0 (4, 4); input_A (3, 3) and input_B (3,) of the predictor; ahead (3, 3)
+    its transition over all steps, response (steps, 3) to the inputs' noise, added (3, 3) what that
+    noise alone adds; rotation (2, 2) from the IMU's frame to NED, gravity (2,).
+    """
+
+    A: Array
+    B: Array
+    Q: Array
+    slow: Array
+    fast: Array
+    r_slow: float
+    r_fast: float
+    rule: int
+    P0: Array
+    fix_interval: int
+    delay: int
+    window: int
+    predicts: bool
+    input_A: Array
+    input_B: Array
+    ahead: Array
+    response: Array
+    added: Array
+    rotation: Array
+    gravity: Array
+
+
+class HorizonSettings(NamedTuple):
+    """The MHE: T_m in steps, N_m, and Eq. (11)'s weights as square roots of information.
+
+    arrival: 0 none, 1 prior, 2 fixed. bounds (3,) of |p|, |v|, |b^b|; infinite where there is none.
+    """
+
+    active: bool
+    interval: int
+    length: int
+    arrival: int
+    inputs: int
+    step: float
+    transition: Array
+    link: Array
+    inverse_sigma: float
+    prior: Array
+    constrained: bool
+    bounds: Array
+
+
+class OnlineMemory(NamedTuple):
+    """Registers; see `new_memory` for their shapes."""
+
+    counter: NDArray[np.int64]
+    x: Array
+    P: Array
+    K: Array
+    work: Array
+    predicted: Array
+    innovation: Array
+    given: Array
+    force: Array
+    X: Array
+    e: Array
+    C: Array
+    Pm: Array
+    Pf: Array
+    smoothed: Array
+    coupling: Array
+    no_coupling: Array
+    zero: Array
+    z: Array
+    have: NDArray[np.bool_]
+    effects: Array
+    states: Array
+    covariances: Array
+    running: Array
+    recent: Array
+    held: Array
+    prior: Array
+    node: Array
+    nodes: Array
+    blocks: Array
+
+
+def filter_settings(
+    axis: AxisFilter, sensors: Sensors, rule: str, delay: int, window: int, predict: Discrete | None
+) -> FilterSettings:
+    """A chain's numbers; without `predict` the filtered state is the estimate."""
+    steps = delay + window
+    ahead: Array = np.eye(3)
+    response: Array = np.zeros((1, 3))
+    added: Array = np.zeros((3, 3))
+    if predict is not None and steps > 0:
+        noise = prediction_noise(predict, steps)
+        ahead, response = noise.transition, noise.response
+        added = noise.process + axis.force_variance * response.T @ response
+    return FilterSettings(
+        A=np.ascontiguousarray(axis.model.A),
+        B=axis.model.B[:, 0].copy(),
+        Q=axis.model.Q,
+        slow=POSITION,
+        fast=axis.force_row,
+        r_slow=axis.position_variance,
+        r_fast=axis.force_variance,
+        rule=RULES.index(rule),
+        P0=axis.initial_covariance,
+        fix_interval=sensors.fix_interval,
+        delay=delay,
+        window=window,
+        predicts=predict is not None,
+        input_A=np.eye(3) if predict is None else np.ascontiguousarray(predict.A),
+        input_B=np.zeros(3) if predict is None else predict.B[:, 0].copy(),
+        ahead=np.ascontiguousarray(ahead),
+        response=np.ascontiguousarray(response),
+        added=np.ascontiguousarray(added),
+        rotation=sensors.rotation,
+        gravity=np.array(sensors.gravity),
+    )
+
+
+def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
+    """The MHE's numbers; None for a scheme without one."""
+    eye = np.eye(3)
+    if mhe is None:
+        free = np.full(3, np.inf)
+        return HorizonSettings(False, 1, 1, 0, 0, sensors.step, eye, eye, 1.0, eye, False, free)
+    return HorizonSettings(
+        active=True,
+        interval=mhe.interval,
+        length=mhe.length,
+        arrival=(2 if mhe.fixed else 1) if mhe.arrival else 0,
+        inputs=INPUTS.index(mhe.inputs),
+        step=sensors.step,
+        transition=np.ascontiguousarray(mhe.weights.transition),
+        link=np.ascontiguousarray(square_root_information(mhe.weights.link_covariance)),
+        inverse_sigma=float(1.0 / np.sqrt(mhe.weights.fix_variance)),
+        prior=np.ascontiguousarray(square_root_information(mhe.initial_covariance)),
+        constrained=bool(np.any(np.isfinite(mhe.bounds))),
+        bounds=mhe.bounds,
+    )
+
+
+def new_memory(f: FilterSettings, h: HorizonSettings) -> OnlineMemory:
+    """Registers at zero, as every algorithm of the paper starts."""
+    keep = f.delay + f.window + 2
+    rows = 3 * keep + 64
+    counter = np.zeros(4, dtype=np.int64)
+    counter[1] = keep  # rows before the first step: zeros
+    n = h.length
+    return OnlineMemory(
+        counter=counter,
+        x=np.zeros((4, 2)),
+        P=f.P0.copy(),
+        K=np.zeros((4, 2)),
+        work=np.zeros((3, 4, 4)),
+        predicted=np.zeros((4, 2)),
+        innovation=np.zeros(2),
+        given=np.zeros(2),
+        force=np.zeros((rows, 2)),
+        X=np.zeros((rows, 4, 2)),
+        e=np.zeros((rows, 4, 2)),
+        C=np.zeros((rows, 4, 4)),
+        Pm=np.zeros((rows, 4, 4)),
+        Pf=np.zeros((rows, 4, 4)),
+        smoothed=np.zeros((f.window + 1, 4, 4)),
+        coupling=np.zeros((f.window + 1, 4, 3)),
+        no_coupling=np.zeros((4, 3)),
+        zero=np.zeros((3, 2)),
+        z=np.zeros((n + 1, 2)),
+        have=np.zeros(n + 1, dtype=np.bool_),
+        effects=np.zeros((n, 3, 2)),
+        states=np.zeros((n + 1, 3, 2)),
+        covariances=np.zeros((n + 1, 3, 3)),
+        running=np.zeros((2, 2)),
+        recent=np.zeros(2),
+        held=np.zeros(2),
+        prior=np.zeros((3, 3)),
+        node=np.zeros((3, 2)),
+        nodes=np.zeros((n + 2, 3, 2)),
+        blocks=np.zeros((n, 3, 8)),
+    )

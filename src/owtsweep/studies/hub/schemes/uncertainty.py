@@ -1,0 +1,52 @@
+"""How uncertain a smoothed and predicted estimate is, from the covariances that a filter had.
+
+For gains that follow a schedule `chain` knows this beforehand; where a fix is missing, it has to be
+worked out from the filter's own past. Nothing here is shared with the compiled form.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.estimation.discretisation import Discrete
+from owtsweep.estimation.predictor import prediction_noise
+from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter
+
+
+def predicted_covariance(
+    filtered: list[Array], predicted: list[Array], axis: AxisFilter, model: Discrete, steps: int
+) -> Array:
+    """Covariance of (p, v) of one axis, `steps` steps after the oldest of a window, (2, 2).
+
+    Written out as one sum: with L_i = C_s ... C_{s+i-1}, the error of the smoothed oldest state is
+    correlated with the noise of input i of the window through L_i P_{s+i|k}, and with that of later
+    inputs not at all.
+
+    Parameters
+    ----------
+    filtered, predicted
+        P_{k|k} and P_{k|k-1}, (4, 4) each, of the window's steps, oldest first.
+    axis
+        The filter's model.
+    model
+        Sigma_2 on (p, v, b) over one step.
+    """
+    if steps == 0:
+        return filtered[-1][:2, :2]
+    A = axis.model.A
+    gains = [P @ A.T @ np.linalg.inv(Pm) for P, Pm in zip(filtered, predicted[1:], strict=False)]
+    smoothed = [filtered[-1]]
+    for P, Pm, C in zip(filtered[-2::-1], predicted[:0:-1], gains[::-1], strict=True):
+        smoothed.insert(0, P + C @ (smoothed[0] - Pm) @ C.T)
+    noise = prediction_noise(model, steps)
+    T, D = noise.transition, noise.response
+    cross, L = np.zeros((4, 3)), np.eye(4)
+    for i in range(min(len(smoothed), steps)):
+        cross += np.outer(L @ smoothed[i] @ axis.force_row, D[i])
+        if i < len(gains):
+            L = L @ gains[i]
+    mixed = T @ cross[SIGMA_2_STATES]
+    result = T @ smoothed[0][np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] @ T.T + mixed + mixed.T
+    result += noise.process + axis.force_variance * D.T @ D
+    return np.asarray(result[:2, :2])
