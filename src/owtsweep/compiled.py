@@ -8,9 +8,12 @@ folder. Kernels import `njit` from here.
 from __future__ import annotations
 
 import hashlib
+import logging
 import os
+import sys
 import tempfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +49,16 @@ def cache_directory() -> Path:
     return base / f"kernels-{source_hash()}"
 
 
+@cache
+def announce(directory: Path) -> None:
+    """Say once that there is nothing compiled yet: the first run takes longer than all others."""
+    if any(directory.rglob("*.nbi")):
+        return
+    text = f"compiling kernels, once (some 30 s); they are kept in {directory}"
+    logging.getLogger(__name__).info(text)
+    print(f"owtsweep: {text}", file=sys.stderr)
+
+
 def _set_cache_directory() -> None:
     import numba
 
@@ -54,6 +67,7 @@ def _set_cache_directory() -> None:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError:  # a home that cannot be written must not stop anybody from computing
         directory = Path(tempfile.gettempdir()) / f"owtsweep-kernels-{source_hash()}"
+    announce(directory)
     numba.config.CACHE_DIR = str(directory)
 
 

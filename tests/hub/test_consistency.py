@@ -7,6 +7,7 @@ default sensors' at 100 Hz and a natural period of 4 s.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -16,12 +17,10 @@ from tools import Array
 
 from owtsweep.config import compose
 from owtsweep.streams import stream
-from owtsweep.studies.hub import measures
+from owtsweep.studies.hub import batch, measures
 from owtsweep.studies.hub.batch import Lanes, superposed_sums
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.kernels.filtering import filter_chunk
-from owtsweep.studies.hub.kernels.layout import new_memory
 from owtsweep.studies.hub.records import STUDY, Records, make_records
 from owtsweep.studies.hub.schemes import resolve
 
@@ -65,15 +64,13 @@ def sampled_nees(chain: Chain, config: HubConfig, records: Records, amplitude: f
     """NEES of one axis' (p, v, b), all lanes, at every SPACING-th step but the first."""
     lanes = Lanes(records)
     force, fixes = lanes.at(amplitude)
-    width = force.shape[1]
     delay = chain.filter.input_delay  # the filter's state belongs to the delayed time
     direction = np.tile(records.direction, len(records.replicates))
     x4 = true_x4(config, records)
-    memory = new_memory(width, SPACING, 0, 0, 1)
-    arrays = chain.filter._replace(window=0)
+    unsmoothed = replace(chain, filter=chain.filter._replace(window=0))
+    states = batch.states(unsmoothed, force, fixes)
     nees = []
     for k0 in range(0, records.steps - SPACING, SPACING):
-        filter_chunk(k0, SPACING, force, fixes, np.zeros(width), arrays, chain.mhe, memory)
         k = k0 + SPACING - 1
         at = k - delay
         truth = np.array(
@@ -83,7 +80,7 @@ def sampled_nees(chain: Chain, config: HubConfig, records: Records, amplitude: f
                 x4[at],
             ]
         )
-        error = memory.x[[0, 1, 3]] - truth
+        error = states[k, [0, 1, 3]] - truth
         P = chain.gains.filtered[chain.gains.row(k)][np.ix_([0, 1, 3], [0, 1, 3])]
         if k0 > 0:  # the first 60 s are the transient
             nees.append(np.sum(error * np.linalg.solve(P, error), axis=0))

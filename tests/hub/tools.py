@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -14,8 +15,6 @@ from owtsweep.studies.hub import batch, blocks
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme, Sensors
-from owtsweep.studies.hub.kernels.filtering import filter_chunk
-from owtsweep.studies.hub.kernels.layout import new_memory
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.sensors import Measurements, observe
 
@@ -128,16 +127,9 @@ def run_reference(scheme: Scheme, config: HubConfig, data: Measurements, sensors
 
 
 def filtered_states(chain: Chain, force: Array, fixes: Array) -> Array:
-    """The filter's states over a record, (steps, 4 x lanes), in chunks of an odd length."""
-    steps, lanes = force.shape
-    arrays = chain.filter._replace(window=0)
-    memory = new_memory(lanes, 77, 0, 0, chain.mhe.horizon)
-    states = np.empty((steps, 4 * lanes))
-    for k0 in range(0, steps, 77):
-        count = min(77, steps - k0)
-        filter_chunk(k0, count, force, fixes, np.zeros(lanes), arrays, chain.mhe, memory)
-        states[k0 : k0 + count] = memory.X[:count].reshape(count, -1)
-    return states
+    """The filter's states over a record, (steps, 4 x lanes), without a smoother."""
+    unsmoothed = replace(chain, filter=chain.filter._replace(window=0))
+    return batch.states(unsmoothed, force, fixes).reshape(len(force), -1)
 
 
 def assert_same(actual: Array, expected: Array, what: str, tolerance: float = 1e-9) -> None:

@@ -13,6 +13,9 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.gains import GainSchedule
 
+#: Rows of a schedule whose gains are solved for at once.
+_ROWS_AT_ONCE = 8192
+
 
 class FixedLagSmoother:
     """Register 4 and the online RTS pass (Algorithms 7 and 8).
@@ -61,13 +64,14 @@ def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple
     """
     from owtsweep.estimation.windowing import products
 
-    rows = np.arange(gains.rows)
-    following = gains.row(rows + 1)
-    numerator = gains.filtered @ transition.T
-    C = np.linalg.solve(
-        gains.predicted[following].transpose(0, 2, 1), numerator.transpose(0, 2, 1)
-    ).transpose(0, 2, 1)
-    C = np.ascontiguousarray(C)
+    C = np.empty_like(gains.filtered)
+    for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
+        rows = np.arange(first, min(first + _ROWS_AT_ONCE, gains.rows))
+        numerator = gains.filtered[rows] @ transition.T
+        following = gains.predicted[gains.row(rows + 1)]
+        C[rows] = np.linalg.solve(
+            following.transpose(0, 2, 1), numerator.transpose(0, 2, 1)
+        ).transpose(0, 2, 1)
     W = np.empty_like(C)
     products(C, window, gains.cycle, W)
     return C, W

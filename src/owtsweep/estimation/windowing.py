@@ -9,8 +9,8 @@ from owtsweep.compiled import njit
 
 @njit
 def products(C, window, cycle, W):
-    """W_k = C_k C_{k+1} ... C_{k+window-1}, rows repeating after `cycle`."""
-    rows, n = C.shape[0], C.shape[1]
+    """W_k = C_k C_{k+1} ... C_{k+window-1} of four states, rows repeating after `cycle`."""
+    rows, n = C.shape[0], 4  # a constant, so that the loops unroll
     P = np.empty((n, n))
     for k in range(rows):
         for i in range(n):
@@ -31,21 +31,24 @@ def products(C, window, cycle, W):
 
 
 @njit
-def covariances(Pf, Pm, C, window, h, response, smoothed, coupling):
+def covariances(Pf, Pm, C, window, h, response, smoothed, coupling, first=0):
     """Smoothed covariance at the start of each window, and its coupling to the inputs' noise.
 
-    For the window s ... k = s + window: smoothed[k] = P_{s|k} and coupling[k] = sum over i of
+    There are four states. Row i of `smoothed` and `coupling` belongs to k = first + i; rows with
+    k < window are left as they are. For the window s ... k = s + window: smoothed = P_{s|k} and
+    coupling = sum over i of
     C_s ... C_{s+i-1} P_{s+i|k} h response_i', the cross-covariance of the smoothing error of s
     with what the noise of the measurements h x + v of the window does to a prediction from s.
     """
-    rows, n = Pf.shape[0], Pf.shape[1]
+    n = 4  # a constant, so that the loops unroll
     outputs = response.shape[1]
     P = np.empty((window + 1, n, n))  # P_{s+i|k}
     inner = np.empty((n, n))
     half = np.empty((n, n))
     product = np.empty((n, n))
     vector = np.empty(n)
-    for k in range(window, rows):
+    for at in range(max(window - first, 0), len(smoothed)):
+        k = first + at
         s = k - window
         P[window] = Pf[k]
         for i in range(window - 1, -1, -1):
@@ -65,8 +68,8 @@ def covariances(Pf, Pm, C, window, h, response, smoothed, coupling):
                     for m in range(n):
                         total += half[a, m] * G[b, m]
                     P[i, a, b] = total
-        smoothed[k] = P[0]
-        coupling[k] = 0.0
+        smoothed[at] = P[0]
+        coupling[at] = 0.0
         for a in range(n):
             for b in range(n):
                 product[a, b] = 1.0 if a == b else 0.0
@@ -80,7 +83,7 @@ def covariances(Pf, Pm, C, window, h, response, smoothed, coupling):
                 for m in range(n):
                     total += product[a, m] * vector[m]
                 for b in range(outputs):
-                    coupling[k, a, b] += total * response[i, b]
+                    coupling[at, a, b] += total * response[i, b]
             if i < window:
                 G = C[s + i]
                 for a in range(n):

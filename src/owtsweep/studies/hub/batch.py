@@ -1,10 +1,9 @@
-"""The batch engine: one chain over all replicates of a block, errors summed on the fly."""
+"""The batch engine: chains over all replicates of a block, errors summed on the fly."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import cached_property
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +11,21 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.kernels.layout import Memory, new_memory
+from owtsweep.studies.hub.feed import Feed, Span
+from owtsweep.studies.hub.feed import Lanes as Lanes  # where others look for it
+from owtsweep.studies.hub.kernels.layout import (
+    WIDTH,
+    ChainArrays,
+    Output,
+    Scratch,
+    Weights,
+    new_output,
+    new_registers,
+    new_scratch,
+)
 from owtsweep.studies.hub.records import Records
 
-#: Steps that the kernels work through at once: the buffers of some 24 lanes fit the second cache.
+#: Steps that the kernels work through at once: the buffers of eight lanes fit the second cache.
 CHUNK = 500
 
 
@@ -32,118 +42,159 @@ class Sums(NamedTuple):
     squared: Array
 
 
-class Lanes:
-    """The records of a block as lanes in NED, (steps, lanes) and (fixes, lanes).
-
-    Noise lanes are ordered by replicate, then axis; the motion has one lane per replicate, the
-    unit displacement along the wave, since both axes share their gains.
-    """
-
-    def __init__(self, records: Records) -> None:
-        self.records = records
-
-    @cached_property
-    def position(self) -> Array:
-        """True displacement along the wave, (steps, replicates), m."""
-        return np.stack([motion.position for motion in self.records.motion], axis=1)
-
-    @cached_property
-    def velocity(self) -> Array:
-        """Its rate, (steps, replicates), m/s."""
-        return np.stack([motion.velocity for motion in self.records.motion], axis=1)
-
-    @cached_property
-    def _noise_force(self) -> Array:
-        R = self.records.sensors.rotation
-        return np.concatenate([noise.specific_force @ R.T for noise in self.records.noise], axis=1)
-
-    @cached_property
-    def _noise_fixes(self) -> Array:
-        return np.concatenate([noise.fixes for noise in self.records.noise], axis=1)
-
-    @cached_property
-    def _motion_force(self) -> Array:
-        return np.stack([motion.acceleration for motion in self.records.motion], axis=1)
-
-    @cached_property
-    def _motion_fixes(self) -> Array:
-        s = self.records.sensors
-        count = len(self.records.noise[0].fixes)
-        return np.stack(
-            [m.position_at(-s.delay, s.fix_interval, count) for m in self.records.motion], axis=1
-        )
-
-    @cached_property
-    def superposed(self) -> tuple[Array, Array]:
-        """Force and fixes with lanes [motion | noise]."""
-        return (
-            np.concatenate([self._motion_force, self._noise_force], axis=1),
-            np.concatenate([self._motion_fixes, self._noise_fixes], axis=1),
-        )
-
-    def at(self, amplitude: float) -> tuple[Array, Array]:
-        """Force and fixes of whole series at an amplitude (m), lanes by replicate and axis."""
-        direction = np.tile(self.records.direction, len(self.records.replicates))
-        return (
-            amplitude * np.repeat(self._motion_force, 2, axis=1) * direction + self._noise_force,
-            amplitude * np.repeat(self._motion_fixes, 2, axis=1) * direction + self._noise_fixes,
-        )
-
-
 def superposed_sums(chain: Chain, lanes: Lanes, settled: int, *, consistency: bool = True) -> Sums:
     """Products of the motion's and the noise's errors; `settled` is the first settled step.
 
     Without `consistency` NEES is left at zero and its covariances are not computed.
     """
-    force, fixes = lanes.superposed
-    return _run(chain, lanes, force, fixes, settled, None, consistency=consistency)
+    return superposed_sums_of([chain], lanes.records, settled, consistency=consistency)[0]
+
+
+def superposed_sums_of(
+    chains: Sequence[Chain], records: Records, settled: int, *, consistency: bool = True
+) -> list[Sums]:
+    """`superposed_sums` of several chains, which share each span of the records as it is made."""
+    return _run(chains, records, settled, None, keep=False, consistency=consistency)
 
 
 def direct_sums(
     chain: Chain, lanes: Lanes, amplitude: float, settled: int, *, keep_squared: bool = False
 ) -> Sums:
     """Squared errors at one amplitude (m), as product 2."""
-    force, fixes = lanes.at(amplitude)
-    return _run(chain, lanes, force, fixes, settled, (amplitude, keep_squared))
+    return direct_sums_of([chain], lanes.records, amplitude, settled, keep_squared=keep_squared)[0]
+
+
+def direct_sums_of(
+    chains: Sequence[Chain],
+    records: Records,
+    amplitude: float,
+    settled: int,
+    *,
+    keep_squared: bool = False,
+) -> list[Sums]:
+    """`direct_sums` of several chains, which share each span of the records as it is made."""
+    return _run(chains, records, settled, amplitude, keep=keep_squared, consistency=True)
 
 
 def _run(
-    chain: Chain,
-    lanes: Lanes,
-    force: Array,
-    fixes: Array,
+    chains: Sequence[Chain],
+    records: Records,
     settled: int,
-    direct: tuple[float, bool] | None,
+    amplitude: float | None,
     *,
-    consistency: bool = True,
-) -> Sums:
-    from owtsweep.studies.hub.kernels import sums as kernel
+    keep: bool,
+    consistency: bool,
+) -> list[Sums]:
+    weights = [weights_of(chain, consistency=consistency) for chain in chains]
+    scratch, output = shared_memory(chains, 3 if amplitude is None else 2)
+    parts = []
+    for first in range(0, len(records.replicates), WIDTH):
+        feed = Feed(records, first, amplitude)
+        runs = [
+            Run(*pair, feed, settled, scratch, output, keep=keep)
+            for pair in zip(chains, weights, strict=True)
+        ]
+        for span in feed.spans(max(run.lead for run in runs)):
+            for run in runs:
+                run.advance(span)
+        parts.append(runs)
+    count = len(records.replicates)
+    return [
+        _sums(list(own), chain, count)
+        for own, chain in zip(zip(*parts, strict=True), chains, strict=True)
+    ]
 
-    steps = len(force)
-    replicates = len(lanes.records.replicates)
-    products = np.zeros((2, 6, 3, replicates))
-    weight = 1.0 / chain.gains.innovation_variance
-    precision = chain.precision if consistency else np.zeros((chain.gains.rows, 3))
-    amplitude, keep = direct or (1.0, False)
-    squared = np.empty((steps if keep else 0, replicates))
-    truth = (lanes.position, lanes.velocity)
-    common = (
-        lanes.records.direction * amplitude, precision, weight, chain.gains.fresh,
-        chain.gains.cycle,
-    )  # fmt: skip
-    for k0, count, memory in chunks(chain, force, fixes):
-        if direct is None:
-            kernel.superposed(k0, count, settled, *truth, *common, memory, products)
+
+def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
+    """What NEES and NIS weigh errors with; zero for NEES without `consistency`."""
+    return Weights(
+        precision=chain.precision if consistency else np.zeros((chain.gains.rows, 3)),
+        innovation=1.0 / chain.gains.innovation_variance,
+        fresh=chain.gains.fresh,
+    )
+
+
+class Run:
+    """One chain on eight replicates, fed span by span."""
+
+    def __init__(
+        self,
+        chain: Chain,
+        weights: Weights,
+        feed: Feed,
+        settled: int,
+        scratch: Scratch,
+        output: Output,
+        *,
+        keep: bool = False,
+    ) -> None:
+        self.chain, self.weights, self.feed, self.settled = chain, weights, feed, settled
+        self.steps = feed.records.steps
+        self.arrays = arrays_of(chain)
+        self.chunk, self.lead = chunk_of(chain)
+        self.registers = new_registers(feed.groups, chain.filter.window, chain.mhe.horizon)
+        self.scratch, self.output = scratch, output
+        self.fixes = feed.fixes
+        self.sums = np.zeros((36, WIDTH))
+        self.squared = np.empty((self.steps if keep else 0, WIDTH))
+        self.done = 0
+
+    def advance(self, span: Span) -> None:
+        """Work through the whole chunks that there are; at the record's end, through the rest."""
+        from owtsweep.studies.hub.kernels import runs
+
+        ready = span.stop if span.stop == self.steps else span.stop // self.chunk * self.chunk
+        common: tuple[Any, ...] = (
+            self.done, ready, self.chunk, self.settled, span.force, span.base, self.fixes,
+            span.position, span.velocity,
+        )  # fmt: skip
+        own = (
+            self.arrays, self.weights, self.registers, self.scratch, self.output, self.sums
+        )  # fmt: skip
+        direction = self.feed.records.direction
+        if self.feed.amplitude is None:
+            runs.superposed(*common, direction, *own)
         else:
-            kernel.direct(k0, count, settled, *truth, *common, memory, products, squared)
+            runs.direct(*common, direction * self.feed.amplitude, *own, self.squared)
+        self.done = ready
+
+
+def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output]:
+    """Working memory that serves all of some chains in turn, so that it stays in the cache."""
+    chunk = max(chunk_of(chain)[0] for chain in chains)
+    window = max(chain.filter.window for chain in chains)
+    prediction = max(chain.predictor.steps for chain in chains)
+    return new_scratch(chunk, window, prediction), new_output(groups, chunk)
+
+
+def _sums(runs: Sequence[Run], chain: Chain, replicates: int) -> Sums:
+    steps, settled = runs[0].steps, runs[0].settled
     fresh = chain.gains.fresh[chain.gains.row(np.arange(steps))]
     late = int(np.count_nonzero(fresh[settled:]))
+    products = np.concatenate([run.sums for run in runs], axis=1)[:, :replicates]
     return Sums(
-        products=products,
+        products=products.reshape(2, 6, 3, replicates),
         steps=np.array([settled, steps - settled]),
         innovations=np.array([int(np.count_nonzero(fresh)) - late, late]),
-        squared=squared,
+        squared=np.concatenate([run.squared for run in runs], axis=1)[:, :replicates],
     )
+
+
+def arrays_of(chain: Chain) -> ChainArrays:
+    """A chain as its kernels take it."""
+    return ChainArrays(chain.filter, chain.predictor, chain.mhe)
+
+
+def chunk_of(chain: Chain) -> tuple[int, int]:
+    """How many steps to work through at once, and how many rows before them must be at hand.
+
+    A chunk that is not whole yet waits for the next span, so those rows hold a chunk as well.
+    """
+    window, prediction, delay = (
+        chain.filter.window, chain.predictor.steps, chain.filter.input_delay
+    )  # fmt: skip
+    chunk = max(CHUNK, 2 * window, 2 * prediction)
+    return chunk, chunk + max(prediction, delay + 1)
 
 
 def trajectories(
@@ -156,30 +207,36 @@ def trajectories(
     force, fixes
         (steps, lanes) specific force in NED, m/s^2; (fixes, lanes) positions, m.
     """
-    steps, width = force.shape
-    result = (np.empty((steps, width)), np.empty((steps, width)), np.empty((steps, width)))
-    for k0, n, memory in chunks(chain, force, fixes):
-        for out, source in zip(
-            result, (memory.position, memory.velocity, memory.innovation), strict=True
-        ):
+    result = (np.empty(force.shape), np.empty(force.shape), np.empty(force.shape))
+    for k0, n, output in chunks(chain, force, fixes):
+        for out, source in zip(result, output, strict=True):
             out[k0 : k0 + n] = source[:n]
     return result
 
 
-def chunks(chain: Chain, force: Array, fixes: Array) -> Iterator[tuple[int, int, Memory]]:
-    """Run a chain over lanes chunk by chunk: first step, number of steps, the chain's memory.
+def chunks(chain: Chain, force: Array, fixes: Array) -> Iterator[tuple[int, int, Output]]:
+    """Run a chain over lanes chunk by chunk: first step, number of steps, the estimates.
 
-    `memory.position`, `.velocity` and `.innovation` hold the chunk until the next is asked for.
+    The output's arrays (steps, lanes) hold the chunk until the next is asked for.
     """
-    from owtsweep.studies.hub.kernels.chain import chain_chunk
+    from owtsweep.studies.hub.kernels import runs
 
     steps, width = force.shape
-    chunk, memory = _new_chunk(chain, width)
-    zeros = np.zeros(width)
+    chunk, _ = chunk_of(chain)
+    padded, positions = _in_groups(chain, force, fixes)
+    groups, lead = len(padded), padded.shape[1] - steps
+    registers = new_registers(groups, chain.filter.window, chain.mhe.horizon)
+    scratch = new_scratch(chunk, chain.filter.window, chain.predictor.steps)
+    output = new_output(groups, chunk)
+    flat = Output(*(np.zeros((chunk, width)) for _ in Output._fields))
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
-        chain_chunk(k0, n, force, fixes, zeros, chain.filter, chain.predictor, chain.mhe, memory)
-        yield k0, n, memory
+        runs.run_groups(
+            k0, n, padded, -lead, positions, arrays_of(chain), registers, scratch, output
+        )
+        for out, source in zip(flat, output, strict=True):
+            out[:] = _side_by_side(source, width)
+        yield k0, n, flat
 
 
 def states(chain: Chain, force: Array, fixes: Array) -> Array:
@@ -193,26 +250,40 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
     Array
         (steps, 4, lanes) in m, m/s, m/s^2, m/s^2; b is x4 of Eq. (6), -R b^b + g.
     """
-    from owtsweep.studies.hub.kernels.filtering import filter_chunk
-    from owtsweep.studies.hub.kernels.lagging import shift, smooth_chunk
+    from owtsweep.studies.hub.kernels import runs
 
     steps, width = force.shape
-    chunk, memory = _new_chunk(chain, width)
-    zeros = np.zeros(width)
+    chunk, _ = chunk_of(chain)
+    padded, positions = _in_groups(chain, force, fixes)
+    groups, lead = len(padded), padded.shape[1] - steps
+    registers = new_registers(groups, chain.filter.window, chain.mhe.horizon)
+    scratch = new_scratch(chunk, chain.filter.window, chain.predictor.steps)
+    output = new_output(groups, chunk)
+    found = np.empty((groups, chunk, 4, WIDTH))
     result = np.empty((steps, 4, width))
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
-        filter_chunk(k0, n, force, fixes, zeros, chain.filter, chain.mhe, memory)
-        if chain.filter.window > 0:
-            smooth_chunk(k0, n, chain.filter, memory)
-        result[k0 : k0 + n] = memory.X[:n]
-        if chain.filter.window > 0:
-            shift(n, chain.filter, memory)
+        runs.states(
+            k0, n, padded, -lead, positions, arrays_of(chain), registers, scratch, output,
+            found.reshape(groups, 4 * chunk, WIDTH),
+        )  # fmt: skip
+        for state in range(4):
+            result[k0 : k0 + n, state] = _side_by_side(found[:, :n, state], width)
     return result
 
 
-def _new_chunk(chain: Chain, lanes: int) -> tuple[int, Memory]:
-    """How many steps to work through at once, and the memory for that."""
-    window, prediction = chain.filter.window, chain.predictor.steps
-    chunk = max(CHUNK, 2 * window, 2 * prediction)
-    return chunk, new_memory(lanes, chunk, window, prediction, chain.mhe.horizon)
+def _in_groups(chain: Chain, force: Array, fixes: Array) -> tuple[Array, Array]:
+    """Lanes in groups of eight, (groups, rows, 8), the force with rows of zeros before step 0."""
+    groups = -(-force.shape[1] // WIDTH)
+    lead = max(chain.predictor.steps, chain.filter.input_delay + 1)
+    result = []
+    for values, before in ((force, lead), (fixes, 0)):
+        padded = np.zeros((before + len(values), groups * WIDTH))
+        padded[before:, : force.shape[1]] = values
+        result.append(np.ascontiguousarray(padded.reshape(-1, groups, WIDTH).transpose(1, 0, 2)))
+    return result[0], result[1]
+
+
+def _side_by_side(values: Array, lanes: int) -> Array:
+    """(groups, steps, 8) as (steps, lanes)."""
+    return values.transpose(1, 0, 2).reshape(values.shape[1], -1)[:, :lanes]

@@ -14,12 +14,13 @@ import pandas as pd
 from owtsweep.config import as_mapping
 from owtsweep.studies.base import Block
 from owtsweep.studies.hub import measures
-from owtsweep.studies.hub.batch import Lanes, direct_sums, superposed_sums
+from owtsweep.studies.hub.batch import Sums, direct_sums_of, superposed_sums_of
+from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
 from owtsweep.studies.hub.loop import run_estimator
 from owtsweep.studies.hub.records import Records, make_records
-from owtsweep.studies.hub.schemes import resolve, resolve_all, under
+from owtsweep.studies.hub.schemes import resolve_all, under
 from owtsweep.studies.hub.sensors import Measurements, observe
 
 #: Replicates of one block: 0-7, 8-15, ...
@@ -116,24 +117,42 @@ def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
 
 
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Run blocks of one group; motion and noise are made once for all of them."""
+    """Run blocks of one group; motion and noise are made once for all of them.
+
+    Schemes with a kernel share each span of the records while it is in the cache, so all blocks
+    of an amplitude (or all that superpose) are run when the first of them is due.
+    """
     records: Records | None = None
-    lanes: Lanes | None = None
-    entries = {resolve(entry).name: entry for entry in config.schemes}
-    for block in blocks:
+    schemes = {s.name: under(s, config) for s in resolve_all(config.schemes)}
+    ready: dict[int, list[dict[str, Any]] | Exception] = {}
+    for number, block in enumerate(blocks):
         content = block.content
-        if records is None or lanes is None:
+        if records is None:
             records = make_records(config, content["natural_period"], content["replicates"])
-            lanes = Lanes(records)
-        scheme = under(resolve(entries[content["scheme"]]), config)
+        scheme = schemes[content["scheme"]]
         amplitude = content.get("amplitude")
-        settled = round(config.measures.settling_time / records.sensors.step)
-        arguments = (config, scheme, records, settled, amplitude)
         if uses_kernels(config, scheme):
-            rows = list(_by_kernel(*arguments, content["natural_period"], lanes))
+            if number not in ready:
+                together = {
+                    later: schemes[other.content["scheme"]]
+                    for later, other in enumerate(blocks[number:], number)
+                    if other.content.get("amplitude") == amplitude
+                    and uses_kernels(config, schemes[other.content["scheme"]])
+                }
+                ready.update(_by_kernels(config, together, records, amplitude))
+            found = ready.pop(number)
+            if isinstance(found, Exception):
+                raise found
+            rows = found
         else:
-            rows = list(_by_loop(*arguments, content["natural_period"]))
+            settled = _settled(config, records)
+            rows = list(_by_loop(config, scheme, records, settled, amplitude))
         yield block, _frame(rows)
+
+
+def _settled(config: HubConfig, records: Records) -> int:
+    """The first settled step."""
+    return round(config.measures.settling_time / records.sensors.step)
 
 
 def _frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
@@ -144,28 +163,45 @@ def _frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
     )
 
 
-def _by_kernel(
+def _by_kernels(
     config: HubConfig,
-    scheme: Any,
+    schemes: Mapping[int, Any],
     records: Records,
-    settled: int,
     amplitude: float | None,
-    period: float,
-    lanes: Lanes,
-) -> Iterator[dict[str, Any]]:
-    chain = scheme.kernel(records.sensors, config, records.steps)
+) -> dict[int, list[dict[str, Any]] | Exception]:
+    """Rows of several schemes at one amplitude, or what keeps a scheme from having a chain."""
+    chains: dict[int, Chain] = {}
+    result: dict[int, list[dict[str, Any]] | Exception] = {}
+    for number, scheme in schemes.items():
+        try:
+            chains[number] = chain_for_runs(scheme, records.sensors, config, records.steps)
+        except Exception as error:  # raised when its block is due: the others come first
+            result[number] = error
+    if not chains:
+        return result
+    settled = _settled(config, records)
+    every = list(chains.values())
     if amplitude is None:
-        sums = superposed_sums(chain, lanes, settled)
+        sums = superposed_sums_of(every, records, settled)
     else:
         keep = config.measures.extremes
-        sums = direct_sums(chain, lanes, amplitude, settled, keep_squared=keep)
+        sums = direct_sums_of(every, records, amplitude, settled, keep_squared=keep)
+    for number, own in zip(chains, sums, strict=True):
+        result[number] = list(_rows(own, schemes[number].name, records, amplitude))
+    return result
+
+
+def _rows(
+    sums: Sums, scheme: str, records: Records, amplitude: float | None
+) -> Iterator[dict[str, Any]]:
+    period = records.natural_period
     for index, replicate in enumerate(records.replicates):
         if np.all(np.isfinite(sums.products[..., index])):
             for measured in measures.from_sums(sums, index):
-                yield measures.row(period, replicate, scheme.name, measured, amplitude)
+                yield measures.row(period, replicate, scheme, measured, amplitude)
         else:
             reason = "the estimate is not finite"
-            yield measures.failed_row(period, replicate, scheme.name, reason, amplitude)
+            yield measures.failed_row(period, replicate, scheme, reason, amplitude)
 
 
 def _by_loop(
@@ -174,8 +210,8 @@ def _by_loop(
     records: Records,
     settled: int,
     amplitude: float | None,
-    period: float,
 ) -> Iterator[dict[str, Any]]:
+    period = records.natural_period
     for index, replicate in enumerate(records.replicates):
         try:
             for measured in _looped(config, scheme, records, settled, amplitude, index):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, wraps
 from operator import attrgetter
 from threading import Lock
@@ -65,8 +65,24 @@ class Chain:
         inverse = np.linalg.inv(self.covariance)
         return np.ascontiguousarray(inverse[:, [0, 0, 1], [0, 1, 1]])
 
+    def for_runs(self) -> Chain:
+        """This chain with all that the kernels need and without covariances, half of its memory."""
+        none = np.empty((0, 4, 4))
+        result = replace(self, gains=replace(self.gains, predicted=none, filtered=none))
+        vars(result)["precision"] = self.precision
+        return result
+
 
 Kernel = Callable[..., Chain]
+
+
+def chain_for_runs(scheme: Any, sensors: Sensors, tuning: Any, steps: int) -> Chain:
+    """A scheme's chain for the batch engine, with no more memory than it needs where that helps."""
+    if getattr(scheme.kernel, "keeps_chains", False):
+        made: Chain = scheme.kernel(sensors, tuning, steps, for_runs=True)
+    else:
+        made = scheme.kernel(sensors, tuning, steps)
+    return made
 
 
 def shared(kernel: Kernel) -> Kernel:
@@ -76,20 +92,33 @@ def shared(kernel: Kernel) -> Kernel:
     """
 
     @wraps(kernel)
-    def cached(self: Any, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
+    def cached(
+        self: Any,
+        sensors: Sensors,
+        tuning: Any,
+        steps: int = LONGEST_TRANSIENT,
+        *,
+        for_runs: bool = False,
+    ) -> Chain:
         sections = tuple(repr(attrgetter(section)(tuning)) for section in self.sections)
-        key = (type(self), sensors, steps, *sections)
+        key = (type(self), sensors, steps, for_runs, *sections)
         with _LOCK:
             if key not in _CHAINS:
-                _CHAINS[key] = kernel(self, sensors, tuning, steps)
+                made = kernel(self, sensors, tuning, steps)
+                _CHAINS[key] = made.for_runs() if for_runs else made
                 while len(_CHAINS) > _KEPT_CHAINS:
                     _CHAINS.popitem(last=False)
             return _CHAINS[key]
 
+    vars(cached)["keeps_chains"] = True
     return cached
 
 
-_KEPT_CHAINS = 6
+#: Rows of a schedule whose covariances are worked out at once.
+_ROWS_AT_ONCE = 8192
+
+#: One of each registered scheme: with slowly settling gains a chain is some 100 MB.
+_KEPT_CHAINS = 4
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
 _LOCK = Lock()
 
@@ -201,15 +230,19 @@ def _output_covariance(
         return gains.filtered[:, :2, :2].copy()
     noise = prediction_noise(predict, steps)
     pick = SIGMA_2_STATES
-    smoothed = np.broadcast_to(axis.initial_covariance, gains.filtered.shape).copy()
-    coupling = np.zeros((gains.rows, 4, 3))
     table = C if window > 0 else gains.filtered  # with no window there is nothing to look up
-    covariances(
-        gains.filtered, gains.predicted, table, window, axis.force_row, noise.response, smoothed,
-        coupling,
-    )  # fmt: skip
-    result = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
-    cross = noise.transition @ coupling[:, pick]
-    result += cross + cross.transpose(0, 2, 1)
-    result += noise.process + axis.force_variance * noise.response.T @ noise.response
-    return np.ascontiguousarray(result[:, :2, :2])
+    result = np.empty((gains.rows, 2, 2))
+    for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
+        count = min(_ROWS_AT_ONCE, gains.rows - first)
+        smoothed = np.broadcast_to(axis.initial_covariance, (count, 4, 4)).copy()
+        coupling = np.zeros((count, 4, 3))
+        covariances(
+            gains.filtered, gains.predicted, table, window, axis.force_row, noise.response,
+            smoothed, coupling, first,
+        )  # fmt: skip
+        own = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
+        cross = noise.transition @ coupling[:, pick]
+        own += cross + cross.transpose(0, 2, 1)
+        own += noise.process + axis.force_variance * noise.response.T @ noise.response
+        result[first : first + count] = own[:, :2, :2]
+    return result

@@ -5,8 +5,9 @@ All schemes and amplitudes of a (period, replicate) see the same phases and the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -33,15 +34,39 @@ class Records:
         (2,): the wave's direction in NED.
     motion
         One per replicate, scaled to the unit amplitude.
-    noise
-        One per replicate: everything in the measurements that is not motion.
     """
 
+    config: HubConfig
+    natural_period: float
     sensors: Sensors
     replicates: tuple[int, ...]
     direction: Array
     motion: tuple[Motion, ...]
-    noise: tuple[sensing.Measurements, ...]
+
+    @cached_property
+    def noise(self) -> tuple[sensing.Measurements, ...]:
+        """One per replicate: everything in the measurements that is not motion, whole and kept."""
+        return tuple(
+            sensing.noise(self.config.sensors, self.sensors, self.steps, self.stream(index))
+            for index in range(len(self.replicates))
+        )
+
+    @property
+    def keeps_noise(self) -> bool:
+        """Whether somebody has asked for the whole noise."""
+        return "noise" in vars(self)
+
+    def force_noise(self, index: int) -> sensing.ForceNoise:
+        """The noise of the specific force of the replicate with this index, piece by piece."""
+        return sensing.ForceNoise(self.config.sensors, self.sensors, self.stream(index))
+
+    def fix_noise(self, index: int) -> Array:
+        """(fixes, 2) noise of the fixes of the replicate with this index, m."""
+        return sensing.fix_noise(self.sensors, self.steps, self.stream(index))
+
+    def stream(self, index: int) -> Callable[[str], np.random.Generator]:
+        """The named streams of the replicate with this index."""
+        return partial(stream, self.config.seed, STUDY, self.natural_period, self.replicates[index])
 
     @property
     def steps(self) -> int:
@@ -50,33 +75,28 @@ class Records:
 
 
 def make_records(config: HubConfig, natural_period: float, replicates: Sequence[int]) -> Records:
-    """Draw the records of one period and some replicates."""
+    """The records of one period and some replicates: motion now, noise when it is needed."""
     known = sensing.sensors(config.sensors)
     steps = round(config.record.duration / known.step)
     shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
     angle = np.deg2rad(config.wave_direction)
-    motions, noises = [], []
-    for replicate in replicates:
-
-        def named(name: str, replicate: int = replicate) -> np.random.Generator:
-            return stream(config.seed, STUDY, natural_period, replicate, name)
-
-        motions.append(
-            synthesise(
-                shape,
-                named("phase"),
-                steps=steps,
-                step=known.step,
-                band=(config.band[0], config.band[1]),
-                normalise=config.normalise,
-                history=known.delay,
-            )
+    motions = [
+        synthesise(
+            shape,
+            stream(config.seed, STUDY, natural_period, replicate, "phase"),
+            steps=steps,
+            step=known.step,
+            band=(config.band[0], config.band[1]),
+            normalise=config.normalise,
+            history=known.delay,
         )
-        noises.append(sensing.noise(config.sensors, known, steps, named))
+        for replicate in replicates
+    ]
     return Records(
+        config=config,
+        natural_period=natural_period,
         sensors=known,
         replicates=tuple(replicates),
         direction=np.array([np.cos(angle), np.sin(angle)]),
         motion=tuple(motions),
-        noise=tuple(noises),
     )

@@ -59,24 +59,65 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
     return Measurements(force, delayed[:, None] * direction)
 
 
+class ForceNoise:
+    """All of the specific force that is not motion, drawn piece by piece.
+
+    Gravity -R' g, the bias' Wiener process, white noise. `stream` gives the generator of a name:
+    imu_x, imu_y, bias_x, bias_y. They yield unit normals that are scaled here, so changing an
+    intensity keeps the noise; and in order, so the pieces are those of one draw, bit for bit.
+    """
+
+    def __init__(
+        self,
+        config: SensorConfig,
+        sensors: Sensors,
+        stream: Callable[[str], np.random.Generator],
+    ) -> None:
+        self.walk = config.imu.bias_walk * np.sqrt(sensors.step)
+        self.sigma = sensors.force_sigma
+        self.gravity = sensors.rotation.T @ np.array(sensors.gravity)
+        self.generators = [(stream(f"bias_{axis}"), stream(f"imu_{axis}")) for axis in "xy"]
+        self.initial = config.imu.bias_initial
+        self.bias: list[float] | None = None
+
+    def draw(self, normals: Array) -> None:
+        """The next unit normals of bias_x, imu_x, bias_y, imu_y into (4, steps), for the kernels.
+
+        A record is taken either by this or by `next`.
+        """
+        for row, generator in zip(normals, sum(self.generators, ()), strict=True):
+            generator.standard_normal(out=row)
+
+    def next(self, steps: int) -> Array:
+        """The next (steps, 2) in the IMU's frame, m/s^2."""
+        force = np.empty((steps, 2))
+        last = []
+        for axis, (walk, white) in enumerate(self.generators):
+            bias = walk.standard_normal(steps)
+            bias *= self.walk
+            bias[0] = self.initial if self.bias is None else self.bias[axis] + bias[0]
+            np.cumsum(bias, out=bias)
+            last.append(bias[-1])
+            noise = white.standard_normal(steps)
+            noise *= self.sigma
+            noise += bias
+            np.subtract(noise, self.gravity[axis], out=force[:, axis])
+        self.bias = last
+        return force
+
+
 def noise(
     config: SensorConfig,
     sensors: Sensors,
     steps: int,
     stream: Callable[[str], np.random.Generator],
 ) -> Measurements:
-    """All that is not motion: gravity -R' g, the bias' Wiener process, white noise.
+    """All that is not motion in a whole record: of the specific force, and of the fixes."""
+    force = ForceNoise(config, sensors, stream).next(steps)
+    return Measurements(force, fix_noise(sensors, steps, stream))
 
-    `stream` gives the generator of a name: imu_x, imu_y, bias_x, bias_y, gnss. They yield unit
-    normals that are scaled here, so changing an intensity keeps the noise.
-    """
-    force = np.empty((steps, 2))
-    walk = config.imu.bias_walk * np.sqrt(sensors.step)
-    for axis, name in enumerate("xy"):
-        bias = walk * stream(f"bias_{name}").standard_normal(steps)
-        bias[0] = config.imu.bias_initial
-        np.cumsum(bias, out=bias)
-        force[:, axis] = bias + sensors.force_sigma * stream(f"imu_{name}").standard_normal(steps)
-    force -= sensors.rotation.T @ np.array(sensors.gravity)
+
+def fix_noise(sensors: Sensors, steps: int, stream: Callable[[str], np.random.Generator]) -> Array:
+    """(fixes, 2) white noise of the fixes of a record, m, from the stream gnss."""
     count = fix_count(steps, sensors.fix_interval)
-    return Measurements(force, sensors.position_sigma * stream("gnss").standard_normal((count, 2)))
+    return sensors.position_sigma * stream("gnss").standard_normal((count, 2))

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 
+#: Lanes that run side by side in one vector; `kernels.vector.WIDTH`, without importing numba.
+WIDTH = 8
+
 
 class FilterArrays(NamedTuple):
     """One axis of the Kalman filter: states (p, v, a, b).
@@ -62,49 +65,83 @@ class HorizonArrays(NamedTuple):
     step: float
 
 
-class Memory(NamedTuple):
-    """What is carried from chunk to chunk, for `lanes` lanes.
+class ChainArrays(NamedTuple):
+    """A whole scheme: filter, predictor, moving horizon estimator."""
 
-    x (4, lanes); e and X (window + chunk, 4, lanes) corrections and filtered states; position and
-    velocity (chunk, lanes) estimates; innovation (chunk, lanes); V and P (chunk + prediction + 1,
-    lanes) sums of inputs; S (2, 4, lanes) smoothing sums; the MHE's registers.
+    filter: FilterArrays
+    predictor: PredictorArrays
+    mhe: HorizonArrays
+
+
+class Registers(NamedTuple):
+    """What eight lanes carry from chunk to chunk; every array is (rows, 8).
+
+    x (4) the filter's state; e and X (4 window) the newest corrections and filtered states; the
+    MHE's registers: z (horizon + 1) fixes, ip and iv (horizon) effects of the inputs per interval,
+    arrival (3 (horizon + 1)) past states, running (4) the present interval's inputs, node (3) the
+    newest node, fix (1) the position that the filter takes.
     """
 
     x: Array
     e: Array
     X: Array
-    position: Array
-    velocity: Array
-    innovation: Array
-    V: Array
-    P: Array
-    S: Array
-    fix: Array
     z: Array
     ip: Array
     iv: Array
     arrival: Array
     running: Array
     node: Array
+    fix: Array
 
 
-def new_memory(lanes: int, chunk: int, window: int, prediction: int, horizon: int) -> Memory:
-    """Registers at zero, as every algorithm of the paper starts."""
-    return Memory(
-        x=np.zeros((4, lanes)),
-        e=np.zeros((window + chunk, 4, lanes)),
-        X=np.zeros((window + chunk, 4, lanes)),
-        position=np.zeros((chunk, lanes)),
-        velocity=np.zeros((chunk, lanes)),
-        innovation=np.zeros((chunk, lanes)),
-        V=np.zeros((chunk + prediction + 1, lanes)),
-        P=np.zeros((chunk + prediction + 1, lanes)),
-        S=np.zeros((2, 4, lanes)),
-        fix=np.zeros(lanes),
-        z=np.zeros((horizon + 1, lanes)),
-        ip=np.zeros((max(horizon, 1), lanes)),
-        iv=np.zeros((max(horizon, 1), lanes)),
-        arrival=np.zeros((horizon + 1, 3, lanes)),
-        running=np.zeros((4, lanes)),
-        node=np.zeros((3, lanes)),
-    )
+class Scratch(NamedTuple):
+    """What a chunk needs and leaves to nobody: shared by all lanes, so that it stays in the cache.
+
+    e and X (4 (window + chunk), 8) corrections and states, four rows per step; V and P (chunk +
+    prediction + 1, 8) sums of inputs; positions (chunk, 8) what the MHE gives the filter.
+    """
+
+    e: Array
+    X: Array
+    V: Array
+    P: Array
+    positions: Array
+
+
+class Output(NamedTuple):
+    """A chunk's estimates: position, velocity, innovation, (steps, lanes) each."""
+
+    position: Array
+    velocity: Array
+    innovation: Array
+
+
+def new_registers(groups: int, window: int, horizon: int) -> Registers:
+    """Registers of some groups of lanes, (groups, rows, 8): zero, as all of the paper starts."""
+    rows = (
+        4, 4 * window, 4 * window, horizon + 1, horizon, horizon, 3 * (horizon + 1), 4, 3, 1,
+    )  # fmt: skip
+    return Registers(*(np.zeros((groups, max(n, 1), WIDTH)) for n in rows))
+
+
+def new_scratch(chunk: int, window: int, prediction: int) -> Scratch:
+    """Working memory for chunks of that many steps."""
+    rows = (4 * (window + chunk), 4 * (window + chunk), *[chunk + prediction + 1] * 2, chunk)
+    return Scratch(*(np.zeros((n, WIDTH)) for n in rows))
+
+
+def new_output(groups: int, chunk: int) -> Output:
+    """Room for a chunk's estimates, (groups, chunk, 8)."""
+    return Output(*(np.zeros((groups, chunk, WIDTH)) for _ in Output._fields))
+
+
+class Weights(NamedTuple):
+    """What NEES and NIS weigh errors with, by schedule row.
+
+    precision (rows, 3) is the inverse of the (p, v) covariance of one axis, innovation (rows,) the
+    inverse of the innovation's variance, fresh (rows,) where there is one.
+    """
+
+    precision: Array
+    innovation: Array
+    fresh: NDArray[np.bool_]

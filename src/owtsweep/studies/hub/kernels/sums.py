@@ -1,100 +1,152 @@
-"""Sums of squared errors, on the fly.
+"""Sums of squared errors, on the fly, of eight replicates at once.
 
-`superposed` takes lanes [motion of each replicate | noise of each replicate and axis]: the motion
-lane is the response to the unit displacement along the wave, of which each axis sees its direction
-cosine. It sums motion x motion, motion x noise and noise x noise, from which every amplitude
-follows. `direct` takes lanes [replicate and axis] of whole series and sums their squares.
+`superposed_chunk` takes three groups of lanes, motion, noise of x, noise of y: the motion lane is
+the response to the unit displacement along the wave, of which each axis sees its direction cosine.
+It sums motion x motion, motion x noise and noise x noise, from which every amplitude follows.
+`direct_chunk` takes two groups, x and y, of whole series and sums their squares.
 
-Sums have the shape (2 windows, 6, 3 products, replicates) with the quantities x, y, vx, vy, NEES,
-NIS; window 0 is the part before settling, window 1 the part after.
+Sums have the rows (2 windows, 6 quantities, 3 products), (36, 8), with the quantities x, y, vx,
+vy, NEES, NIS; window 0 is the part before settling, window 1 the part after.
 """
 
 from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import schedule_row
+from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, store
 
 
 @njit
-def superposed(k0, count, settled, position, velocity, direction, precision, innovation_weight,
-               fresh, cycle, memory, sums):  # fmt: skip
-    """Add the chunk's products; `position` and `velocity` (steps, replicates) are the truth.
+def add(sums, row, term):
+    """Add a vector to a row of sums."""
+    store(sums, row, load(sums, row) + term)
 
-    `precision` (rows, 3) is the inverse of the (p, v) covariance of one axis, `innovation_weight`
-    (rows,) the inverse of the innovation's variance, `fresh` (rows,) where there is one.
+
+@njit
+def superposed_innovations(k0, first, stop, top, output, direction, chain, weights, sums):
+    """Add the innovations of the chunk's steps first ... stop - 1 to the rows from `top`."""
+    cx, cy = direction[0], direction[1]
+    weight, fresh = weights.innovation, weights.fresh
+    rows = fresh.shape[0]
+    for i in range(first, stop):
+        row = schedule_row(k0 + i, rows, chain.filter.cycle)
+        if fresh[row]:
+            w = weight[row]
+            s, x, y = (
+                load(output.innovation[0], i),
+                load(output.innovation[1], i),
+                load(output.innovation[2], i),
+            )
+            add(sums, top, w * s * s)
+            add(sums, top + 1, w * s * (cx * x + cy * y))
+            add(sums, top + 2, w * (x * x + y * y))
+
+
+@njit
+def superposed_span(k0, first, stop, top, position, velocity, base, output, direction, chain,
+                    weights, sums):  # fmt: skip
+    """Add the products of the chunk's steps first ... stop - 1 to the rows from `top`.
+
+    `position` and `velocity` (rows, 8) hold the truth of step k in row k - base.
     """
-    replicates = position.shape[1]
     cx, cy = direction[0], direction[1]
+    precision, cycle = weights.precision, chain.filter.cycle
     rows = precision.shape[0]
-    for i in range(count):
+    m, nx, ny = output.position[0], output.position[1], output.position[2]
+    mv, nvx, nvy = output.velocity[0], output.velocity[1], output.velocity[2]
+    t0, t1, t2 = load(sums, top), load(sums, top + 1), load(sums, top + 2)
+    t3, t4, t5 = load(sums, top + 3), load(sums, top + 4), load(sums, top + 5)
+    t6, t7, t8 = load(sums, top + 6), load(sums, top + 7), load(sums, top + 8)
+    t9, t10, t11 = load(sums, top + 9), load(sums, top + 10), load(sums, top + 11)
+    t12, t13, t14 = load(sums, top + 12), load(sums, top + 13), load(sums, top + 14)
+    row = schedule_row(k0 + first, rows, cycle)
+    for i in range(first, stop):
         k = k0 + i
-        row = schedule_row(k, rows, cycle)
-        w = 0 if k < settled else 1
         pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
-        ep, ev = memory.position[i], memory.velocity[i]
-        for r in range(replicates):
-            x, y = replicates + 2 * r, replicates + 2 * r + 1
-            p = ep[r] - position[k, r]
-            v = ev[r] - velocity[k, r]
-            px, py, vx, vy = ep[x], ep[y], ev[x], ev[y]
-            pn, vn = cx * px + cy * py, cx * vx + cy * vy
-            sums[w, 0, 0, r] += cx * cx * p * p
-            sums[w, 0, 1, r] += cx * p * px
-            sums[w, 0, 2, r] += px * px
-            sums[w, 1, 0, r] += cy * cy * p * p
-            sums[w, 1, 1, r] += cy * p * py
-            sums[w, 1, 2, r] += py * py
-            sums[w, 2, 0, r] += cx * cx * v * v
-            sums[w, 2, 1, r] += cx * v * vx
-            sums[w, 2, 2, r] += vx * vx
-            sums[w, 3, 0, r] += cy * cy * v * v
-            sums[w, 3, 1, r] += cy * v * vy
-            sums[w, 3, 2, r] += vy * vy
-            sums[w, 4, 0, r] += pp * p * p + 2.0 * pv * p * v + vv * v * v
-            sums[w, 4, 1, r] += pp * p * pn + pv * (p * vn + v * pn) + vv * v * vn
-            sums[w, 4, 2, r] += (
-                pp * (px * px + py * py) + 2.0 * pv * (px * vx + py * vy) + vv * (vx * vx + vy * vy)
-            )
-        if fresh[row]:
-            weight = innovation_weight[row]
-            s = memory.innovation[i]
-            for r in range(replicates):
-                x, y = s[replicates + 2 * r], s[replicates + 2 * r + 1]
-                sums[w, 5, 0, r] += weight * s[r] * s[r]
-                sums[w, 5, 1, r] += weight * s[r] * (cx * x + cy * y)
-                sums[w, 5, 2, r] += weight * (x * x + y * y)
+        p = load(m, i) - load(position, k - base)
+        v = load(mv, i) - load(velocity, k - base)
+        px, py, vx, vy = load(nx, i), load(ny, i), load(nvx, i), load(nvy, i)
+        pn, vn = cx * px + cy * py, cx * vx + cy * vy
+        t0 = t0 + cx * cx * p * p
+        t1 = t1 + cx * p * px
+        t2 = t2 + px * px
+        t3 = t3 + cy * cy * p * p
+        t4 = t4 + cy * p * py
+        t5 = t5 + py * py
+        t6 = t6 + cx * cx * v * v
+        t7 = t7 + cx * v * vx
+        t8 = t8 + vx * vx
+        t9 = t9 + cy * cy * v * v
+        t10 = t10 + cy * v * vy
+        t11 = t11 + vy * vy
+        t12 = t12 + (pp * p * p + 2.0 * pv * p * v + vv * v * v)
+        t13 = t13 + (pp * p * pn + pv * (p * vn + v * pn) + vv * v * vn)
+        t14 = t14 + (
+            pp * (px * px + py * py) + 2.0 * pv * (px * vx + py * vy) + vv * (vx * vx + vy * vy)
+        )
+        row += 1
+        if row == rows:
+            row = rows - cycle
+    store(sums, top, t0)
+    store(sums, top + 1, t1)
+    store(sums, top + 2, t2)
+    store(sums, top + 3, t3)
+    store(sums, top + 4, t4)
+    store(sums, top + 5, t5)
+    store(sums, top + 6, t6)
+    store(sums, top + 7, t7)
+    store(sums, top + 8, t8)
+    store(sums, top + 9, t9)
+    store(sums, top + 10, t10)
+    store(sums, top + 11, t11)
+    store(sums, top + 12, t12)
+    store(sums, top + 13, t13)
+    store(sums, top + 14, t14)
+    superposed_innovations(k0, first, stop, top + 15, output, direction, chain, weights, sums)
 
 
 @njit
-def direct(k0, count, settled, position, velocity, direction, precision, innovation_weight,
-           fresh, cycle, memory, sums, squared):  # fmt: skip
-    """Add the chunk's squared errors (product 2); `squared` (steps or 0, replicates) keeps them."""
-    replicates = position.shape[1]
+def direct_span(k0, first, stop, top, position, velocity, base, output, direction, chain,
+                weights, sums, squared):  # fmt: skip
+    """Add the squared errors (product 2) of the chunk's steps first ... stop - 1.
+
+    `squared` (steps or 0, 8) keeps those of the position.
+    """
     cx, cy = direction[0], direction[1]
+    precision, cycle, fresh = weights.precision, chain.filter.cycle, weights.fresh
     rows = precision.shape[0]
-    for i in range(count):
-        k = k0 + i
-        row = schedule_row(k, rows, cycle)
-        w = 0 if k < settled else 1
+    ex, ey = output.position[0], output.position[1]
+    evx, evy = output.velocity[0], output.velocity[1]
+    t2, t5, t8 = load(sums, top + 2), load(sums, top + 5), load(sums, top + 8)
+    t11, t14, t17 = load(sums, top + 11), load(sums, top + 14), load(sums, top + 17)
+    keep = squared.shape[0] > 0
+    row = schedule_row(k0 + first, rows, cycle)
+    for i in range(first, stop):
+        at = k0 + i - base
         pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
-        ep, ev = memory.position[i], memory.velocity[i]
-        for r in range(replicates):
-            px = ep[2 * r] - cx * position[k, r]
-            py = ep[2 * r + 1] - cy * position[k, r]
-            vx = ev[2 * r] - cx * velocity[k, r]
-            vy = ev[2 * r + 1] - cy * velocity[k, r]
-            sums[w, 0, 2, r] += px * px
-            sums[w, 1, 2, r] += py * py
-            sums[w, 2, 2, r] += vx * vx
-            sums[w, 3, 2, r] += vy * vy
-            sums[w, 4, 2, r] += (
-                pp * (px * px + py * py) + 2.0 * pv * (px * vx + py * vy) + vv * (vx * vx + vy * vy)
-            )
-            if squared.shape[0] > 0:
-                squared[k, r] = px * px + py * py
+        p, v = load(position, at), load(velocity, at)
+        prefetch(position, at + AHEAD)
+        prefetch(velocity, at + AHEAD)
+        px, py = load(ex, i) - cx * p, load(ey, i) - cy * p
+        vx, vy = load(evx, i) - cx * v, load(evy, i) - cy * v
+        t2 = t2 + px * px
+        t5 = t5 + py * py
+        t8 = t8 + vx * vx
+        t11 = t11 + vy * vy
+        t14 = t14 + (
+            pp * (px * px + py * py) + 2.0 * pv * (px * vx + py * vy) + vv * (vx * vx + vy * vy)
+        )
+        if keep:
+            store(squared, k0 + i, px * px + py * py)
         if fresh[row]:
-            weight = innovation_weight[row]
-            s = memory.innovation[i]
-            for r in range(replicates):
-                x, y = s[2 * r], s[2 * r + 1]
-                sums[w, 5, 2, r] += weight * (x * x + y * y)
+            x, y = load(output.innovation[0], i), load(output.innovation[1], i)
+            t17 = t17 + weights.innovation[row] * (x * x + y * y)
+        row += 1
+        if row == rows:
+            row = rows - cycle
+    store(sums, top + 2, t2)
+    store(sums, top + 5, t5)
+    store(sums, top + 8, t8)
+    store(sums, top + 11, t11)
+    store(sums, top + 14, t14)
+    store(sums, top + 17, t17)

@@ -1,0 +1,148 @@
+"""How fast the batch kernels are, alone: ns per step and series, and share of the machine's peaks.
+
+A series is a two-axis record (8 states, two lanes), whole, run directly: filter, MHE, smoother,
+predictor and error sums, with sensors and truth made before and lying in memory. What is counted:
+
+operations (additions, multiplications) per lane and step, as the algorithm needs them
+    filter      27, and 9 more at steps with a position: prediction 15, innovation 4 of the specific
+                force, correction 8
+    smoother    68: window product 32, gain 28, two sums of four
+    predictor   18: running sums 6, differences 4, states 8
+    MHE         6 for the inputs, 1 more if averaged or sampled, 5 at each tick of T_m, and
+                3 (2 (n + 1) + 4 n + 6 with an arrival term) at each fix, n = N_m
+per series and step
+    error sums  27 with NEES, and 5 where there is an innovation
+bytes per series and step that must come from memory at least once
+    16 specific force, 16 truth, 16 at each fix, and the gains' rows shared by all series
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from machine import machine, seconds
+
+SCHEMES = ("EKF", "MKF", "HME1", "HME2")
+
+
+@dataclass(frozen=True)
+class Work:
+    """What one scheme has to do per series and step."""
+
+    flops: float
+    bytes: float
+
+
+def work(chain: Any, steps: int, series: int) -> Work:
+    """Operations and bytes per series and step by the formula above."""
+    M, window = chain.filter.fix_interval, chain.filter.window
+    row = chain.gains.row(np.arange(steps))
+    applied, fresh = chain.gains.applied[row].mean(), chain.gains.fresh[row].mean()
+    lane = 27.0 + 9.0 * applied
+    if window:
+        lane += 68.0
+    if chain.predictor.steps:
+        lane += 18.0
+    mhe = chain.mhe
+    if mhe.active:
+        n = mhe.horizon
+        at_fix = 3 * (2 * (n + 1) + 4 * n + (6 if mhe.arrival else 0))
+        lane += 6.0 + (mhe.inputs != 0) + 5.0 / mhe.interval + at_fix / M
+    rows = min(chain.gains.rows, steps)
+    gains = rows * (64 + 1 + 24 + 8 + 1 + (256 if window else 0)) / (steps * series)
+    return Work(flops=2.0 * lane + 27.0 + 5.0 * fresh, bytes=32.0 + 16.0 / M + gains)
+
+
+def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, list[Any], Any]:
+    """A chain and, per eight series, what it is fed with; sensors and truth are random numbers."""
+    from owtsweep.config import compose
+    from owtsweep.studies.hub import sensors as sensing
+    from owtsweep.studies.hub.batch import arrays_of, chunk_of, weights_of
+    from owtsweep.studies.hub.schemes import resolve
+
+    config: Any = compose([f"tuning={tuning}"])
+    sensors = sensing.sensors(config.sensors)
+    chain = resolve(scheme).kernel(sensors, config, 200_000)  # type: ignore[attr-defined]
+    lead = chunk_of(chain)[1]
+    draw = np.random.default_rng(1)
+    fixes = -(-steps // sensors.fix_interval)
+    tiles = []
+    for _ in range(series // 8):
+        force = np.zeros((2, lead + steps, 8))
+        force[:, lead:] = draw.normal(size=(2, steps, 8))
+        truth = draw.normal(size=(2, lead + steps, 8))
+        tiles.append((force, -lead, draw.normal(size=(2, fixes, 8)), truth[0], truth[1]))
+    return chain, tiles, (arrays_of(chain), weights_of(chain))
+
+
+def run_scheme(
+    scheme: str,
+    *,
+    threads: int = 1,
+    series: int = 256,
+    steps: int = 10_000,
+    repeats: int = 9,
+    tuning: str = "paper",
+) -> tuple[list[float], Work]:
+    """Seconds per series and step of each repeat, all threads at once, and the work in it."""
+    from owtsweep.studies.hub.batch import chunk_of, shared_memory
+    from owtsweep.studies.hub.kernels import runs
+    from owtsweep.studies.hub.kernels.layout import new_registers
+
+    chain, tiles, (arrays, weights) = prepared(scheme, series, steps, tuning)
+    direction = np.array([0.8, 0.6])
+    chunk = chunk_of(chain)[0]
+    memory = [shared_memory([chain], 2) for _ in range(threads)]
+    squared = np.empty((0, 8))
+
+    def work_through(thread: int) -> None:
+        for force, base, fixes, position, velocity in tiles[thread::threads]:
+            registers = new_registers(2, chain.filter.window, chain.mhe.horizon)
+            runs.direct(
+                0, steps, chunk, 2000, force, base, fixes, position, velocity, direction, arrays,
+                weights, registers, *memory[thread], np.zeros((36, 8)), squared,
+            )  # fmt: skip
+
+    times = seconds(work_through, threads, repeats)
+    return [t / (steps * series) for t in times], work(chain, steps, series)
+
+
+def measure(*, tuning: str = "paper", series: int = 256, repeats: int = 9) -> list[dict[str, Any]]:
+    """One row per scheme and number of threads; `share` is the roofline's time over ours.
+
+    The roofline is max(bytes / triad, operations / multiply-add peak) on as many threads. Times are
+    the least of the repeats (other work on the machine only ever adds) and their median.
+    """
+    peaks = {int(row["threads"]): row for row in machine()}
+    rows = []
+    for scheme in SCHEMES:
+        for threads, peak in peaks.items():
+            times, needs = run_scheme(
+                scheme, threads=threads, series=series, repeats=repeats, tuning=tuning
+            )
+            memory = needs.bytes / peak["triad_GB_per_s"]
+            arithmetic = needs.flops / peak["multiply_add_Gflop_per_s"]
+            rows.append(
+                {
+                    "scheme": scheme, "tuning": tuning, "threads": threads, "series": series,
+                    "ns_least": 1e9 * min(times), "ns_median": 1e9 * float(np.median(times)),
+                    "flops": needs.flops, "bytes": needs.bytes, "ns_memory": memory,
+                    "ns_arithmetic": arithmetic,
+                    "share": max(memory, arithmetic) / (1e9 * min(times)),
+                    **peak,
+                }
+            )  # fmt: skip
+    return rows
+
+
+if __name__ == "__main__":
+    for row in measure():
+        print(
+            "{scheme:5} {threads} threads: {ns_least:6.2f} ns (median {ns_median:.2f}), "
+            "{flops:.0f} flops, {bytes:.1f} bytes, memory {ns_memory:.2f} ns, arithmetic "
+            "{ns_arithmetic:.2f} ns, share {share:.2f}; triad {triad_GB_per_s:.1f} GB/s, peak "
+            "{multiply_add_Gflop_per_s:.1f} (fused {fused_Gflop_per_s:.1f}) Gflop/s".format(**row)
+        )

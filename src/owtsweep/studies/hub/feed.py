@@ -1,0 +1,192 @@
+"""What the kernels are fed with: the records of eight replicates, span by span.
+
+A span is some thousand steps of specific force and truth in rows of eight lanes. Spans are made
+one after the other in the same buffers, so memory does not grow with what a record holds besides
+its motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.kernels.layout import WIDTH
+from owtsweep.studies.hub.records import Records
+from owtsweep.studies.hub.sensors import fix_count
+
+#: Steps of a span: long enough that Python's share is small, short enough for the last cache.
+SPAN = 10_000
+
+
+class Span(NamedTuple):
+    """Step k of the record stands in row k - base; rows before step 0 are zero.
+
+    stop: first step that is not there yet; force (groups, rows, 8), m/s^2 in NED; position and
+    velocity (rows, 8): the truth along the wave, m and m/s, of the unit motion.
+    """
+
+    stop: int
+    base: int
+    force: Array
+    position: Array
+    velocity: Array
+
+
+class Lanes:
+    """Records that are kept whole, to be run again and again.
+
+    As arrays they are lanes in NED, (steps, lanes) and (fixes, lanes).
+    """
+
+    def __init__(self, records: Records) -> None:
+        self.records = records
+        _ = records.noise  # from now on it is there
+
+    @cached_property
+    def position(self) -> Array:
+        """True displacement along the wave, (steps, replicates), m."""
+        return np.stack([motion.position for motion in self.records.motion], axis=1)
+
+    @cached_property
+    def velocity(self) -> Array:
+        """Its rate, (steps, replicates), m/s."""
+        return np.stack([motion.velocity for motion in self.records.motion], axis=1)
+
+    @cached_property
+    def _noise_force(self) -> Array:
+        R = self.records.sensors.rotation
+        return np.concatenate([noise.specific_force @ R.T for noise in self.records.noise], axis=1)
+
+    @cached_property
+    def _noise_fixes(self) -> Array:
+        return np.concatenate([noise.fixes for noise in self.records.noise], axis=1)
+
+    def at(self, amplitude: float) -> tuple[Array, Array]:
+        """Force and fixes of whole series at an amplitude (m), lanes by replicate and axis."""
+        s = self.records.sensors
+        direction = np.tile(self.records.direction, len(self.records.replicates))
+        motion = np.stack([motion.acceleration for motion in self.records.motion], axis=1)
+        count = len(self.records.noise[0].fixes)
+        fixes = np.stack(
+            [m.position_at(-s.delay, s.fix_interval, count) for m in self.records.motion], axis=1
+        )
+        return (
+            amplitude * np.repeat(motion, 2, axis=1) * direction + self._noise_force,
+            amplitude * np.repeat(fixes, 2, axis=1) * direction + self._noise_fixes,
+        )
+
+
+class Feed:
+    """Up to eight replicates of a block's records.
+
+    Without an amplitude the groups of lanes are motion, noise in x, noise in y: the motion has one
+    lane per replicate, the unit displacement along the wave, since both axes share their gains.
+    With one they are x and y of whole series at that amplitude (m).
+
+    Parameters
+    ----------
+    records
+        Records of the block.
+    first
+        The first replicate's index in the records; the next seven follow, as far as there are any.
+    amplitude
+        None for motion and noise apart.
+    """
+
+    def __init__(self, records: Records, first: int = 0, amplitude: float | None = None) -> None:
+        self.records = records
+        self.indices = range(first, min(first + WIDTH, len(records.replicates)))
+        self.amplitude = amplitude
+        self.groups = 3 if amplitude is None else 2
+
+    @property
+    def fixes(self) -> Array:
+        """(groups, fixes, 8) positions that the GNSS reports, m."""
+        sensors = self.records.sensors
+        count = fix_count(self.records.steps, sensors.fix_interval)
+        motion = np.zeros((count, WIDTH))
+        noise = np.zeros((2, count, WIDTH))
+        for lane, index in enumerate(self.indices):
+            motion[:, lane] = self.records.motion[index].position_at(
+                -sensors.delay, sensors.fix_interval, count
+            )
+            noise[:, :, lane] = self.records.fix_noise(index).T
+        return self._grouped(motion, noise)
+
+    def spans(self, lead: int) -> Iterator[Span]:
+        """The record from its first step to its last; `lead` rows of the span before stay."""
+        from owtsweep.studies.hub.kernels import feeding
+
+        steps = self.records.steps
+        size = min(SPAN, steps)
+        apart = np.zeros((3, lead + size, WIDTH))
+        truth = np.zeros((2, lead + size, WIDTH))
+        whole = apart if self.amplitude is None else np.zeros((2, lead + size, WIDTH))
+        motion = [self.records.motion[index] for index in self.indices]
+        fill = self._noise(size)
+        for k0 in range(0, steps, SPAN):
+            stop = min(k0 + SPAN, steps)
+            if k0 > 0:
+                for buffer in (whole, truth):
+                    feeding.keep_lead(lead, buffer)
+            for rows, name in ((truth[0], "position"), (truth[1], "velocity"),
+                               (apart[0], "acceleration")):  # fmt: skip
+                sources = tuple(getattr(series, name) for series in motion)
+                feeding.gather(k0, stop - k0, lead, sources, rows)
+            fill(stop - k0, lead, apart)
+            if self.amplitude is not None:
+                direction = self.records.direction
+                feeding.whole_series(stop - k0, lead, self.amplitude, direction, apart, whole)
+            yield Span(stop, k0 - lead, whole, truth[0], truth[1])
+
+    def _noise(self, size: int) -> Callable[[int, int, Array], None]:
+        """What puts the next steps of the noise, turned into NED, into groups 1 and 2."""
+        from owtsweep.studies.hub.kernels import feeding
+
+        records, R = self.records, self.records.sensors.rotation
+        if records.keeps_noise or not np.array_equal(R, np.eye(2)):
+            draws = [self._force_noise(index) for index in self.indices]
+
+            def turned(steps: int, lead: int, force: Array) -> None:
+                for lane, draw in enumerate(draws):
+                    force[1:, lead : lead + steps, lane] = (draw(steps) @ R.T).T
+
+            return turned
+        sources = [records.force_noise(index) for index in self.indices]
+        normals, bias = np.empty((len(sources), 4, size)), np.zeros((len(sources), 2))
+        begun = False
+
+        def straight(steps: int, lead: int, force: Array) -> None:
+            nonlocal begun
+            for source, own in zip(sources, normals, strict=True):
+                source.draw(own[:, :steps])
+            one = sources[0]
+            feeding.noise(
+                steps, lead, normals, begun, bias, one.walk, one.initial, one.sigma, one.gravity,
+                force,
+            )  # fmt: skip
+            begun = True
+
+        return straight
+
+    def _force_noise(self, index: int) -> Callable[[int], Array]:
+        """What gives the next (steps, 2) of a replicate's noise: drawn, or kept by the records."""
+        if not self.records.keeps_noise:
+            return self.records.force_noise(index).next
+        kept, position = self.records.noise[index].specific_force, 0
+
+        def following(steps: int) -> Array:
+            nonlocal position
+            position += steps
+            return kept[position - steps : position]
+
+        return following
+
+    def _grouped(self, motion: Array, noise: Array) -> Array:
+        if self.amplitude is None:
+            return np.concatenate([motion[None], noise])
+        return self.amplitude * motion * self.records.direction[:, None, None] + noise

@@ -1,0 +1,52 @@
+"""A span of records put into rows of eight lanes, in one call that leaves the GIL alone."""
+
+from __future__ import annotations
+
+from owtsweep.compiled import njit
+
+
+@njit
+def gather(first, count, lead, sources, rows):
+    """Put steps first ... first + count - 1 of each series into its lane, from row `lead` on."""
+    for i in range(count):
+        for lane in range(len(sources)):
+            rows[lead + i, lane] = sources[lane][first + i]
+
+
+@njit
+def noise(count, lead, normals, begun, bias, walk, initial, sigma, gravity, force):
+    """Turn unit normals (lanes, 4, steps) of bias_x, imu_x, bias_y, imu_y into groups 1 and 2.
+
+    The bias walks on from `bias` (lanes, 2), or begins at `initial`; the IMU is not turned.
+    """
+    for axis in range(2):
+        for lane in range(normals.shape[0]):
+            drawn, white = normals[lane, 2 * axis], normals[lane, 2 * axis + 1]
+            value = bias[lane, axis]
+            for i in range(count):
+                if i > 0 or begun:
+                    value = value + drawn[i] * walk
+                else:
+                    value = initial
+                force[1 + axis, lead + i, lane] = (white[i] * sigma + value) - gravity[axis]
+            bias[lane, axis] = value
+
+
+@njit
+def whole_series(count, lead, amplitude, direction, force, result):
+    """Add the groups motion and noise up to the groups x and y at an amplitude."""
+    for axis in range(2):
+        for i in range(lead, lead + count):
+            for lane in range(force.shape[2]):
+                moved = amplitude * force[0, i, lane] * direction[axis]
+                result[axis, i, lane] = moved + force[1 + axis, i, lane]
+
+
+@njit
+def keep_lead(lead, rows):
+    """Move the last `lead` rows of each group to the front: the next span follows them."""
+    last = rows.shape[1] - lead
+    for group in range(rows.shape[0]):
+        for i in range(lead):
+            for lane in range(rows.shape[2]):
+                rows[group, i, lane] = rows[group, last + i, lane]

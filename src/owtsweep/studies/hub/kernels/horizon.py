@@ -1,0 +1,93 @@
+"""The moving horizon estimator in front of the filter, for eight lanes: its registers and maps."""
+
+from __future__ import annotations
+
+from owtsweep.compiled import njit
+from owtsweep.studies.hub.kernels.vector import load, store, zero
+
+ALL, AVERAGED, SAMPLED = 0, 1, 2
+
+
+@njit
+def horizon_fix(q, fixes, mhe, registers):
+    """A fix arrives: push the finished interval, solve the window, start a new interval."""
+    nm = mhe.horizon
+    z, ip, iv, running = registers.z, registers.ip, registers.iv, registers.running
+    if q > 0:
+        store(ip, (q - 1) % nm, load(running, 0))
+        store(iv, (q - 1) % nm, load(running, 1))
+    store(running, 0, zero())
+    store(running, 1, zero())
+    store(z, q % (nm + 1), load(fixes, q))
+    if q < mhe.first:
+        return
+    n = min(q, nm)
+    G = mhe.maps[min(q, mhe.maps.shape[0] - 1)]
+    oldest_fix, oldest_input = (q - n) % (nm + 1), (q - n) % nm
+    for i in range(3):
+        node = zero()
+        at = oldest_fix
+        for j in range(n + 1):
+            node = node + G[i, j] * load(z, at)
+            at = at + 1 if at < nm else 0
+        at = oldest_input
+        for j in range(n):
+            gp, gv = G[i, n + 1 + 3 * j], G[i, n + 2 + 3 * j]
+            node = node + (gp * load(ip, at) + gv * load(iv, at))
+            at = at + 1 if at + 1 < nm else 0
+        if mhe.arrival and q >= nm:
+            at = 3 * ((q - nm) % (nm + 1))
+            for m in range(3):
+                node = node + G[i, n + 1 + 3 * n + m] * load(registers.arrival, at + m)
+        store(registers.node, i, node)
+
+
+@njit
+def horizon_steps(
+    k0, first, stop, force, source, q, fixes, mhe, fix_interval, registers, positions
+):
+    """The MHE's positions of steps k0 + first ... k0 + stop - 1, all after fix number q.
+
+    Row i of `positions` is that of step k0 + i, (11d) with nothing to contradict its last link;
+    between the ticks of T_m (the fixes, until there is a solution) it holds the last one. The
+    specific force of step k0 + i, row source + i, is integrated as it reaches the MHE.
+    """
+    T = mhe.step
+    half = 0.5 * T * T
+    running, node = registers.running, registers.node
+    interval, inputs, solved = mhe.interval, mhe.inputs, q >= mhe.first
+    n0, n1, n2 = load(node, 0), load(node, 1), load(node, 2)
+    p, v, gathered, mean = load(running, 0), load(running, 1), load(running, 2), load(running, 3)
+    held = load(registers.fix, 0)
+    k = k0 + first
+    phase = k % interval
+    since_fix = k - q * fix_interval
+    for i in range(first, stop):
+        if solved:
+            if phase == 0:
+                tf = since_fix * T
+                held = n0 + tf * n1 + 0.5 * tf * tf * n2 + p
+        elif since_fix == 0:
+            held = load(fixes, q)
+        store(positions, i, held)
+        u = load(force, source + i)
+        if inputs != ALL:
+            gathered = gathered + u
+            if phase == 0:
+                if inputs == AVERAGED:
+                    mean = gathered / float(interval)
+                else:
+                    mean = u
+                gathered = zero()
+            u = mean
+        p = p + (T * v + half * u)
+        v = v + T * u
+        since_fix += 1
+        phase += 1
+        if phase == interval:
+            phase = 0
+    store(running, 0, p)
+    store(running, 1, v)
+    store(running, 2, gathered)
+    store(running, 3, mean)
+    store(registers.fix, 0, held)
