@@ -125,12 +125,14 @@ def _casadi(solver: str) -> Callable[[Window], Solver]:
             np.kron(weights.transition, I2),
             np.kron(weights.transition, I2),
             np.kron(square_root_information(weights.link_covariance), I2),
-            1.0 / np.sqrt(weights.fix_variance),
+            np.full(window.intervals + 1, 1.0 / np.sqrt(weights.fix_variance)),
         ]
         prior = np.kron(square_root_information(window.covariance), I2)
+        none, no_rows = np.zeros((2, 0, 0)), np.zeros((0, 6))
 
         def solve(w: Window) -> np.ndarray:
-            nodes = problem._minimum(scale, w.z.T, w.effects.T, *packed, w.x0, prior)
+            # One solve, as anybody would; the package itself refines the answer by a second.
+            nodes = problem._minimum(none, scale, no_rows, w.z.T, w.effects.T, *packed, w.x0, prior)
             return nodes[:, -1]
 
         return solve
