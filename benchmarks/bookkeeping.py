@@ -156,7 +156,7 @@ def write_csv(rows: list[dict[str, Any]]) -> None:
         writer.writerows(rows)
 
 
-def _block_table(rows: list[dict[str, Any]]) -> str:
+def block_table(rows: list[dict[str, Any]]) -> str:
     lines = ["| block | stage | ms | of them CPU |", "|---|---|---|---|"]
     for row in rows:
         figures = f"{row['ms_per_block']:.2f} | {row['cpu_ms']:.2f}"
@@ -164,7 +164,7 @@ def _block_table(rows: list[dict[str, Any]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _plan_table(plans: list[dict[str, Any]]) -> str:
+def plan_table(plans: list[dict[str, Any]]) -> str:
     lines = ["| cases | blocks | seconds | peak, MB |", "|---|---|---|---|"]
     for plan in plans:
         stages = ", ".join(f"{name} {value:.1f}" for name, value in plan["seconds"].items())
@@ -189,9 +189,9 @@ def main() -> int:
     for plan in plans:
         print(json.dumps(plan))
     if options.write:
-        put("bookkeeping", _block_table(rows))
+        put("bookkeeping", block_table(rows))
     if options.write and plans:
-        put("large", _plan_table(plans))
+        put("large", plan_table(plans))
     return 0
 
 

@@ -135,8 +135,8 @@ def measure(
                 {
                     "scheme": scheme, "tuning": tuning, "threads": threads, "series": series,
                     "ns_least": 1e9 * min(times), "ns_median": middle,
-                    "flops": float(needs.flops), "bytes": float(needs.bytes), "ns_memory": float(memory),
-                    "ns_arithmetic": float(arithmetic),
+                    "flops": float(needs.flops), "bytes": float(needs.bytes),
+                    "ns_memory": float(memory), "ns_arithmetic": float(arithmetic),
                     "share": float(max(memory, arithmetic)) / middle,
                     **peak,
                 }
