@@ -9,10 +9,11 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
+import owtsweep
 from benchmarks.machine import last_cache
 
 PACKAGES = (
-    "owtsweep", "numpy", "scipy", "pandas", "pyarrow", "numba", "casadi", "filterpy", "statsmodels",
+    "numpy", "scipy", "pandas", "pyarrow", "numba", "casadi", "filterpy", "statsmodels",
     "osqp", "do-mpc",
 )  # fmt: skip
 
@@ -27,6 +28,7 @@ def describe() -> dict[str, str]:
         "memory": _memory(),
         "system": f"{platform.system()} {platform.machine()}",
         "Python": platform.python_version(),
+        "owtsweep": owtsweep.__version__,
         **{name: _version(name) for name in PACKAGES},
     }
 

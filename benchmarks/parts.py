@@ -29,7 +29,7 @@ def _breakdown(quick: bool) -> Any:
 def _peers_filter(quick: bool) -> Any:
     from benchmarks.peers_filter import measure
 
-    return measure(30.0 if quick else 40.0)
+    return measure()
 
 
 def _peers_mhe(quick: bool) -> Any:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.timing import seconds
+from benchmarks.timing import REPEATS, seconds
 from owtsweep.config import compose
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
@@ -49,7 +49,7 @@ def make_job(seconds_of_record: float) -> Job:
     return Job(chain, records.sensors, force, fixes)
 
 
-def measure(duration: float = 40.0) -> list[dict[str, object]]:
+def measure(duration: float = 40.0, repeats: int = REPEATS) -> list[dict[str, object]]:
     """One row per peer: ns per IMU step of a two-axis record, whether it agrees, and a note."""
     job = make_job(duration)
     ours = batched(job)()
@@ -64,7 +64,12 @@ def measure(duration: float = 40.0) -> list[dict[str, object]]:
         difference = np.max(np.abs(answer - ours), axis=0) / np.max(np.abs(ours), axis=0)
         agrees = bool(np.all(difference <= AGREEMENT))
         rows.append(
-            {"peer": name, "ns": 1e9 * seconds(work) / job.steps, "agrees": agrees, "note": note}
+            {
+                "peer": name,
+                "ns": 1e9 * seconds(work, repeats=repeats) / job.steps,
+                "agrees": agrees,
+                "note": note,
+            }
         )
     return rows
 

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 OURS, OTHERS, LIMIT = "#0072B2", "#999999", "#D55E00"
 DPI = 100
+
+
+def plain(value: float) -> str:
+    """Three digits, without an exponent."""
+    digits = 2 - math.floor(math.log10(abs(value))) if value else 0
+    return f"{round(value, digits):,.10g}".replace(",", " ")
 
 
 def draw(found: dict[str, Any], folder: Path) -> dict[str, str]:
@@ -41,7 +48,7 @@ def _kernels(found: dict[str, Any]) -> Any:
     at = np.arange(len(names))
     for i, (engine, color, values) in enumerate(engines):
         bars = left.bar(at + 0.4 * i - 0.2, values, 0.38, color=color, label=engine)
-        left.bar_label(bars, [f"{value:.3g}" for value in values], fontsize=8)
+        left.bar_label(bars, [plain(value) for value in values], fontsize=8)
     left.set(yscale="log", xticks=at, xticklabels=names, ylabel="ns per step and series")
     left.set_title("One thread, one two-axis record")
     left.margins(y=0.15)
@@ -92,7 +99,7 @@ def _peers(rows: list[dict[str, Any]], key: str, scale: float, unit: str, title:
     values = [scale * row[key] for row in rows]
     names = [row["peer"] + ("" if row["agrees"] else " (other answer)") for row in rows]
     bars = ax.barh(names, values, color=[OURS, *[OTHERS] * (len(rows) - 1)])
-    ax.bar_label(bars, [f"{v:.3g} (x {v / values[0]:.3g})" for v in values], padding=3)
+    ax.bar_label(bars, [f"{plain(v)} (x {plain(v / values[0])})" for v in values], padding=3)
     ax.invert_yaxis()
     ax.set(xscale="log", xlabel=unit)
     ax.margins(x=0.25)

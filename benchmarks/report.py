@@ -41,7 +41,10 @@ def _lines(found: dict[str, Any], pictures: dict[str, str]) -> Iterator[str]:
         yield f"## {title}\n"
         yield from table(
             ("goal", "asked", "measured", "", "why"),
-            [(g.what, g.goal, g.measured, g.verdict, "" if g.reached else g.why) for g in rows],
+            [
+                (g.what, g.goal, g.measured, "-" if found["quick"] else g.verdict, _why(g))
+                for g in rows
+            ],
         )
     for part, write_part in SECTIONS.items():
         if part in found:
@@ -49,6 +52,10 @@ def _lines(found: dict[str, Any], pictures: dict[str, str]) -> Iterator[str]:
             if part in pictures:
                 yield f"![{part}]({pictures[part]})\n"
     yield from _versions(found)
+
+
+def _why(goal: goals.Goal) -> str:
+    return "" if goal.reached else goal.why
 
 
 def _machine(found: dict[str, Any]) -> Iterator[str]:
@@ -61,11 +68,24 @@ def _machine(found: dict[str, Any]) -> Iterator[str]:
     if found["quick"]:
         yield "**A quick look at smaller sizes and with fewer repeats: no verdict on any goal.**\n"
     before, after = found["busy_before"], found["busy_after"]
-    shares = f"{100 * before:.0f} % before the run, {100 * after:.0f} % after it"
+    shares = f"of its cores {100 * before:.0f} % before the run and {100 * after:.0f} % after it"
     if max(before, after) > BUSY:
-        yield f"**The machine was not quiet: others used {shares} of its cores.**\n"
+        yield f"**The machine was not quiet. Others used {shares}: do not trust the times.**\n"
     elif not math.isnan(before):
-        yield f"The machine was quiet: others used {shares} of its cores.\n"
+        yield f"The machine was quiet: others used {shares}.\n"
+    yield from _peaks(found.get("kernels", []))
+
+
+def _peaks(rows: list[dict[str, Any]]) -> Iterator[str]:
+    """A warning where all threads together reach no more than one: a limit too low flatters."""
+    peak = {row["threads"]: row["fused_Gflop_per_s"] for row in rows}
+    threads = max(peak, default=1)
+    if peak and peak[threads] < 0.8 * threads * peak[1]:
+        yield (
+            f"**{threads} threads reach only {peak[threads] / peak[1]:.2f} times the arithmetic of "
+            "one: other work ran meanwhile, or cores share their units. In the former case the "
+            "shares of the machine's limits below are too high.**\n"
+        )
 
 
 def _kernels(found: dict[str, Any]) -> Iterator[str]:
@@ -158,8 +178,8 @@ def _peers(rows: list[dict[str, Any]], key: str, scale: float, unit: str) -> lis
             if row[key] is None
             else (
                 row["peer"],
-                f"{scale * row[key]:.4g}",
-                f"{row[key] / ours:.4g}",
+                plots.plain(scale * row[key]),
+                plots.plain(row[key] / ours),
                 "yes" if row["agrees"] else "**NO**",
                 row["note"],
             )
