@@ -19,11 +19,12 @@ export NUMBA_CACHE_DIR := $(CURDIR)/$(VENV)/numba-cache
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help sweep test reproduce bench clean
+.PHONY: help sweep test test-faults reproduce bench clean
 
 help:
 	@echo 'make sweep   run the default study; overrides: make sweep ARGS="grid.replicates=2"'
 	@echo 'make test    lint, format check, types, tests; one test: make test ARGS="-k store"'
+	@echo 'make test-faults   the slow tests: kills, full disks, a cluster, a million cases'
 	@echo 'make reproduce   the search, both runs with 100 records per cell, all figures, the report'
 	@echo 'make bench   speed against goals and peers, into benchmarks/report.md; ARGS=--quick: a look'
 	@echo 'make clean   delete the environment and all caches (never results)'
@@ -33,10 +34,16 @@ sweep: $(INSTALLED)
 	$(VENV_PYTHON) -m owtsweep sweep $(ARGS)
 
 test: $(INSTALLED_TEST)
-	$(VENV_PYTHON) -m ruff check .
-	$(VENV_PYTHON) -m ruff format --check .
-	$(VENV_PYTHON) -m mypy
+	$(VENV_PYTHON) tests/compile_kernels.py online & \
+	$(VENV_PYTHON) tests/compile_kernels.py studies & \
+	$(VENV_PYTHON) -m ruff check . && \
+	$(VENV_PYTHON) -m ruff format --check . && \
+	$(VENV_PYTHON) -m mypy; status=$$?; wait; exit $$status
 	$(VENV_PYTHON) -m pytest --numprocesses 2 --dist worksteal $(ARGS)
+
+# One after the other: some of them look at the clock.
+test-faults: $(INSTALLED_TEST)
+	$(VENV_PYTHON) -m pytest -m faults $(ARGS)
 
 reproduce: $(INSTALLED_CALIBRATE)
 	$(VENV_PYTHON) experiments/reproduce.py $(ARGS)

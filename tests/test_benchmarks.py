@@ -45,7 +45,7 @@ def found() -> dict[str, Any]:
             "replicates": 100,
             "whole": {"wall": 20.0, "process": 21.0, "peak": 500.0, "bytes": 1e6, "cases": 24000.0},
             "axes": [
-                {"axis": axis, "exponent": 1.0, "points": [{**point, "value": v} for v in (1, 2)]}
+                {"axis": axis, "exponent": 1.0, "points": [{**point, "value": v, "compute_wall": 1.0 / v} for v in (1, 2)]}
                 for axis in ("replicates", "duration", "amplitudes", "workers")
             ],
         },

@@ -10,14 +10,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from owtsweep.api import load, run
+    from owtsweep.api import load, replay, run
     from owtsweep.errors import InputError
     from owtsweep.studies.hub.contract import Estimate, Innovation
     from owtsweep.studies.hub.online import online
     from owtsweep.sweep.runs import Run
 
 __version__ = "0.1.0"
-__all__ = ["Estimate", "Innovation", "InputError", "Run", "__version__", "load", "online", "run"]
+__all__ = [
+    "Estimate", "Innovation", "InputError", "Run", "__version__", "load", "online", "replay", "run",
+]  # fmt: skip
 
 _HOMES = {
     "Estimate": "owtsweep.studies.hub.contract",
@@ -26,6 +28,7 @@ _HOMES = {
     "Run": "owtsweep.sweep.runs",
     "load": "owtsweep.api",
     "online": "owtsweep.studies.hub.online",
+    "replay": "owtsweep.api",
     "run": "owtsweep.api",
 }
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import shlex
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -55,6 +56,23 @@ def _overrides(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
 
 
+def _replay(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "words", nargs="*", metavar="FILE|override", help="records or patterns; key=value words"
+    )
+    parser.add_argument(
+        "--describe", action="store_true", help="list channels, units, rates and gaps, and stop"
+    )
+    parser.add_argument(
+        "--cfg", action="store_true", help="print the resolved configuration and stop"
+    )
+    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
+    parser.add_argument(
+        "--fresh", action="store_true", help="delete this run's stored cases and start over"
+    )
+    parser.add_argument("--yes", action="store_true", help="do not ask before deleting")
+
+
 def _run_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
@@ -75,6 +93,11 @@ COMMANDS = {
         "Run a study, or finish one that was stopped, and draw its map.",
         "sweep grid.replicates=2 record.duration=300 schemes=[MKF,HME1] sensors.gnss.delay=0.4",
         _sweep,
+    ),
+    "replay": (
+        "Run the schemes on recorded motion or recorded sensors; say which one to run.",
+        "replay towertop.outb columns.position_x=TwHt1TPxi sensors.gnss.rate=5",
+        _replay,
     ),
     "figures": (
         "Draw all figures and tables of a run into its folder figures/.",
@@ -132,15 +155,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     except InputError as error:
         print(f"owtsweep: {error}", file=sys.stderr)
         return BAD_INPUT
-    except KeyboardInterrupt:
-        print(
-            "owtsweep: interrupted; finished blocks are kept, the same command goes on from there",
-            file=sys.stderr,
-        )
+    except KeyboardInterrupt as error:
+        # A sweep says what it has stored.
+        told = str(error) or "interrupted; finished blocks are kept"
+        print(f"owtsweep: {told}; the same command goes on from there", file=sys.stderr)
+        if arguments[:1] == ["sweep"]:
+            print(f"  {same_command(arguments)}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # `owtsweep list | head`
         sys.stderr.close()
         return DONE
+
+
+def same_command(arguments: Sequence[str]) -> str:
+    """The command line that goes on with a sweep, ready to be pasted into a shell."""
+    words = [word for word in arguments if word not in ("--fresh", "--yes")]
+    return f"{PROGRAM} {shlex.join(words)}"
 
 
 def _warnings_to_stderr() -> None:

@@ -23,7 +23,7 @@ CONFIG_VERSION = 1
 #: Old key -> hint. A renamed key is answered with its new name in one line.
 RENAMED: dict[str, str] = {}
 
-BACKENDS = ("auto", "threading", "loky")
+BACKENDS = ("auto", "threading", "loky", "dask")
 ENGINES = ("batch", "reference", "expected")
 
 
@@ -31,7 +31,8 @@ ENGINES = ("batch", "reference", "expected")
 class Compute:
     """How to compute: never changes a result, so never part of a key.
 
-    `workers: 0` means all cores; `backend: auto` leaves the choice to the study.
+    `workers: 0` means all cores (of the cluster, with `backend: dask`); `backend: auto` leaves the
+    choice to the study. `scheduler` is the address of a dask scheduler.
     """
 
     backend: str = "auto"
@@ -63,6 +64,7 @@ class Config:
             self.compute.workers >= 0,
             f"compute.workers: {self.compute.workers} is negative; use 0 for all cores",
         )
+        self._check_scheduler()
         require(self.results.strip() != "", "results: it is empty; name a folder, e.g. results")
         require(self.seed >= 0, f"seed: {self.seed} is negative; use an integer >= 0")
         require(
@@ -75,6 +77,23 @@ class Config:
                 re.fullmatch(r"[\w.+=,-]+", self.name) is not None and self.name not in (".", ".."),
                 f"name: {self.name!r} is no plain folder name; use letters, digits, . _ - + = ,",
             )
+
+    def _check_scheduler(self) -> None:
+        backend, scheduler = self.compute.backend, self.compute.scheduler
+        if backend != "dask":
+            require(
+                scheduler is None,
+                f"compute.scheduler: {scheduler!r} needs compute.backend=dask, not {backend}",
+            )
+            return
+        require(
+            scheduler is not None,
+            "compute.scheduler: compute.backend=dask needs one; give tcp://host:port",
+        )
+        require(
+            re.fullmatch(r"(tcp|tls)://(\[[^\]]+\]|[^:/\s]+):\d+", str(scheduler)) is not None,
+            f"compute.scheduler: {scheduler!r} is no address; give tcp://host:port",
+        )
 
 
 def with_values(config: Any, values: Mapping[str, Any]) -> Any:
@@ -133,7 +152,9 @@ def conf_directory() -> Path:
     raise InputError(f"conf: no sweep.yaml in {package / 'conf'}: the installation is incomplete")
 
 
-def compose(overrides: Sequence[str], config_dir: str | None = None) -> Config:
+def compose(
+    overrides: Sequence[str], config_dir: str | None = None, *, primary: str = "sweep"
+) -> Config:
     """Compose, type and check a configuration.
 
     Parameters
@@ -142,6 +163,8 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Config:
         Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`.
     config_dir
         A folder whose groups are found besides the package's own (`--config-dir`).
+    primary
+        The file of the Hydra tree to begin with: "sweep" or "replay".
 
     Raises
     ------
@@ -165,13 +188,14 @@ def compose(overrides: Sequence[str], config_dir: str | None = None) -> Config:
         search = [f"hydra.searchpath=[file://{directory}]"]
     try:
         with initialize_config_dir(config_dir=str(conf_directory()), version_base="1.3"):
-            composed = hydra_compose("sweep", overrides=[*search, *overrides])
+            composed = hydra_compose(primary, overrides=[*search, *overrides])
     except ValueError as error:  # a number where Hydra expects the name of a group's option
         groups = {path.name for path in conf_directory().iterdir() if path.is_dir()}
         wrong = [o for o in overrides if o.split("=")[0] in groups] or list(overrides)
         raise InputError(f"{wrong[0]}: this is a config group; name one of its options") from error
     except (HydraException, OmegaConfBaseException) as error:
-        raise InputError(one_line(error)) from error
+        study = "replay" if primary == "replay" else "hub"
+        raise InputError(one_line(error, study)) from error
     return from_mapping(composed)
 
 
@@ -279,7 +303,7 @@ def _unknown_key(key: str, known: Sequence[str]) -> str:
     return f"{key}: there is no such key; {hint}"
 
 
-def one_line(error: Exception) -> str:
+def one_line(error: Exception, study: str = "hub") -> str:
     """Hydra's and OmegaConf's messages span lines; keep what names the argument and the fault."""
     text = str(error)
     full_key = getattr(error, "full_key", None)
@@ -288,7 +312,7 @@ def one_line(error: Exception) -> str:
     if unknown and "is not in struct" in f"{text} {cause}":
         from owtsweep.studies import get_study
 
-        return _unknown_key(unknown.group(1), _keys(get_study("hub").config_type()))
+        return _unknown_key(unknown.group(1), _keys(get_study(study).config_type()))
     if text.startswith("Ambiguous value"):
         key = re.search(r"argument '([^=']+)=", text)
         name = key.group(1) if key else "override"

@@ -6,9 +6,12 @@ conftest.
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
+import sys
 import time
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -47,8 +50,9 @@ ROW_FAULTS = {
 class DummyStudy:
     """Two cases per block; a fault is a block's label and what happens there.
 
-    Faults: "raise", "silent" (no rows), "interrupt", "kill" (the worker process dies), "slow", and
-    those of `ROW_FAULTS`, where cases fail.
+    Faults: "raise", "memory", "exit", "silent" (no rows), "statusless" (rows of the wrong shape),
+    "interrupt", "kill" (the worker process dies), "slow", "log" and those of `ROW_FAULTS`, where
+    cases fail.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -56,6 +60,7 @@ class DummyStudy:
     name: str = "dummy"
     schema_version: int = 1
     numerics_version: int = 1
+    pause: float = 0.0
 
     def config_type(self) -> type[Config]:
         return DummyConfig
@@ -84,16 +89,27 @@ class DummyStudy:
         self, config: DummyConfig, blocks: Sequence[Block]
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
         for block in blocks:
+            time.sleep(self.pause)
             fault = self.faults.get(block.label)
             if fault == "raise":
                 raise ArithmeticError("no\n  convergence")
+            if fault == "memory":
+                raise MemoryError
+            if fault == "exit":
+                sys.exit("enough")
             if fault == "interrupt":
                 raise KeyboardInterrupt
             if fault == "kill" and os.getpid() != self.parent:
                 os.kill(os.getpid(), signal.SIGKILL)
             if fault == "slow":
                 time.sleep(0.1)
-            if fault != "silent":
+            if fault == "log":
+                logging.getLogger("owtsweep.dummy").info("at work")
+                logging.getLogger("mine").warning("a user's word")
+                warnings.warn("watch\nout", UserWarning, stacklevel=1)
+            if fault == "statusless":
+                yield block, self._rows(block, "", "").drop(columns="status")
+            elif fault != "silent":
                 yield block, self._rows(block, *ROW_FAULTS.get(fault or "", ("", "")))
 
     def _rows(self, block: Block, *reasons: str | None) -> pd.DataFrame:
@@ -140,7 +156,11 @@ def make_config(results: Path, **changes: Any) -> DummyConfig:
     """A configuration on one worker; `level`, `workers` and `backend` are short for their keys."""
     config = DummyConfig(
         results=str(results),
-        compute=Compute(backend=changes.pop("backend", "auto"), workers=changes.pop("workers", 1)),
+        compute=Compute(
+            backend=changes.pop("backend", "auto"),
+            workers=changes.pop("workers", 1),
+            scheduler=changes.pop("scheduler", None),
+        ),
     )
     if "level" in changes:
         changes["grid"] = DummyGrid(changes.pop("level"))

@@ -8,7 +8,7 @@ import pytest
 
 from owtsweep.errors import InputError
 from owtsweep.sweep import files
-from owtsweep.sweep.files import check_writable, write_atomically
+from owtsweep.sweep.files import STALE, check_writable, remove_stale, write_all, write_atomically
 
 
 def test_write_replaces_and_leaves_no_other_file(tmp_path):
@@ -75,3 +75,37 @@ def test_check_tells_the_reason_of_the_file_system(tmp_path, monkeypatch):
     monkeypatch.setattr(files.tempfile, "TemporaryFile", refuse)
     with pytest.raises(InputError, match=r"cannot be written \(Permission denied\); name another"):
         check_writable(tmp_path / "a")
+
+
+def test_all_files_or_none(tmp_path, monkeypatch):
+    paths = [tmp_path / name for name in "abc"]
+    write_all(dict.fromkeys(paths, "old"))
+    through = files._write_through
+
+    def refuse_c(path, data):
+        if path.name.startswith(".c."):
+            raise OSError(28, "No space left on device")
+        through(path, data)
+
+    monkeypatch.setattr(files, "_write_through", refuse_c)
+    with pytest.raises(OSError, match="No space"):
+        write_all(dict.fromkeys(paths, "new"))
+    assert sorted(tmp_path.iterdir()) == paths
+    assert [path.read_text() for path in paths] == ["old"] * 3
+
+
+def test_stale_temporary_files_go_and_nothing_else(tmp_path):
+    digits = "0123456789abcdef"
+    stale = [tmp_path / f".part-0a.parquet.{digits}.tmp", tmp_path / f".manifest.json.{digits}.tmp"]
+    kept = [
+        tmp_path / f".part-0b.parquet.{digits}.tmp",  # young: somebody may be writing it
+        tmp_path / ".mine.tmp",
+        tmp_path / "part-0a.parquet",
+        tmp_path / f"notes.{digits}.tmp",
+    ]
+    for path in [*stale, *kept]:
+        path.write_text("")
+        if path != kept[0]:
+            os.utime(path, (1.0, path.stat().st_mtime - STALE - 1.0))
+    assert remove_stale(tmp_path) == 2
+    assert sorted(tmp_path.iterdir()) == sorted(kept)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import io
 import sys
 
+import pytest
 from rich.console import Console
 
-from owtsweep.sweep.progress import BarProgress, SilentProgress, make_progress
+from owtsweep.sweep.progress import BarProgress, LineProgress, SilentProgress, make_progress
 from owtsweep.sweep.run import sweep
 
 
@@ -21,8 +22,8 @@ class Recorder:
     def advance(self, cases):
         self.calls.append(("advance", cases))
 
-    def fail(self, label, reason):
-        self.calls.append(("fail", label, reason))
+    def fail(self, label, reason, cases):
+        self.calls.append(("fail", label, reason, cases))
 
     def stop(self):
         self.calls.append(("stop",))
@@ -34,10 +35,12 @@ def test_sweep_reports_every_case_once(faulty, config):
     sweep(faulty(**{"A2.0": "case", "B0.3": "raise"}), config(), progress=recorder)
     assert recorder.calls == [
         ("start", 12, 4),
-        ("fail", "A2.0", "it diverged"),
-        ("advance", 4),
-        ("fail", "B0.3", "ArithmeticError: no convergence"),
-        ("advance", 4),
+        ("advance", 2),
+        ("advance", 2),
+        ("fail", "A2.0", "it diverged", 1),
+        ("advance", 2),
+        ("advance", 2),
+        ("fail", "B0.3", "ArithmeticError: no convergence", 2),
         ("stop",),
     ]
 
@@ -47,10 +50,12 @@ def test_bar_shows_cases_and_failures():
     bar = BarProgress(Console(file=stream, force_terminal=True, width=120))
     bar.start(12, 4)
     bar.advance(8)
-    bar.fail("A[b]", "it diverged")
+    for _ in range(3):
+        bar.fail("A[b]", "it diverged", 2)
     bar.stop()
     assert "12 of 12 cases" in stream.getvalue()
-    assert "failed: A[b]: it diverged" in stream.getvalue()
+    assert "12 of 12 cases, 6 failed" in stream.getvalue()
+    assert stream.getvalue().count("failed: A[b]: it diverged") == 1  # not a line per failure
 
 
 def test_bar_only_where_somebody_sees_it(monkeypatch):
@@ -59,7 +64,43 @@ def test_bar_only_where_somebody_sees_it(monkeypatch):
             return True
 
     monkeypatch.setattr(sys, "stderr", io.StringIO())
-    assert isinstance(make_progress(quiet=False), SilentProgress)
+    assert isinstance(make_progress(quiet=False), LineProgress)
     monkeypatch.setattr(sys, "stderr", Terminal())
     assert isinstance(make_progress(quiet=False), BarProgress)
     assert isinstance(make_progress(quiet=True), SilentProgress)
+
+
+def test_lines_come_every_30_seconds_with_rate_and_time_left():
+    now = [100.0]
+    stream = io.StringIO()
+    lines = LineProgress(stream, clock=lambda: now[0])
+    lines.start(1000, 200)
+    for second in range(1, 70):
+        now[0] = 100.0 + second
+        lines.look()
+        if second == 20:
+            lines.advance(100)
+            lines.fail("A", "it diverged", 3)
+    now[0] = 180.0
+    lines.stop()
+    assert stream.getvalue().splitlines() == [
+        "1000 cases, 200 of them stored already",
+        "300 of 1000 cases, 3 failed, 3.33/s, 4 min left",
+        "300 of 1000 cases, 3 failed, 1.67/s, 7 min left",
+        "300 of 1000 cases, 3 failed, 1.25/s, 9 min left",
+    ]
+
+
+def test_a_stream_that_is_gone_does_not_stop_a_sweep(study, config):
+    stream = io.StringIO()
+    stream.close()
+    assert sweep(study, config(), progress=LineProgress(stream)).computed == 12
+
+
+@pytest.mark.parametrize("backend", ["threading", "loky"])
+def test_every_backend_tells_all_cases(faulty, config, backend):
+    recorder = Recorder()
+    study = faulty(**{"A2.0": "case", "B0.3": "raise"})
+    sweep(study, config(backend=backend, workers=2), progress=recorder)
+    assert sum(call[1] for call in recorder.calls if call[0] == "advance") == 12
+    assert sum(call[3] for call in recorder.calls if call[0] == "fail") == 3

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import logging
 import platform
 import subprocess
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -61,7 +63,8 @@ def test_tables_are_all_tables_by_name(study, faulty, config):
     run = sweep(study, config()).run
     assert list(run.tables()) == ["order", "summary"]
     pd.testing.assert_frame_equal(run.tables()["summary"], run.summary())
-    assert sweep(faulty(**{"A1.0": "raise"}), config(level=[1.0], seed=1)).run.tables() == {}
+    nothing = faulty(**{"A1.0": "raise", "B1.0": "raise"})
+    assert sweep(nothing, config(level=[1.0], seed=1)).run.tables() == {}
 
 
 def test_folder_without_config_is_no_run(tmp_path):
@@ -102,6 +105,33 @@ def test_manifest_says_what_made_the_run(faulty, config):
     assert manifest["platform"]["cores"] >= 1
     assert str(outcome.run.folder.parent) not in text
     assert f'"{platform.node()}"' not in text
+
+
+def test_manifest_holds_seconds_per_block_of_all_sweeps(study, config, monkeypatch):
+    first = sweep(study, config(level=[1.0]))
+    sweep(study, config(level=[2.0]))
+    outcome = sweep(study, config(level=[1.0, 2.0]))
+    manifest = json.loads((first.run.folder / "manifest.json").read_text())
+    assert manifest["blocks"]["count"] == 2  # of the sweep before the blocks of the plan only
+    again = sweep(replace(study, pause=0.02), config(level=[1.0, 2.0], schemes=["A", "B", "C"]))
+    blocks = json.loads((again.run.folder / "manifest.json").read_text())["blocks"]
+    assert set(blocks["each"]) == {"A2.0", "B2.0", "C1.0", "C2.0"}
+    assert blocks["each"]["C1.0"] >= 0.02
+    assert next(iter(blocks["slowest"])) in ("C1.0", "C2.0")
+    assert outcome.computed == 0
+    many = provenance.block_seconds({f"block {i:04}": float(i) for i in range(2000)})
+    assert (many["count"], many["each"], len(many["slowest"])) == (2000, {}, provenance.SLOWEST)
+    assert (many["median"], many["slowest"]["block 1999"]) == (999.5, 1999.0)
+
+
+def test_manifest_holds_the_configuration_but_no_place(study, config):
+    run = sweep(study, config(sigma=0.3)).run
+    manifest = json.loads((run.folder / "manifest.json").read_text())
+    assert manifest["config"]["sigma"] == 0.3
+    assert manifest["config"]["grid"] == {"level": [1.0, 2.0, 0.3]}
+    assert "results" not in manifest["config"]
+    digest = hashlib.blake2b((run.folder / "config.yaml").read_bytes(), digest_size=16)
+    assert manifest["config_digest"] == digest.hexdigest()
 
 
 def test_manifest_of_an_interrupted_run(faulty, config):

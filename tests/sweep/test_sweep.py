@@ -5,16 +5,17 @@ from __future__ import annotations
 import logging
 import tempfile
 import time
-from dataclasses import replace
 
 import pandas as pd
 import pytest
 
+from owtsweep.commands.sweep import failure_lines
 from owtsweep.errors import InputError
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
+from owtsweep.sweep.worker import Failure
 
 
 def shards(outcome):
@@ -92,7 +93,7 @@ def test_bits_do_not_depend_on_workers_backend_or_grid_order(study, config, tmp_
     assert (tmp_path / "there" / "5").is_dir()
 
 
-def test_raising_block_fails_its_rest_of_the_group_and_is_tried_again(faulty, config, caplog):
+def test_raising_block_fails_alone_and_is_tried_again(faulty, config, caplog):
     broken = sweep(faulty(**{"B2.0": "raise"}), config())
     (failure,) = broken.failed
     assert failure.label == "B2.0"
@@ -107,14 +108,21 @@ def test_raising_block_fails_its_rest_of_the_group_and_is_tried_again(faulty, co
 
 
 @pytest.mark.parametrize(
-    ("fault", "reason"), [("raise", "ArithmeticError"), ("silent", "RuntimeError")]
+    ("fault", "reason"),
+    [
+        ("raise", "ArithmeticError"),
+        ("silent", "RuntimeError"),
+        ("memory", "MemoryError"),
+        ("exit", "SystemExit"),
+        ("statusless", "ValueError"),
+    ],
 )
-def test_blocks_yielded_before_a_fault_are_kept(faulty, config, fault, reason):
+def test_blocks_beside_a_fault_are_kept(faulty, config, fault, reason):
     outcome = sweep(faulty(**{"B2.0": fault}), config(schemes=["A", "B", "C"], level=[2.0]))
-    kept = {"raise": {"A"}, "silent": {"A", "C"}}[fault]
-    assert set(outcome.run.cases()["scheme"]) == kept
-    assert {failure.label for failure in outcome.failed} == {f"{s}2.0" for s in {*"ABC"} - kept}
-    assert all(failure.reason.startswith(reason) for failure in outcome.failed)
+    assert set(outcome.run.cases()["scheme"]) == {"A", "C"}
+    (failure,) = outcome.failed
+    assert failure.label == "B2.0"
+    assert failure.reason.startswith(reason)
 
 
 def test_failed_case_is_stored_told_and_tried_again(faulty, config):
@@ -148,14 +156,16 @@ def test_nothing_succeeds(faulty, config, fault):
         outcome.run.summary()
 
 
-def test_killed_worker_fails_cases_and_is_resumed(faulty, config):
-    broken = sweep(faulty(**{"B1.0": "kill"}), config(workers=2, backend="loky"))
-    assert broken.computed + sum(failure.cases for failure in broken.failed) == 12
-    assert "B1.0" in {failure.label for failure in broken.failed}
-    assert all("TerminatedWorkerError" in failure.reason for failure in broken.failed)
-    mended = sweep(faulty(), config())
-    assert mended.reused == broken.computed
-    assert (mended.computed + mended.reused, mended.failed) == (12, [])
+@pytest.mark.parametrize("scheme", [pytest.param("A", marks=pytest.mark.faults), "B"])
+def test_whoever_kills_its_worker_fails_alone(faulty, config, scheme):
+    c = config(workers=2, backend="loky", level=[1.0, 2.0])
+    broken = sweep(faulty(**{f"{scheme}1.0": "kill"}), c)
+    (failure,) = broken.failed
+    assert failure.label == f"{scheme}1.0"
+    assert "TerminatedWorkerError" in failure.reason
+    assert broken.computed + broken.reused == 6
+    mended = sweep(faulty(), c)
+    assert (mended.reused, mended.computed, mended.failed) == (6, 2, [])
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -223,7 +233,60 @@ def test_folder_that_refuses_files_is_left_as_it_was(study, config, tmp_path, mo
     assert list(tmp_path.iterdir()) == []
 
 
-def test_scheduler_is_not_ignored(study, config):
-    c = config()
-    with pytest.raises(InputError, match=r"^compute.scheduler: 'tcp://x' is not known"):
-        sweep(study, replace(c, compute=replace(c.compute, scheduler="tcp://x")))
+def test_block_that_appeared_meanwhile_is_reused(study, config):
+    """Two sweeps on one folder: the second has stored what the first is about to compute."""
+    c = config(level=[1.0, 2.0])
+
+    class StoresAll(SilentProgress):
+        def start(self, total, reused):
+            assert reused == 0
+            sweep(study, c)
+
+    first = sweep(study, c, progress=StoresAll())
+    assert (first.computed, first.reused, first.failed) == (0, 8, [])
+
+
+def test_missing_extra_is_told_before_anything_is_written(study, config, tmp_path, monkeypatch):
+    from owtsweep.sweep import run as module
+
+    monkeypatch.setattr(module, "find_spec", lambda name: None)
+    c = config(backend="dask", scheduler="tcp://127.0.0.1:9")
+    with pytest.raises(
+        InputError, match=r"^compute.backend: dask .*pip install 'owtsweep\[dask\]'"
+    ):
+        sweep(study, c)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("backend", "scheduler", "says"),
+    [
+        ("dask", None, "compute.scheduler: compute.backend=dask needs one; give tcp://host:port"),
+        ("loky", "tcp://a:1", "compute.scheduler: 'tcp://a:1' needs compute.backend=dask"),
+        ("dask", "a:1", "compute.scheduler: 'a:1' is no address"),
+        ("dask", "tcp://a", "compute.scheduler: 'tcp://a' is no address"),
+        ("dusk", None, "compute.backend: 'dusk' is none of"),
+    ],
+)
+def test_bad_scheduler_is_one_line(config, backend, scheduler, says):
+    with pytest.raises(InputError) as caught:
+        config(backend=backend, scheduler=scheduler).check()
+    assert str(caught.value).startswith(says)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "address", ["tcp://10.0.0.7:8786", "tls://node-1.site:80", "tcp://[::1]:1"]
+)
+def test_good_scheduler(config, address):
+    config(backend="dask", scheduler=address).check()
+
+
+def test_failures_are_grouped_by_reason():
+    failures = [Failure(f"block {i}", "it diverged", 2) for i in range(200)]
+    failures += [Failure(f"other {i}", f"reason {i:02}", 1) for i in range(20)]
+    lines = failure_lines(failures)
+    assert lines[0] == ("failed: 400 cases: it diverged: block 0; block 1; block 2 and 197 more")
+    assert lines[1] == "failed: 1 case: reason 00: other 0"
+    assert lines[-1] == "failed: 11 more reasons: see run.log"
+    assert len(lines) == 11

@@ -5,14 +5,17 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from owtsweep.cli import DONE
 from owtsweep.config import require
 
+if TYPE_CHECKING:
+    from owtsweep.sweep.runs import Run
+
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Print a run's manifest."""
+    """Print a run's manifest, and what its folder holds now."""
     from owtsweep.api import load
 
     opened = load(options.run)
@@ -23,8 +26,38 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     except ValueError:
         manifest = None
     require(isinstance(manifest, dict), f"{path}: this is no manifest; run its sweep again")
-    _print(manifest, 0)
+    _print({**_shortened(manifest, opened), "now": _now(opened)}, 0)
     return DONE
+
+
+def _shortened(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
+    """The manifest without its long lists."""
+    shown = dict(manifest)
+    if shown.get("state") == "running":
+        shown["state"] = "running, or killed: its end is not written"
+    if "config" in shown:
+        shown["config"] = f"see {opened.folder / 'config.yaml'}"
+    if isinstance(shown.get("blocks"), dict):
+        shown["blocks"] = {k: v for k, v in shown["blocks"].items() if k != "each"}
+    return shown
+
+
+def _now(opened: Run) -> dict[str, Any]:
+    """What the folder holds, by reading all of it."""
+    from owtsweep.sweep.plan import make_plan
+
+    cases = dict.fromkeys(("done", "failed", "missing"), 0)
+    for key, block in make_plan(opened.study, opened.config).items():
+        cases[opened.store.status(key)] += block.cases
+    figures = opened.folder / "figures"
+    drawn = len(list(figures.glob("*.png"))) if figures.is_dir() else 0
+    return {
+        "cases in finished blocks": cases["done"],
+        "cases in blocks with failures": cases["failed"],
+        "cases missing": cases["missing"],
+        "tables": [path.name for path in sorted(opened.folder.glob("*.csv"))] or "none yet",
+        "figures": f"{drawn} in {figures}" if drawn else "none yet",
+    }
 
 
 def _print(section: Mapping[str, Any], depth: int) -> None:

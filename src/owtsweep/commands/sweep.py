@@ -7,12 +7,17 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from owtsweep.cli import BAD_INPUT, DONE, FAILED
+from owtsweep.cli import BAD_INPUT, DONE, FAILED, same_command
 from owtsweep.config import Config, compose, dump
 from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
     from owtsweep.sweep.run import Outcome
+    from owtsweep.sweep.worker import Failure
+
+#: What the end of a sweep lists; run.log has all.
+MOST_REASONS = 10
+MOST_LABELS = 3
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -53,25 +58,61 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     study = get_study(config.study)
     progress = make_progress(quiet=False)
     outcome = sweep(study, config, fresh=fresh, progress=progress, argv=list(argv))
-    tell(outcome)
-    return FAILED if outcome.failed else DONE
+    drawn = tell(outcome, argv)
+    return DONE if drawn and not outcome.failed else FAILED
 
 
-def tell(outcome: Outcome) -> None:
-    """Draw the overview and print the study's answer and where it lies."""
+def tell(outcome: Outcome, argv: Sequence[str]) -> bool:
+    """Draw the overview and print the study's answer and where it lies.
+
+    Returns whether the overview is drawn, or there is nothing to draw.
+    """
     run = outcome.run
     tables = run.tables()
-    if tables:
-        run.draw(run.study.overview(), outcome.results)
-        if sys.stdout.isatty():
-            from rich.console import Console
+    drawn = _draw(outcome) if tables else True
+    if tables and sys.stdout.isatty():
+        from rich.console import Console
 
-            Console().print(run.study.terminal(run.config, tables))
-    for failure in outcome.failed:
-        print(f"failed: {failure.label}: {failure.reason}", file=sys.stderr)
+        Console().print(run.study.terminal(run.config, tables))
     if outcome.failed:
+        for line in failure_lines(outcome.failed):
+            print(line, file=sys.stderr)
         cases = sum(failure.cases for failure in outcome.failed)
-        plural = "case" if cases == 1 else "cases"
-        print(f"{cases} {plural} failed; the same command tries again", file=sys.stderr)
+        told = f"{_cases(cases)} failed; " if cases else ""
+        print(f"{told}the same command tries again:", file=sys.stderr)
+        print(f"  {same_command(argv)}", file=sys.stderr)
     reused = f", {outcome.reused} were there" if outcome.reused else ""
     print(f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: {run.folder}/")
+    return drawn
+
+
+def _draw(outcome: Outcome) -> bool:
+    try:
+        outcome.run.draw(outcome.run.study.overview(), outcome.results)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        print(f"failed: the map could not be drawn: {reason}", file=sys.stderr)
+        return False
+    return True
+
+
+def failure_lines(failures: Sequence[Failure]) -> list[str]:
+    """Failures by reason, the commonest first: each with its cases and its first labels."""
+    by_reason: dict[str, list[Failure]] = {}
+    for failure in failures:
+        by_reason.setdefault(failure.reason, []).append(failure)
+    groups = sorted(by_reason.items(), key=lambda item: (-sum(f.cases for f in item[1]), item[0]))
+    lines = []
+    for reason, group in groups[:MOST_REASONS]:
+        labels = list(dict.fromkeys(failure.label for failure in group))
+        more = f" and {len(labels) - MOST_LABELS} more" if len(labels) > MOST_LABELS else ""
+        cases = sum(failure.cases for failure in group)
+        count = f"{_cases(cases)}: " if cases else ""
+        lines.append(f"failed: {count}{reason}: {'; '.join(labels[:MOST_LABELS])}{more}")
+    if len(groups) > MOST_REASONS:
+        lines.append(f"failed: {len(groups) - MOST_REASONS} more reasons: see run.log")
+    return lines
+
+
+def _cases(number: int) -> str:
+    return f"{number} case" if number == 1 else f"{number} cases"

@@ -5,7 +5,7 @@ from owtsweep.studies.base import Block, Study
 
 __all__ = ["Block", "Study", "get_study"]
 
-STUDIES = ("hub", "readings")
+STUDIES = ("hub", "readings", "replay")
 
 
 def get_study(name: str) -> Study:
@@ -24,4 +24,8 @@ def get_study(name: str) -> Study:
         from owtsweep.studies.readings import ReadingsStudy
 
         return ReadingsStudy()
+    if name == "replay":
+        from owtsweep.studies.replay import ReplayStudy
+
+        return ReplayStudy()
     raise InputError(f"study: there is no study {name!r}; known: {', '.join(STUDIES)}")

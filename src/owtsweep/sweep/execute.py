@@ -1,47 +1,39 @@
-"""Running tasks on the workers: what happens in a worker, and how joblib is fed.
-
-A worker writes each shard itself as soon as the block is done, and catches every exception: joblib
-gives up its whole queue for one that escapes.
-"""
+"""How joblib is fed with tasks, and what is made of what comes back."""
 
 from __future__ import annotations
 
+import signal
 import threading
-import traceback
 import warnings
-from collections.abc import Generator, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor
-from dataclasses import dataclass
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, replace
 from pickle import PicklingError
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import Config
-from owtsweep.studies.base import FAILED, Block, Study
-from owtsweep.sweep.keys import block_key
+from owtsweep.studies.base import Study
 from owtsweep.sweep.plan import Plan
+from owtsweep.sweep.shard import DamagedShard, decode
 from owtsweep.sweep.store import Store
+from owtsweep.sweep.token import shared_token
+from owtsweep.sweep.worker import (
+    NOT_COMPUTED,
+    Failure,
+    Local,
+    TaskResult,
+    Work,
+    is_disk_full,
+    one_line,
+    run_task,
+)
 
 if TYPE_CHECKING:
-    import pandas as pd
+    from owtsweep.sweep.cluster import Lost
 
-
-@dataclass(frozen=True)
-class Failure:
-    """Cases of a block that failed for one reason."""
-
-    label: str
-    reason: str
-    cases: int
-
-
-@dataclass(frozen=True)
-class TaskResult:
-    """What became of a task; `computed` counts cases, `details` is a traceback or empty."""
-
-    task: int
-    computed: int
-    failures: tuple[Failure, ...]
-    details: str = ""
+PLACES = {"threading": "thread", "loky": "process", "dask": "cluster"}
 
 
 @dataclass(frozen=True)
@@ -57,7 +49,9 @@ class Executor:
     metadata
         What every shard says about itself: versions.
     backend, workers
-        The joblib backend and how many workers it gets.
+        The joblib backend and how many workers it gets; 0 means a whole cluster.
+    client
+        The connection to a cluster (`owtsweep.sweep.cluster.connected`), for backend "dask".
     """
 
     study: Study
@@ -66,47 +60,185 @@ class Executor:
     metadata: Mapping[str, str]
     backend: str
     workers: int
+    client: Any = None
 
-    def run(self, tasks: Sequence[Plan]) -> Generator[TaskResult]:
+    def run(
+        self, tasks: Sequence[Plan], tell: Callable[[int], None] | None = None
+    ) -> Generator[TaskResult]:
         """Run the tasks; yields each result as it comes.
 
         Closing the iterator stops the workers: processes at once, threads after the block they are
         at, since a thread cannot be ended from outside.
-        """
-        from joblib import Parallel, delayed
 
+        Parameters
+        ----------
+        tasks
+            Blocks by key.
+        tell
+            Called by threads with the cases of each block that is over.
+        """
         if not tasks:
             return
+        queue = list(tasks)
+        reported: set[int] = set()
+        with self._sharing() as work, self._workers() as start:
+            local = self._local(tell)
+            try:
+                with closing(self._rounds(work, queue, start, local)) as results:
+                    for result in results:
+                        reported.add(result.task)
+                        kept = self._stored(result)
+                        yield kept
+                        if kept.disk_full:
+                            raise _Stop(NOT_COMPUTED)
+            except _Stop as stop:
+                for number in sorted(set(range(len(queue))) - reported):
+                    yield self._from_store(number, queue[number], str(stop))
+            finally:
+                if local is not None:
+                    local.stop.set()
 
-        # Threads share the flag. Processes cannot (it does not pickle) and need not.
-        stop = threading.Event() if self.backend == "threading" else None
-        parallel = Parallel(
-            n_jobs=min(self.workers, len(tasks)),
-            backend=self.backend,
-            return_as="generator_unordered",
-            batch_size=1,
-        )
-        unreported = set(range(len(tasks)))
-        results: Any = parallel(
-            delayed(run_task)(self, number, blocks, stop) for number, blocks in enumerate(tasks)
-        )
+    def _local(self, tell: Callable[[int], None] | None) -> Local | None:
+        # Processes cannot share a flag (it does not pickle) and need not.
+        if self.backend != "threading":
+            return None
+        return Local(threading.Event(), tell or (lambda cases: None))
+
+    def _rounds(
+        self, work: Work, tasks: list[Plan], start: Callable[[int], Any], local: Local | None
+    ) -> Generator[TaskResult]:
+        """All tasks, again where a worker died, until whoever kills its worker is alone.
+
+        A broken pool of processes does not say whose fault it was: those under way are suspects,
+        and run again in halves. Of the task that remains each block runs alone; such tasks are
+        appended to `tasks`.
+        """
+        rounds = deque([list(range(len(tasks)))])
+        while rounds:
+            numbers = rounds.popleft()
+            sent: list[int] = []
+            reported: set[int] = set()
+            guilty: dict[int, str] = {}
+            try:
+                for result in self._round(work, tasks, numbers, sent, start, local):
+                    reported.add(result.task)
+                    if isinstance(result, TaskResult):
+                        yield result
+                    else:
+                        guilty[result.task] = result.reason
+            except PicklingError as error:
+                raise _Stop(one_line(error)) from error
+            except BrokenExecutor as error:
+                suspects = [number for number in sent if number not in reported]
+                rest = numbers[len(sent) :]
+                if len(suspects) == 1:
+                    guilty[suspects.pop()] = one_line(error)
+                elif len(suspects) == len(numbers):
+                    half = len(suspects) // 2
+                    suspects, rest = suspects[:half], suspects[half:]
+                rounds.extendleft(part for part in (rest, suspects) if part)
+            for number, reason in guilty.items():
+                missing = {
+                    key: block
+                    for key, block in tasks[number].items()
+                    if self.store.status(key) != "done"
+                }
+                if len(missing) < 2:
+                    yield self._from_store(number, tasks[number], reason)
+                    continue
+                done = {key: block for key, block in tasks[number].items() if key not in missing}
+                yield self._from_store(number, done, reason)
+                for key, block in missing.items():
+                    rounds.append([len(tasks)])
+                    tasks.append({key: block})
+
+    def _round(
+        self,
+        work: Work,
+        tasks: Sequence[Plan],
+        numbers: list[int],
+        sent: list[int],
+        start: Callable[[int], Any],
+        local: Local | None,
+    ) -> Iterator[TaskResult | Lost]:
+        from joblib import delayed
+
+        def calls() -> Iterator[Any]:
+            for number in numbers:
+                sent.append(number)
+                yield delayed(run_task)(work, number, tasks[number], local)
+
+        with _interrupts_held(self.backend == "loky"):
+            results: Any = start(len(numbers))(calls())
         try:
             for result in results:
-                unreported.discard(result.task)
+                if not isinstance(result, TaskResult) and result.final:
+                    raise _Stop(result.reason)
                 yield result
-        except (BrokenExecutor, PicklingError) as error:
-            # A worker was killed, or could not be given the task. What was stored is kept.
-            for number in sorted(unreported):
-                yield self._result_from_store(number, tasks[number], _reason(error))
         finally:
-            if stop is not None:
-                stop.set()
+            if local is not None:
+                local.stop.set()
             with warnings.catch_warnings():
                 # joblib remarks that tasks were cancelled: that is what closing is for.
                 warnings.simplefilter("ignore", UserWarning)
                 results.close()
 
-    def _result_from_store(self, number: int, blocks: Plan, reason: str) -> TaskResult:
+    @contextmanager
+    def _sharing(self) -> Iterator[Work]:
+        """What workers are told, and for the time of the sweep the proof that a folder is ours."""
+        place: Any = PLACES[self.backend]
+        work = Work(self.study, self.config, self.store, self.metadata, place)
+        if place != "cluster":
+            yield work
+            return
+        with shared_token(self.store.folder) as token:
+            yield replace(work, token=token)
+
+    @contextmanager
+    def _workers(self) -> Iterator[Callable[[int], Any]]:
+        """How to make a `joblib.Parallel` for so many tasks."""
+        from joblib import Parallel, parallel_config
+
+        options: dict[str, Any] = {"return_as": "generator_unordered", "batch_size": 1}
+        if self.backend != "dask":
+            # One process would be this one, and a worker that dies must not be this one.
+            least = 2 if self.backend == "loky" else 1
+
+            def local(tasks: int) -> Any:
+                workers = min(self.workers, tasks)
+                return Parallel(
+                    n_jobs=max(workers, least),
+                    backend=self.backend,
+                    pre_dispatch=workers if workers < least else "2*n_jobs",
+                    **options,
+                )
+
+            yield local
+            return
+        from owtsweep.sweep.cluster import Backend
+
+        # joblib takes the whole cluster; what is not sent keeps nobody busy.
+        with parallel_config(backend=Backend(self.client)):
+            yield lambda tasks: Parallel(pre_dispatch=self.workers or "2*n_jobs", **options)
+
+    def _stored(self, result: TaskResult) -> TaskResult:
+        """Store the shards that a worker has handed back."""
+        failures = list(result.failures)
+        computed, disk_full = result.computed, result.disk_full
+        for shard in result.returned:
+            try:
+                decode(shard.data, shard.key)
+                self.store.write_sealed(shard.key, shard.data)
+            except (DamagedShard, OSError) as error:
+                computed -= shard.succeeded
+                disk_full = disk_full or is_disk_full(error)
+                failures.append(Failure(shard.label, one_line(error), shard.succeeded))
+        return replace(
+            result, computed=computed, failures=tuple(failures), returned=(), disk_full=disk_full
+        )
+
+    def _from_store(self, number: int, blocks: Plan, reason: str) -> TaskResult:
+        """The result of a task that did not report: what was stored is kept."""
         computed = 0
         failures = []
         for key, block in blocks.items():
@@ -117,40 +249,22 @@ class Executor:
         return TaskResult(number, computed, tuple(failures))
 
 
-def run_task(
-    executor: Executor, number: int, blocks: Plan, stop: threading.Event | None = None
-) -> TaskResult:
-    """Run the blocks of one task in a worker and store each as soon as it is done."""
-    study = executor.study
-    left = dict(blocks)
-    computed = 0
-    failures: list[Failure] = []
-    reason = "RuntimeError: the study gave no rows for it"
-    details = ""
+@contextmanager
+def _interrupts_held(hold: bool) -> Iterator[None]:
+    """Let Ctrl-C wait while processes are started.
+
+    They inherit it: one that is still loading its libraries does not die of the terminal's Ctrl-C
+    with a traceback.
+    """
+    if not hold or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
-        for block, rows in study.run(executor.config, list(blocks.values())):
-            key = block_key(study, block)
-            executor.store.write(key, rows, executor.metadata)
-            del left[key]
-            failed = _failures(block, rows)
-            failures += failed
-            computed += block.cases - sum(failure.cases for failure in failed)
-            if stop is not None and stop.is_set():
-                break
-    except (Exception, SystemExit) as error:  # a study's code that exits must not end the sweep
-        reason = _reason(error)
-        details = traceback.format_exc()
-    failures += [Failure(block.label, reason, block.cases) for block in left.values()]
-    return TaskResult(number, computed, tuple(failures), details)
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _failures(block: Block, rows: pd.DataFrame) -> list[Failure]:
-    """The failed cases of a stored block by reason."""
-    reasons = rows.loc[rows["status"] == FAILED, "reason"].fillna("no reason given").value_counts()
-    each = block.cases_per_row
-    return [Failure(block.label, str(reason), each * int(n)) for reason, n in reasons.items()]
-
-
-def _reason(error: BaseException) -> str:
-    """An exception in one line."""
-    return " ".join(f"{type(error).__name__}: {error}".split())
+class _Stop(Exception):
+    """Nothing more can be computed: a full disk, a cluster that is gone; the message says why."""

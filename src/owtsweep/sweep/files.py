@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import secrets
 import tempfile
+import time
+from collections.abc import Mapping
 from pathlib import Path
 
 from owtsweep.errors import InputError
+
+#: Seconds after which a temporary file belongs to nobody any more: writing one takes far less.
+STALE = 3600.0
+_TEMPORARY = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
 
 
 def write_atomically(path: Path, content: bytes | str) -> None:
@@ -23,20 +30,56 @@ def write_atomically(path: Path, content: bytes | str) -> None:
     OSError
         If the file system refuses.
     """
-    data = content.encode() if isinstance(content, str) else content
-    # Random, not the process id: machines that share a file system may share process ids.
-    temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.tmp")
+    write_all({path: content})
+
+
+def write_all(contents: Mapping[Path, bytes | str]) -> None:
+    """Write files as `write_atomically` does, and none of them unless all fit on the disk.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses.
+    """
+    temporaries: dict[Path, Path] = {}
     try:
-        with open(temporary, "xb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.replace(temporary, path)
+        for path, content in contents.items():
+            # Random, not the process id: machines that share a disk may share process ids.
+            temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.tmp")
+            temporaries[path] = temporary
+            _write_through(temporary, content.encode() if isinstance(content, str) else content)
+        for path, temporary in temporaries.items():
+            os.replace(temporary, path)
     except BaseException:
-        with contextlib.suppress(OSError):
-            temporary.unlink()
+        for temporary in temporaries.values():
+            with contextlib.suppress(OSError):
+                temporary.unlink()
         raise
-    _sync_folder(path.parent)
+    for folder in {path.parent for path in contents}:
+        _sync_folder(folder)
+
+
+def _write_through(path: Path, data: bytes) -> None:
+    with open(path, "xb") as stream:
+        stream.write(data)
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+def remove_stale(folder: Path) -> int:
+    """Delete the temporary files that killed processes have left in a folder; returns how many.
+
+    Young ones stay: another process may be writing them.
+    """
+    removed = 0
+    now = time.time()
+    for path in folder.glob(".*.tmp"):
+        # A file that is gone or is not ours to delete is no reason to stop.
+        with contextlib.suppress(OSError):
+            if _TEMPORARY.fullmatch(path.name) and now - path.stat().st_mtime > STALE:
+                path.unlink()
+                removed += 1
+    return removed
 
 
 def _sync_folder(folder: Path) -> None:

@@ -1,30 +1,157 @@
-"""run.log: what a sweep has logged, with the time, in the run folder."""
+"""run.log: what a sweep and its workers have logged, with the time, in the run folder.
+
+Whatever is logged under `owtsweep` counts from INFO up; other loggers, a user's scheme's or a
+library's, and Python's warnings count from WARNING up.
+"""
 
 from __future__ import annotations
 
 import logging
+import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
+
+#: Records of a task that travel to the coordinator; a scheme that warns at every step has more.
+MOST_RECORDS = 50
+
+_here = threading.local()
+_capturing = threading.Lock()
+_captures = 0
+
+
+@dataclass(frozen=True)
+class Record:
+    """A log record on its way from a worker: plain values, so that it always travels."""
+
+    name: str
+    level: int
+    created: float
+    message: str
+
+
+def working_on(label: str) -> None:
+    """Remember which block this thread is at; its records say so."""
+    _here.label = label
 
 
 @contextmanager
 def run_log(folder: Path) -> Iterator[None]:
-    """Append what the package logs, from INFO up, to `run.log` while the context is open."""
-    logger = logging.getLogger("owtsweep")
-    handler = logging.FileHandler(folder / "run.log", encoding="utf-8")
-    formatter = logging.Formatter("%(asctime)s %(levelname)s %(message)s", "%Y-%m-%dT%H:%M:%SZ")
+    """Append to `run.log` while the context is open.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be opened. One that later refuses a line is not worth stopping for.
+    """
+    handler = _Quiet(folder / "run.log", encoding="utf-8")
+    formatter = _Labelled("%(asctime)s %(levelname)s %(message)s", "%Y-%m-%dT%H:%M:%SZ")
     formatter.converter = time.gmtime
     handler.setFormatter(formatter)
     handler.setLevel(logging.INFO)
-    level = logger.level
-    logger.addHandler(handler)
-    if logger.getEffectiveLevel() > logging.INFO:
-        logger.setLevel(logging.INFO)
+    handler.addFilter(_wanted)
+    try:
+        with _listening(handler):
+            yield
+    finally:
+        handler.close()
+
+
+@contextmanager
+def collected_records(elsewhere: bool) -> Iterator[list[Record]]:
+    """What this thread logs, as a list to hand back; empty where `run_log` hears it anyway."""
+    records: list[Record] = []
+    if not elsewhere:
+        yield records
+        return
+    handler = _Collector(records)
+    handler.setLevel(logging.INFO)
+    with _listening(handler):
+        yield records
+    if handler.dropped:
+        text = f"{handler.dropped} more records of this task were left out"
+        records.append(Record("owtsweep", logging.WARNING, time.time(), text))
+
+
+def repeat(records: tuple[Record, ...]) -> None:
+    """Log what a worker has logged, with its time."""
+    for record in records:
+        logger = logging.getLogger(record.name)
+        copy = logger.makeRecord(record.name, record.level, "", 0, record.message, (), None)
+        copy.created = record.created
+        copy.from_worker = True
+        logger.handle(copy)
+
+
+@contextmanager
+def _listening(handler: logging.Handler) -> Iterator[None]:
+    global _captures
+
+    root, ours = logging.getLogger(), logging.getLogger("owtsweep")
+    level = ours.level
+    root.addHandler(handler)
+    if ours.getEffectiveLevel() > logging.INFO:
+        ours.setLevel(logging.INFO)
+    with _capturing:  # threads of a machine elsewhere run tasks side by side
+        _captures += 1
+        logging.captureWarnings(True)
     try:
         yield
     finally:
-        logger.setLevel(level)
-        logger.removeHandler(handler)
-        handler.close()
+        with _capturing:
+            _captures -= 1
+            if not _captures:
+                logging.captureWarnings(False)
+        ours.setLevel(level)
+        root.removeHandler(handler)
+
+
+class _Quiet(logging.FileHandler):
+    """A file on a full disk must not print a traceback for each line, nor end the sweep."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        pass
+
+    def close(self) -> None:
+        with suppress(OSError):
+            super().close()
+
+
+class _Collector(logging.Handler):
+    def __init__(self, records: list[Record]) -> None:
+        super().__init__()
+        self.records = records
+        self.dropped = 0
+        self._thread = threading.get_ident()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if record.thread != self._thread or not _wanted(record):
+            return
+        if len(self.records) >= MOST_RECORDS:
+            self.dropped += 1
+            return
+        self.records.append(
+            Record(record.name, record.levelno, record.created, _text(record, record.getMessage()))
+        )
+
+
+def _wanted(record: logging.LogRecord) -> bool:
+    ours = record.name == "owtsweep" or record.name.startswith("owtsweep.")
+    return ours or record.levelno >= logging.WARNING
+
+
+def _text(record: logging.LogRecord, message: str) -> str:
+    label = getattr(_here, "label", "")
+    text = " ".join(message.split()) if record.name == "py.warnings" else message
+    return f"{label}: {text}" if label else text
+
+
+class _Labelled(logging.Formatter):
+    """Names the block that the thread is at."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:
+        if not getattr(record, "from_worker", False):
+            record.message = _text(record, record.message)
+        return super().formatMessage(record)

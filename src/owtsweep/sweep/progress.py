@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Protocol
+import threading
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Protocol, TextIO
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Progress as RichProgress
     from rich.progress import Task, TaskID
 
+#: Seconds between two lines where there is no terminal.
+INTERVAL = 30.0
+
 
 class Progress(Protocol):
-    """What a sweep reports while it runs, always from the process and thread that started it."""
+    """What a sweep reports while it runs. `advance` may come from any thread."""
 
     def start(self, total_cases: int, reused: int) -> None:
         """The sweep begins; of its cases `reused` are there already."""
@@ -22,8 +28,8 @@ class Progress(Protocol):
         """So many further cases are over, done or failed."""
         ...
 
-    def fail(self, label: str, reason: str) -> None:
-        """A block has failed."""
+    def fail(self, label: str, reason: str, cases: int) -> None:
+        """So many of the cases that are over have failed."""
         ...
 
     def stop(self) -> None:
@@ -40,20 +46,99 @@ class SilentProgress:
     def advance(self, cases: int) -> None:
         """Say nothing."""
 
-    def fail(self, label: str, reason: str) -> None:
+    def fail(self, label: str, reason: str, cases: int) -> None:
         """Say nothing."""
 
     def stop(self) -> None:
         """Say nothing."""
 
 
+class LineProgress:
+    """A plain line at the start, every 30 s and at the end, for logs and pipes.
+
+    Parameters
+    ----------
+    stream
+        Where the lines go; one that is gone is no reason to stop computing.
+    clock
+        Seconds, as `time.monotonic`.
+    interval
+        Seconds between two lines.
+    """
+
+    def __init__(
+        self,
+        stream: TextIO,
+        clock: Callable[[], float] = time.monotonic,
+        interval: float = INTERVAL,
+    ) -> None:
+        self._stream, self._clock, self._interval = stream, clock, interval
+        self._lock = threading.Lock()
+        self._over = threading.Event()
+        self._total = self._reused = self._done = self._failed = 0
+        self._began = self._said = 0.0
+
+    def start(self, total_cases: int, reused: int) -> None:
+        """Say how many there are, and begin to look at the clock."""
+        self._total, self._reused, self._done = total_cases, reused, reused
+        self._began = self._said = self._clock()
+        self._say(f"{total_cases} cases, {reused} of them stored already")
+        threading.Thread(target=self._tick, daemon=True).start()
+
+    def advance(self, cases: int) -> None:
+        """Count them."""
+        with self._lock:
+            self._done += cases
+
+    def fail(self, label: str, reason: str, cases: int) -> None:
+        """Count them; the reasons are told at the end."""
+        with self._lock:
+            self._failed += cases
+
+    def look(self) -> None:
+        """Say a line if it is time."""
+        if self._clock() - self._said >= self._interval:
+            self._said = self._clock()
+            self._say(self._line())
+
+    def stop(self) -> None:
+        """Say the last line."""
+        self._over.set()
+        self._say(self._line())
+
+    def _tick(self) -> None:
+        while not self._over.wait(min(1.0, self._interval)):
+            self.look()
+
+    def _line(self) -> str:
+        with self._lock:
+            done, failed = self._done, self._failed
+        seconds = self._clock() - self._began
+        rate = (done - self._reused) / seconds if seconds > 0.0 else 0.0
+        line = f"{done} of {self._total} cases, {failed} failed, {rate:.3g}/s"
+        if rate > 0.0 and done < self._total:
+            line += f", {_duration((self._total - done) / rate)} left"
+        return line
+
+    def _say(self, text: str) -> None:
+        try:
+            print(text, file=self._stream, flush=True)
+        except (OSError, ValueError):
+            self._over.set()
+
+
 class BarProgress:
-    """A bar with the cases done, their rate and the time left; failures as lines above it."""
+    """A bar with the cases done and failed, their rate and the time left.
+
+    The first failure of each reason is a line above it; all are listed at the end of the sweep.
+    """
 
     def __init__(self, console: Console) -> None:
         self._console = console
         self._bar: RichProgress | None = None
         self._task: TaskID | None = None
+        self._reasons: set[str] = set()
+        self._failed = 0
 
     def start(self, total_cases: int, reused: int) -> None:
         """Show the bar; cases that are there already count as done but not in the rate."""
@@ -66,14 +151,14 @@ class BarProgress:
 
         self._bar = Progress(
             BarColumn(),
-            TextColumn("{task.completed:.0f} of {task.total:.0f} cases"),
+            TextColumn("{task.completed:.0f} of {task.total:.0f} cases{task.fields[failed]}"),
             RateColumn(""),
             TimeRemainingColumn(),
             console=self._console,
             # A task is a whole group of blocks: over rich's 30 s there may be none or one.
             speed_estimate_period=600.0,
         )
-        self._task = self._bar.add_task("", total=total_cases, completed=reused)
+        self._task = self._bar.add_task("", total=total_cases, completed=reused, failed="")
         self._bar.start()
 
     def advance(self, cases: int) -> None:
@@ -81,9 +166,14 @@ class BarProgress:
         if self._bar is not None and self._task is not None:
             self._bar.advance(self._task, cases)
 
-    def fail(self, label: str, reason: str) -> None:
-        """Print a line above the bar."""
-        self._console.print(f"failed: {label}: {reason}", markup=False, highlight=False)
+    def fail(self, label: str, reason: str, cases: int) -> None:
+        """Count, and print a line above the bar if the reason is new."""
+        self._failed += cases
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, failed=f", {self._failed} failed")
+        if reason not in self._reasons:
+            self._reasons.add(reason)
+            self._console.print(f"failed: {label}: {reason}", markup=False, highlight=False)
 
     def stop(self) -> None:
         """Leave the bar as it stands."""
@@ -92,9 +182,19 @@ class BarProgress:
 
 
 def make_progress(quiet: bool) -> Progress:
-    """A bar on stderr if somebody is there to see it, else silence."""
-    if quiet or not sys.stderr.isatty():
+    """A bar on stderr if it is a terminal, else a line now and then."""
+    if quiet:
         return SilentProgress()
+    if not sys.stderr.isatty():
+        return LineProgress(sys.stderr)
     from rich.console import Console
 
     return BarProgress(Console(stderr=True))
+
+
+def _duration(seconds: float) -> str:
+    """Seconds as people say them: 45 s, 12 min, 3 h 20 min."""
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60.0)
+    return f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60} min"

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from hashlib import blake2b
 from pathlib import Path
+from statistics import median
 from typing import Any, Literal
 
-from owtsweep.config import Config
+from owtsweep.config import Config, as_mapping, dump
 from owtsweep.studies.base import Study
 from owtsweep.sweep.keys import run_hash
+from owtsweep.sweep.versions import package_version, shard_metadata
 
 #: Packages whose version can change a number or a file.
 PACKAGES = (
@@ -28,6 +30,11 @@ PACKAGES = (
     "joblib",
     "hydra-core",
 )
+
+CLUSTER_PACKAGES = ("dask", "distributed")
+#: Blocks whose seconds are listed one by one; of more only a summary is kept.
+MOST_BLOCKS = 1000
+SLOWEST = 10
 
 #: How a run ended: all cases done, some failed, Ctrl-C, or an exception.
 State = Literal["done", "incomplete", "interrupted", "error"]
@@ -57,7 +64,10 @@ def start_manifest(
         "owtsweep": package_version("owtsweep"),
         "git": git_state(Path(__file__).resolve().parents[1]),
         "python": platform.python_version(),
-        "packages": {name: package_version(name) for name in PACKAGES},
+        "packages": {
+            name: package_version(name)
+            for name in (*PACKAGES, *(CLUSTER_PACKAGES if backend == "dask" else ()))
+        },
         # Not platform.node() or platform.uname(): they name the machine.
         "platform": {
             "system": platform.system(),
@@ -67,6 +77,8 @@ def start_manifest(
         },
         **shard_metadata(study),
         "config_hash": run_hash(config),
+        "config_digest": blake2b(dump(config).encode(), digest_size=16).hexdigest(),
+        "config": _without_places(config),
         "seed": config.seed,
         "argv": None if argv is None else list(argv),
         "backend": backend,
@@ -75,6 +87,7 @@ def start_manifest(
         "ended": None,
         "seconds": None,
         "cases": None,
+        "blocks": None,
     }
 
 
@@ -86,33 +99,52 @@ def finish_manifest(
     computed: int,
     reused: int,
     failed: int,
+    blocks: Mapping[str, float],
 ) -> dict[str, Any]:
-    """The manifest of a run that ends now, after `seconds`; the counts are cases."""
+    """The manifest of a run that ends now, after `seconds`; the counts are cases.
+
+    `blocks` gives the seconds of blocks by their labels.
+    """
     return {
         **manifest,
         "state": state,
         "ended": _now(),
         "seconds": round(seconds, 3),
         "cases": {"computed": computed, "reused": reused, "failed": failed},
+        "blocks": block_seconds(blocks),
     }
 
 
-def shard_metadata(study: Study) -> dict[str, str | int]:
-    """The versions that decide whether a shard is still what this program would compute."""
+def block_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
+    """How long the blocks took: a summary, and each of them unless there are very many."""
+    slowest = sorted(blocks, key=lambda label: (-blocks[label], label))[:SLOWEST]
+    listed = sorted(blocks) if len(blocks) <= MOST_BLOCKS else []
     return {
-        "study": study.name,
-        "schema_version": study.schema_version,
-        "numerics_version": study.numerics_version,
+        "count": len(blocks),
+        "seconds": round(sum(blocks.values()), 3),
+        "median": round(median(blocks.values()), 4) if blocks else None,
+        "slowest": {label: round(blocks[label], 4) for label in slowest},
+        "each": {label: round(blocks[label], 4) for label in listed},
     }
 
 
-@cache
-def package_version(name: str) -> str | None:
-    """The installed version of a package, or None, e.g. for a checkout that is not installed."""
+def earlier_seconds(folder: Path) -> dict[str, float]:
+    """The seconds of blocks that earlier sweeps of this run have computed, as far as listed."""
     try:
-        return version(name)
-    except PackageNotFoundError:
-        return None
+        manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+        each = manifest["blocks"]["each"]
+        return {str(label): float(seconds) for label, seconds in each.items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return {}
+
+
+def was_running(folder: Path) -> bool:
+    """Whether a sweep of this run has not said that it ended: it goes on, or was killed."""
+    try:
+        manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+        return bool(manifest["state"] == "running")
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
 
 
 def git_state(package: Path) -> dict[str, str | bool] | None:
@@ -129,6 +161,14 @@ def git_state(package: Path) -> dict[str, str | bool] | None:
     if not commit or changes is None:
         return None
     return {"commit": commit.strip(), "dirty": changes != ""}
+
+
+def _without_places(config: Config) -> dict[str, Any]:
+    """The resolved configuration without what says where: a run folder may be given away."""
+    whole = as_mapping(config)
+    del whole["results"]
+    whole["compute"] = {k: v for k, v in whole["compute"].items() if k != "scheduler"}
+    return whole
 
 
 def _git(folder: Path, *arguments: str) -> str | None:

@@ -5,30 +5,33 @@ from __future__ import annotations
 import json
 import logging
 import time
-from collections.abc import Sequence
-from contextlib import closing
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from owtsweep.config import Config, dump, load, require
 from owtsweep.studies.base import OK, Study
-from owtsweep.sweep.execute import Executor, Failure
-from owtsweep.sweep.files import check_writable, unwritable, write_atomically
+from owtsweep.sweep.execute import Executor
+from owtsweep.sweep.files import check_writable, remove_stale, unwritable, write_atomically
 from owtsweep.sweep.keys import run_folder, run_hash
-from owtsweep.sweep.log import run_log
+from owtsweep.sweep.log import repeat, run_log
 from owtsweep.sweep.plan import Plan, count_cases, make_plan, tasks
 from owtsweep.sweep.progress import Progress, SilentProgress
 from owtsweep.sweep.provenance import (
     State,
+    earlier_seconds,
     finish_manifest,
-    package_version,
-    shard_metadata,
     start_manifest,
+    was_running,
 )
 from owtsweep.sweep.runs import Results, Run
 from owtsweep.sweep.store import Store
-from owtsweep.sweep.tables import write_table
+from owtsweep.sweep.tables import write_tables
+from owtsweep.sweep.versions import all_versions, outdated
+from owtsweep.sweep.worker import Failure, TaskResult, one_line
 
 logger = logging.getLogger(__name__)
 
@@ -57,6 +60,17 @@ class Outcome:
     failed: list[Failure]
     seconds: float
     results: Results | None = None
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C: so many of all cases are stored in the folder."""
+
+    def __init__(self, folder: Path, stored: int, cases: int) -> None:
+        self.folder, self.stored, self.cases = folder, stored, cases
+        super().__init__(f"interrupted; {stored} of {cases} cases are stored in {folder}/")
+
+    def __reduce__(self) -> tuple[type[Interrupted], tuple[Path, int, int]]:
+        return Interrupted, (self.folder, self.stored, self.cases)
 
 
 def sweep(
@@ -89,18 +103,16 @@ def sweep(
     ------
     InputError
         Before anything is written, if the configuration plans nothing or the folder refuses files.
-    KeyboardInterrupt
-        After the workers were stopped. What is stored stays, and the next sweep goes on from there.
+    Interrupted
+        A `KeyboardInterrupt`, after the workers were stopped. What is stored stays, and the next
+        sweep goes on from there.
     """
-    require(
-        config.compute.scheduler is None,
-        f"compute.scheduler: {config.compute.scheduler!r} is not known; use null, one machine",
-    )
     plan = make_plan(study, config)
     run = Run(run_folder(config), config, study)
-    _prepare(run, fresh=fresh)
-    with run_log(run.folder):
-        return _sweep(run, plan, progress or SilentProgress(), argv)
+    with _executor(run) as executor:
+        _prepare(run, fresh=fresh)
+        with _log_of(run.folder):
+            return _Sweep(run, plan, executor, progress or SilentProgress(), argv)()
 
 
 def _prepare(run: Run, *, fresh: bool) -> None:
@@ -118,6 +130,8 @@ def _prepare(run: Run, *, fresh: bool) -> None:
         write_atomically(run.folder / "config.yaml", dump(run.config))
     except OSError as error:
         raise unwritable(run.folder, error) from error
+    for folder in (run.folder, run.store.cases):
+        remove_stale(folder)
 
 
 def _require_same_run(run: Run) -> None:
@@ -132,87 +146,167 @@ def _require_same_run(run: Run) -> None:
         )
 
 
-def _sweep(run: Run, plan: Plan, progress: Progress, argv: Sequence[str] | None) -> Outcome:
-    began = time.perf_counter()
-    executor = _executor(run)
-    manifest = start_manifest(
-        run.study, run.config, argv=argv, backend=executor.backend, workers=executor.workers
-    )
-    _write_manifest(run.folder, manifest)
-    missing = {key: block for key, block in plan.items() if run.store.status(key) != "done"}
-    reused = count_cases(plan) - count_cases(missing)
-    computed = 0
-    failed: list[Failure] = []
-    state: State = "error"
-    logger.info("sweep of %d cases, %d of them stored already", count_cases(plan), reused)
-    progress.start(count_cases(plan), reused)
-    try:
-        with closing(executor.run(tasks(missing))) as results:
-            for result in results:
-                computed += result.computed
-                failed += result.failures
-                for failure in result.failures:
-                    logger.warning("failed: %s: %s", failure.label, failure.reason)
-                    progress.fail(failure.label, failure.reason)
-                if result.details:
-                    logger.info("%s", result.details)
-                progress.advance(result.computed + sum(fail.cases for fail in result.failures))
-        answer = _aggregate(run)
-        state = "incomplete" if failed else "done"
-    except KeyboardInterrupt:
-        state = "interrupted"
-        raise
-    finally:
-        progress.stop()
-        seconds = time.perf_counter() - began
-        failures = sum(failure.cases for failure in failed)
-        logger.info("%s: %d computed, %d failed in %.1f s", state, computed, failures, seconds)
-        _write_manifest(
-            run.folder,
-            finish_manifest(
+class _Sweep:
+    """One sweep under way."""
+
+    def __init__(
+        self,
+        run: Run,
+        plan: Plan,
+        executor: Executor,
+        progress: Progress,
+        argv: Sequence[str] | None,
+    ) -> None:
+        self.run, self.plan, self.executor = run, plan, executor
+        self.progress, self.argv = progress, argv
+        self.cases = count_cases(plan)
+        self.computed = self.reused = 0
+        self.failed: list[Failure] = []
+        self.seconds = {block.label: 0.0 for block in plan.values()}
+        earlier = earlier_seconds(run.folder)
+        self.seconds = {label: earlier[label] for label in self.seconds if label in earlier}
+
+    def __call__(self) -> Outcome:
+        began = time.perf_counter()
+        others = was_running(self.run.folder)
+        manifest = start_manifest(
+            self.run.study,
+            self.run.config,
+            argv=self.argv,
+            backend=self.executor.backend,
+            workers=self.executor.workers,
+        )
+        self._write_manifest(manifest)
+        state: State = "error"
+        try:
+            self._compute(others)
+            results = self._aggregate()
+            state = "incomplete" if self.failed else "done"
+        except KeyboardInterrupt as error:
+            state = "interrupted"
+            raise Interrupted(self.run.folder, self._stored(), self.cases) from error
+        finally:
+            self.progress.stop()
+            seconds = time.perf_counter() - began
+            failures = sum(failure.cases for failure in self.failed)
+            logger.info(
+                "%s: %d computed, %d failed in %.1f s", state, self.computed, failures, seconds
+            )
+            ended = finish_manifest(
                 manifest,
                 state=state,
                 seconds=seconds,
-                computed=computed,
-                reused=reused,
+                computed=self.computed,
+                reused=self.reused,
                 failed=failures,
-            ),
-        )
-    return Outcome(run, computed, reused, failed, seconds, answer)
+                blocks=self.seconds,
+            )
+            self._write_manifest(ended)
+        return Outcome(self.run, self.computed, self.reused, self.failed, seconds, results)
+
+    def _compute(self, others: bool) -> None:
+        store = self.run.store
+        missing = {key: block for key, block in self.plan.items() if store.status(key) != "done"}
+        self.reused = self.cases - count_cases(missing)
+        logger.info("sweep of %d cases, %d of them stored already", self.cases, self.reused)
+        for change, cases in outdated(self.run.study, store, self.plan, missing).items():
+            logger.warning("%d cases are recomputed: %s", cases, change)
+        todo = tasks(missing)
+        if others:
+            # Perhaps it is still going on: two sweeps that start at different ends share the work.
+            todo.reverse()
+        self.progress.start(self.cases, self.reused)
+        with closing(self.executor.run(todo, self.progress.advance)) as results:
+            for result in results:
+                self._take(result)
+
+    def _take(self, result: TaskResult) -> None:
+        repeat(result.records)
+        self.computed += result.computed
+        self.reused += result.reused
+        self.seconds.update(result.seconds)
+        self._fail(result.failures)
+        if result.details:
+            logger.info("%s", result.details)
+        over = result.computed + result.reused + sum(fail.cases for fail in result.failures)
+        if over > result.told:
+            self.progress.advance(over - result.told)
+
+    def _fail(self, failures: Sequence[Failure]) -> None:
+        self.failed += failures
+        for failure in failures:
+            logger.warning("failed: %s: %s", failure.label, failure.reason)
+            self.progress.fail(failure.label, failure.reason, failure.cases)
+
+    def _stored(self) -> int:
+        """Cases that are in the folder, those of tasks that did not report included."""
+        store = self.run.store
+        present = {path.name for path in store.cases.glob("part-*.parquet")}
+        there = [block for key, block in self.plan.items() if store.path(key).name in present]
+        labels = {block.label for block in there}
+        failed = sum(failure.cases for failure in self.failed if failure.label in labels)
+        return sum(block.cases for block in there) - failed
+
+    def _aggregate(self) -> Results | None:
+        """Write the study's tables, if there is anything to put into them."""
+        run = self.run
+        rows, _ = run.stored()
+        if rows is None or not (rows["status"] == OK).any():
+            logger.warning("no case has succeeded: there are no tables")
+            return None
+        results = Results(rows, run.study.aggregate(run.config, rows))
+        try:
+            write_tables(run.folder, results.tables)
+        except OSError as error:
+            names = ", ".join(f"{name}.csv" for name in results.tables)
+            self._fail([Failure(f"{names} (left as they were)", one_line(error), 0)])
+        return results
+
+    def _write_manifest(self, manifest: dict[str, Any]) -> None:
+        try:
+            write_atomically(
+                self.run.folder / "manifest.json", json.dumps(manifest, indent=2) + "\n"
+            )
+        except OSError as error:  # the cases matter more
+            logger.warning("manifest.json could not be written (%s)", one_line(error))
 
 
-def _executor(run: Run) -> Executor:
+@contextmanager
+def _log_of(folder: Path) -> Iterator[None]:
+    try:
+        log = run_log(folder)
+        log.__enter__()
+    except OSError as error:
+        raise unwritable(folder, error) from error
+    with ExitStack() as stack:
+        stack.push(log)
+        yield
+
+
+@contextmanager
+def _executor(run: Run) -> Iterator[Executor]:
     from joblib import cpu_count
 
     compute = run.config.compute
     backend = compute.backend if compute.backend != "auto" else run.study.backend(run.config)
-    versions = {
-        **shard_metadata(run.study),
-        "owtsweep_version": package_version("owtsweep") or "unknown",
-    }
-    return Executor(
+    executor = Executor(
         study=run.study,
         config=run.config,
         # Absolute: workers outlive a sweep and keep the folder in which they were started.
         store=Store(run.folder.absolute()),
-        metadata={name: str(value) for name, value in versions.items()},
+        metadata=all_versions(run.study),
         backend=backend,
         # joblib's count heeds the affinity mask and the quota of a container.
-        workers=compute.workers or cpu_count(),
+        workers=compute.workers or (0 if backend == "dask" else cpu_count()),
     )
+    if backend != "dask":
+        yield executor
+        return
+    require(
+        find_spec("distributed") is not None,
+        "compute.backend: dask is not installed; use pip install 'owtsweep[dask]'",
+    )
+    from owtsweep.sweep.cluster import connected
 
-
-def _aggregate(run: Run) -> Results | None:
-    """Write the study's tables, if there is anything to put into them."""
-    rows, _ = run.stored()
-    if rows is None or not (rows["status"] == OK).any():
-        logger.warning("no case has succeeded: there are no tables")
-        return None
-    results = Results(rows, run.study.aggregate(run.config, rows))
-    for name, table in results.tables.items():
-        write_table(run.folder, name, table)
-    return results
-
-
-def _write_manifest(folder: Path, manifest: dict[str, Any]) -> None:
-    write_atomically(folder / "manifest.json", json.dumps(manifest, indent=2) + "\n")
+    with connected(str(compute.scheduler), run.study, executor.metadata) as client:
+        yield replace(executor, client=client)

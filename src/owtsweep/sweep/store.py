@@ -65,10 +65,17 @@ class Store:
         OSError
             If the file system refuses.
         """
-        lacking = [name for name in ("status", "reason") if name not in rows.columns]
-        if lacking:
-            raise ValueError(f"the study's rows have no column {' and no column '.join(lacking)}")
-        write_atomically(self.path(key), encode(key, rows, metadata))
+        self.write_sealed(key, seal(key, rows, metadata))
+
+    def write_sealed(self, key: str, data: bytes) -> None:
+        """Write a shard whose bytes are made already (`seal`), whole or not at all.
+
+        Raises
+        ------
+        OSError
+            If the file system refuses.
+        """
+        write_atomically(self.path(key), data)
 
     def read(self, key: str) -> pd.DataFrame | None:
         """The rows of a block, exactly as written, or None if they are missing or damaged."""
@@ -116,9 +123,26 @@ class Store:
             return look(path.read_bytes(), key)
         except FileNotFoundError:
             return None
+        except OSError as error:
+            logger.warning("%s cannot be read (%s); it counts as missing", path.name, error)
+            return None
         except DamagedShard as error:
             _set_aside(path, str(error))
             return None
+
+
+def seal(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
+    """The bytes of a block's shard.
+
+    Raises
+    ------
+    ValueError
+        If the rows lack a column that the sweep relies on.
+    """
+    lacking = [name for name in ("status", "reason") if name not in rows.columns]
+    if lacking:
+        raise ValueError(f"the study's rows have no column {' and no column '.join(lacking)}")
+    return encode(key, rows, metadata)
 
 
 def _has_failed(data: bytes, key: str) -> bool:

@@ -2,23 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.errors import InputError
-from owtsweep.sweep.files import write_atomically
+from owtsweep.sweep.files import write_all, write_atomically
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
+def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
+    """Write each table as `<name>.csv`: all of them, or on a full disk none."""
+    write_all({folder / f"{name}.csv": _as_csv(table) for name, table in tables.items()})
+
+
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
     """Write `<name>.csv`, whole or not at all; the index is not kept."""
     path = folder / f"{name}.csv"
+    write_atomically(path, _as_csv(table))
+    return path
+
+
+def _as_csv(table: pd.DataFrame) -> str:
     columns = [_text(table[column]) for column in table.columns]
     lines = [",".join(map(_quoted, table.columns)), *map(",".join, zip(*columns, strict=True))]
-    write_atomically(path, "\n".join(lines) + "\n")
-    return path
+    return "\n".join(lines) + "\n"
 
 
 def _text(column: pd.Series[Any]) -> list[str]:

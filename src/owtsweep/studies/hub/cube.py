@@ -190,7 +190,8 @@ def _places(
     for name in names:
         column = _of(rows, name, chosen)
         if name in ("scheme", "measure", "window"):
-            codes = pd.Categorical(column, categories=list(labels[name])).codes
+            known = pd.Categorical(column)  # of its own categories, which may be more than ours
+            codes = pd.Index(labels[name]).get_indexer(known.categories)[known.codes]
         else:
             codes = np.searchsorted(np.asarray(labels[name]), column)
         place *= len(labels[name])

@@ -1,0 +1,171 @@
+"""What is wrong with a recording, said in one line that names the file and the place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.recorded.formats.table import refuse
+from owtsweep.motion.recorded.recording import Recording
+from owtsweep.motion.recorded.timing import timing
+
+#: A horizontal axis whose mean is beyond this feels gravity: it stands on end or its unit is wrong.
+LARGEST_MEAN_FORCE = 5.0  # m/s^2
+#: No hub or tower top moves this far between two samples.
+LARGEST_JUMP = 1000.0  # m
+#: Motion of this size is worth a question.
+LARGEST_RANGE = 100.0  # m
+FEWEST_SAMPLES = 32
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a recording has to keep to.
+
+    Attributes
+    ----------
+    gaps
+        What becomes of gaps in force and motion longer than `longest_gap`: "refuse" or
+        "interpolate".
+    longest_gap
+        In s. Two and a half sampling intervals are always allowed. Shorter gaps are interpolated;
+        fixes and references may be missing for any time.
+    lowest_imu_rate
+        In Hz, for specific force.
+    """
+
+    gaps: str = "refuse"
+    longest_gap: float = 0.1
+    lowest_imu_rate: float = 5.0
+
+
+def check_time(path: Path, name: str, time: Array) -> None:
+    """Raise InputError where time is missing, stands still or goes backwards."""
+    if len(time) < FEWEST_SAMPLES:
+        raise refuse(path, f"has {len(time)} rows; at least {FEWEST_SAMPLES} are needed")
+    missing = np.flatnonzero(~np.isfinite(time))
+    if len(missing):
+        raise refuse(path, f"time ({name}) is missing in data row {missing[0] + 1}")
+    step = np.diff(time)
+    if step.min() <= 0.0:
+        row = int(np.flatnonzero(step <= 0.0)[0])
+        what = "goes backwards" if step[row] < 0.0 else "stands still"
+        raise refuse(
+            path,
+            f"time ({name}) {what} in data row {row + 2}: {time[row]:.9g} s, then "
+            f"{time[row + 1]:.9g} s; sort the rows and drop repeated ones",
+        )
+
+
+def gaps(time: Array, limit: float) -> list[tuple[float, float]]:
+    """(start, end) in s of the intervals without a value that are longer than the limit."""
+    step = np.diff(time)
+    longest = max(limit, 2.5 * float(np.median(step)))
+    return [(float(time[k]), float(time[k + 1])) for k in np.flatnonzero(step > longest)]
+
+
+def say_gaps(found: list[tuple[float, float]], shown: int = 3) -> str:
+    """The places in words, the first few only."""
+    text = ", ".join(f"{start:.6g} s to {end:.6g} s" for start, end in found[:shown])
+    return text + (f" and {len(found) - shown} more" if len(found) > shown else "")
+
+
+def check_channels(recording: Recording, limits: Limits) -> list[str]:
+    """Check every channel; return what is worth a note.
+
+    Raises
+    ------
+    InputError
+        For a channel without values, too few of them, an IMU that is too slow, a gap that is too
+        long, units that cannot be right.
+    """
+    notes: list[str] = []
+    for role, values in recording.channels.items():
+        name = f"{role} (channel {recording.names[role]})"
+        count = int(np.isfinite(values).sum())
+        if count == 0:
+            raise refuse(recording.path, f"{name} has no value at all")
+        if role == "yaw":
+            continue
+        fewest = 2 if role.startswith(("fix", "reference")) else FEWEST_SAMPLES
+        if count < fewest:
+            raise refuse(recording.path, f"{name} has {count} values; at least {fewest} are needed")
+        time, there = recording.series(role)
+        notes += _check_sampling(recording.path, role, name, time, limits)
+        notes += _check_size(recording.path, role, name, time, there)
+    return list(dict.fromkeys(notes))
+
+
+def _check_sampling(path: Path, role: str, name: str, time: Array, limits: Limits) -> list[str]:
+    notes = []
+    force = role.startswith("specific_force")
+    step = np.diff(time)
+    median = float(np.median(step))
+    if force and 1.0 / median < limits.lowest_imu_rate:
+        raise refuse(
+            path,
+            f"{name} comes at {1.0 / median:.3g} Hz; an IMU needs {limits.lowest_imu_rate:g} Hz "
+            "or more",
+        )
+    found = gaps(time, limits.longest_gap)
+    sparse = role.startswith(("fix", "reference"))
+    quantity = role.rsplit("_", 1)[0]
+    if found and sparse:
+        longest = max(end - start for start, end in found)
+        notes.append(
+            f"{quantity}: {len(found)} gap(s), the longest {longest:.3g} s, at {say_gaps(found)}"
+        )
+    elif found and limits.gaps == "refuse":
+        raise refuse(
+            path,
+            f"{name} has gaps longer than {limits.longest_gap:g} s: {say_gaps(found)}; cut them "
+            "out, or use gaps=interpolate",
+        )
+    elif found:
+        notes.append(f"{quantity}: gaps interpolated: {say_gaps(found)}")
+    if not sparse:
+        comb = timing(time)
+        if not comb.uniform:
+            notes.append(
+                f"{quantity}: irregular times, median interval {median:.6g} s, at most "
+                f"{comb.jitter:.3g} s ({100 * comb.jitter / comb.step:.2g} % of it) off a regular "
+                "grid: resampled by cubic spline"
+            )
+        elif comb.rounded:
+            notes.append(
+                f"{quantity}: times rounded to {comb.resolution:g} s, taken as every "
+                f"{comb.step:.6g} s"
+            )
+        if not force and 1.0 / median < 2.0:
+            notes.append(
+                f"{quantity} comes at {1.0 / median:.3g} Hz: motion above "
+                f"{0.4 / median:.3g} Hz is not in it"
+            )
+    return notes
+
+
+def _check_size(path: Path, role: str, name: str, time: Array, values: Array) -> list[str]:
+    if role.startswith("specific_force"):
+        mean = float(np.mean(values))
+        if abs(mean) > LARGEST_MEAN_FORCE:
+            raise refuse(
+                path,
+                f"{name} has the mean {mean:.4g} m/s^2, as if it felt gravity (9.81): it must be "
+                f"a horizontal axis; check columns.{role} and units.{role}",
+            )
+    elif role.startswith(("position", "fix", "reference")):
+        jump = np.abs(np.diff(values))
+        if jump.max() > LARGEST_JUMP:
+            row = int(np.argmax(jump))
+            raise refuse(
+                path,
+                f"{name} jumps by {jump[row]:.4g} m at {time[row + 1]:.6g} s: check units.{role} "
+                "and mark missing values as NaN",
+            )
+        extent = float(np.ptp(values))
+        if extent > LARGEST_RANGE:
+            return [f"{name} spans {extent:.4g} m: is its unit right (units.{role}=mm)?"]
+    return []

@@ -1,0 +1,113 @@
+"""Velocity and acceleration that belong to recorded positions."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.bandlimited import BandLimited
+from owtsweep.motion.recorded.checks import Limits
+from owtsweep.motion.recorded.gridding import (
+    FULL_BAND,
+    Grid,
+    Gridded,
+    grid_of,
+    to_grid,
+    uniform_source,
+    without_gaps,
+)
+from owtsweep.motion.recorded.recording import Recording
+
+#: Highest default cut-off of motion, Hz: beyond the first two bending modes of a tower, and low
+#: enough that rounding and noise, which the acceleration carries as f^2, stay small.
+MOTION_CUTOFF = 5.0
+
+
+def to_motion(
+    recording: Recording,
+    rate: float,
+    *,
+    quantity: str = "position",
+    cutoff: float | None = None,
+    grid: Grid | None = None,
+    limits: Limits | None = None,
+) -> Gridded:
+    """Position, velocity and acceleration on the grid, each the derivative of the one before.
+
+    All three are those of one band-limited function through the positions. Where the recording
+    has velocity or acceleration too, these take the place of the derived ones, and a note says
+    how far the two are apart. An axis without positions stays at rest.
+
+    White noise of standard deviation s per sample at rate f_s becomes an acceleration noise of
+    (2 pi f_c)^2 s sqrt(2 f_c / (5 f_s)) with the cut-off f_c (and the like of the velocity:
+    2 pi f_c s sqrt(2 f_c / (3 f_s))): the cut-off decides.
+
+    Parameters
+    ----------
+    recording
+        A checked recording.
+    rate
+        Of the grid, Hz.
+    quantity
+        "position", or "reference" (there, NaN in gaps).
+    cutoff
+        Hz; default the least of 5 Hz and 0.4 of either rate.
+    grid, limits
+        As for `to_grid`.
+
+    Returns
+    -------
+    Gridded
+        position, velocity and acceleration with _x and _y.
+
+    Raises
+    ------
+    InputError
+        If there is no such quantity, or the cut-off is not below 0.4 of both rates.
+    """
+    limits = limits or Limits()
+    roles = [f"{quantity}_{axis}" for axis in "xy" if f"{quantity}_{axis}" in recording.channels]
+    if not roles:
+        raise InputError(
+            f"{recording.path}: no {quantity}: set columns.{quantity}_x and columns.{quantity}_y"
+        )
+    grid = grid or grid_of(recording, roles, rate)
+    sources = {role: uniform_source(recording, role, limits) for role in roles}
+    highest = FULL_BAND * min([grid.rate, *(1.0 / step for _, step, _ in sources.values())])
+    chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff
+    if not 0.0 < chosen <= highest * (1 + 1e-9):
+        raise InputError(
+            f"cutoff: {chosen:g} Hz is not between 0 and {highest:.4g} Hz, 0.4 of the lower of "
+            "the record's rate and the IMU's"
+        )
+    channels: dict[str, Array] = {}
+    notes = [f"motion kept up to {chosen:.4g} Hz, nothing above {1.25 * chosen:.4g} Hz"]
+    for axis in "xy":
+        role = f"{quantity}_{axis}"
+        if role not in sources:
+            notes.append(f"no {role}: that axis is at rest")
+        for order, name in enumerate(("position", "velocity", "acceleration")):
+            if role not in sources:
+                channels[f"{name}_{axis}"] = np.zeros(grid.steps)
+                continue
+            source, step, holes = sources[role]
+            function = BandLimited(source[1], source[0], step, chosen, grid.rate)
+            derived = function.on_grid(grid.start, grid.rate, grid.steps, order)
+            given = f"{name}_{axis}"
+            if quantity == "position" and order > 0 and given in recording.channels:
+                recorded = to_grid(recording, [given], rate, grid=grid, limits=limits)
+                notes.append(_mismatch(given, recorded.channels[given], derived))
+                derived = recorded.channels[given]
+            if quantity == "reference":
+                derived = without_gaps(derived, grid, holes)
+            channels[given] = derived
+    return Gridded(grid, channels, chosen, tuple(notes))
+
+
+def _mismatch(role: str, recorded: Array, derived: Array) -> str:
+    inner = slice(len(derived) // 20, len(derived) - len(derived) // 20)
+    apart = float(np.sqrt(np.mean((recorded - derived)[inner] ** 2)))
+    size = float(np.std(derived[inner]))
+    share = f"{100 * apart / size:.3g} % of its rms" if size > 0 else f"{apart:.3g}"
+    return f"{role} taken as recorded; it differs from the derivative of the positions by {share}"

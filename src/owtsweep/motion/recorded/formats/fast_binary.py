@@ -1,0 +1,150 @@
+"""FAST and OpenFAST binary output (.outb), file kinds 1 to 4.
+
+Little-endian, without padding (OpenFAST, NWTC library, subroutine WrBinFAST):
+
+    int16    kind: 1 with time, 2 without time, 3 without time uncompressed, 4 as 2 with
+             the length of names
+    int16    length of names and units (kind 4 alone; 10 otherwise)
+    int32    number of channels besides time; int32 number of time steps
+    float64  kind 1: scale and offset of time; else first time and time step
+    float32  scales, then float32 offsets of the channels (not kind 3)
+    int32    length of the description, then its characters
+    chars    names of time and the channels, then their units
+    int32    packed time of every step (kind 1)
+    int16    packed values (float64 in kind 3), the channels of one step together
+
+A value is (packed - offset) / scale.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.recorded.formats.table import Table, distinct, refuse
+
+WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES = 1, 2, 3, 4
+SHORT = 10  # characters of a name where the file does not say
+
+
+@dataclass(frozen=True)
+class Header:
+    """All but the numbers; `first` is the byte where they begin."""
+
+    kind: int
+    steps: int
+    clock: tuple[float, float]
+    scale: Array
+    offset: Array
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    first: int
+
+
+def open_fast_binary(path: Path) -> Table:
+    """Open a FAST binary file.
+
+    Raises
+    ------
+    InputError
+        If it is none, or cut short.
+    """
+    header = _header(path)
+
+    def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
+        return _load(path, header, names, rows)
+
+    return Table(path, "FAST binary", header.names, header.units, load)
+
+
+def _header(path: Path) -> Header:
+    size = path.stat().st_size
+    not_fast = refuse(path, "is not a FAST binary file (.outb), or is cut short in its header")
+    with path.open("rb") as file:
+
+        def take(code: str) -> tuple[float, ...]:
+            raw = file.read(struct.calcsize("<" + code))
+            if len(raw) < struct.calcsize("<" + code):
+                raise not_fast
+            return struct.unpack("<" + code, raw)
+
+        def words(count: int, length: int) -> tuple[str, ...]:
+            if count * length > size:
+                raise not_fast
+            raw = file.read(count * length)
+            if len(raw) < count * length:
+                raise not_fast
+            return tuple(_word(raw[k * length : (k + 1) * length]) for k in range(count))
+
+        kind = int(take("h")[0])
+        if kind not in (WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES):
+            raise not_fast
+        length = int(take("h")[0]) if kind == LONG_NAMES else SHORT
+        channels, steps = (int(value) for value in take("ii"))
+        if channels < 1 or steps < 1 or length < 1 or channels * 2 > size or steps > size:
+            raise not_fast
+        clock = take("dd")
+        scale, offset = np.ones(channels), np.zeros(channels)
+        if kind != UNCOMPRESSED:
+            scale = np.array(take(f"{channels}f"))
+            offset = np.array(take(f"{channels}f"))
+        words(1, int(take("i")[0]))  # the description
+        names, units = words(channels + 1, length), words(channels + 1, length)
+        first = file.tell()
+    if not (np.all(np.isfinite(scale)) and np.all(scale != 0) and all(np.isfinite(clock))):
+        raise not_fast
+    per_step = channels * (8 if kind == UNCOMPRESSED else 2) + (4 if kind == WITH_TIME else 0)
+    if size < first + steps * per_step:
+        whole = (size - first) // per_step
+        raise refuse(path, f"is cut short: {steps} time steps announced, {whole} there")
+    stated = tuple(unit.strip("()[] ") for unit in units)
+    stated = tuple("" if unit == "-" else unit for unit in stated)
+    return Header(
+        kind,
+        steps,
+        (clock[0], clock[1]),
+        scale,
+        offset,
+        distinct(names),
+        stated,
+        first,
+    )
+
+
+def _load(
+    path: Path, header: Header, names: Sequence[str], rows: int | None
+) -> Mapping[str, Array]:
+    steps = header.steps if rows is None else min(rows, header.steps)
+    start = header.first + (4 * header.steps if header.kind == WITH_TIME else 0)
+    packed = np.memmap(
+        path,
+        dtype="<f8" if header.kind == UNCOMPRESSED else "<i2",
+        mode="r",
+        offset=start,
+        shape=(header.steps, len(header.scale)),
+    )
+    result: dict[str, Array] = {}
+    for name in names:
+        place = header.names.index(name) - 1
+        if place >= 0:
+            values = packed[:steps, place].astype(float)
+            result[name] = (values - header.offset[place]) / header.scale[place]
+        elif header.kind == WITH_TIME:
+            ticks = np.fromfile(path, dtype="<i4", count=steps, offset=header.first)
+            result[name] = (ticks - header.clock[1]) / header.clock[0]
+        else:
+            result[name] = header.clock[0] + header.clock[1] * np.arange(steps)
+    return result
+
+
+def _word(raw: bytes) -> str:
+    """A name or unit; some versions write the middle dot of N·m as UTF-8, others as Latin-1."""
+    try:
+        return raw.decode("utf-8").strip("\0 ")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1").strip("\0 ")

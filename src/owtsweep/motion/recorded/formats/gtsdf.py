@@ -1,0 +1,92 @@
+"""HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
+
+Groups block0000, block0001, ... hold `data` (observations, attributes), optionally `time` (else
+0, 1, 2, ...), `gains` and `offsets`, and the attributes `time_step` and `time_start`:
+time = time_start + time_step * time, value = data * gain + offset. In integer data the largest
+value of the type means missing. `attribute_names` and `attribute_units` stand at the root; time is
+not among them. The documentation of DTU's Wind Energy Toolbox (wetb.gtsdf) defines the format.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.recorded.formats.table import Table, distinct, refuse
+
+TIME = "Time"
+
+
+def open_gtsdf(path: Path) -> Table:
+    """Open a gtsdf file; needs h5py.
+
+    Raises
+    ------
+    InputError
+        If h5py is missing, or the file is no HDF5 or no gtsdf.
+    """
+    try:
+        import h5py
+    except ImportError:
+        raise refuse(path, "HDF5 needs h5py: pip install 'owtsweep[recorded]'") from None
+    try:
+        with h5py.File(path, "r") as file:
+            blocks = sorted(name for name in file if name.startswith("block"))
+            if not blocks or any("data" not in file[block] for block in blocks):
+                raise refuse(path, "is HDF5 but not gtsdf (no block0000/data)")
+            count = file[blocks[0]]["data"].shape[1]
+            names = _words(file, "attribute_names", count) or [str(k + 1) for k in range(count)]
+            units = _words(file, "attribute_units", count) or [""] * count
+    except OSError as error:
+        reason = " ".join(str(error).split())[:120]
+        raise refuse(path, f"is not a whole HDF5 file ({reason})") from None
+    names = list(distinct([TIME, *(name or str(k + 1) for k, name in enumerate(names))]))
+    units = ["s", *("" if unit in ("-", "") else unit for unit in units)]
+
+    def load(wanted: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
+        with h5py.File(path, "r") as file:
+            return _load(file, blocks, {name: names.index(name) for name in wanted}, rows)
+
+    return Table(path, "gtsdf (HDF5)", tuple(names), tuple(units), load)
+
+
+def _words(file: Any, key: str, count: int) -> list[str]:
+    if key not in file:
+        return []
+    raw = [text.decode("utf-8") if isinstance(text, bytes) else str(text) for text in file[key][:]]
+    return [text.strip() for text in raw] if len(raw) == count else []
+
+
+def _load(
+    file: Any, blocks: list[str], places: Mapping[str, int], rows: int | None
+) -> dict[str, Array]:
+    parts: dict[str, list[Array]] = {name: [] for name in places}
+    read = 0
+    for block in blocks:
+        group = file[block]
+        data = group["data"]
+        steps = data.shape[0] if rows is None else min(data.shape[0], rows - read)
+        if steps <= 0:
+            break
+        for name, place in places.items():
+            if place == 0:
+                count = group["time"][:steps] if "time" in group else np.arange(steps)
+                step = float(np.asarray(group.attrs.get("time_step", 1.0)).item())
+                start = float(np.asarray(group.attrs.get("time_start", 0.0)).item())
+                parts[name].append(start + step * np.asarray(count, dtype=float))
+                continue
+            packed = data[:steps, place - 1]
+            values = np.asarray(packed, dtype=float)
+            if np.issubdtype(packed.dtype, np.integer):
+                values[packed == np.iinfo(packed.dtype).max] = np.nan
+            if "gains" in group:
+                values *= float(group["gains"][:][place - 1])
+            if "offsets" in group:
+                values += float(group["offsets"][:][place - 1])
+            parts[name].append(values)
+        read += steps
+    return {name: np.concatenate(parts[name]) for name in places}

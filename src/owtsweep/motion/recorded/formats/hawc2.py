@@ -1,0 +1,155 @@
+"""HAWC2 output: a .sel file that lists the channels, and a .dat file with their numbers.
+
+Line 9 of the .sel file holds the number of scans, the number of channels, the duration in s and
+ASCII or BINARY; from line 13 on stands one line per channel with its name in columns 13 to 43, its
+unit in 44 to 54, then a description. Binary values are little-endian int16, all scans of the first
+channel, then those of the next; the factors they are multiplied by follow in the .sel file below
+the line "Scale factors".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.recorded.formats.table import Table, distinct, refuse
+
+SUMMARY_LINE = 8
+FIRST_CHANNEL = 12
+NAME, UNIT = slice(12, 43), slice(43, 54)
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What the .sel file says; `factors` is None for ASCII."""
+
+    scans: int
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    factors: Array | None
+    duration: float
+
+
+def companion(path: Path, suffix: str) -> Path | None:
+    """The file beside it with the other extension, in lower or upper case."""
+    for candidate in (path.with_suffix(suffix), path.with_suffix(suffix.upper())):
+        if candidate.exists():
+            return candidate
+    return None
+
+
+def open_hawc2(path: Path) -> Table:
+    """Open a pair of .sel and .dat by either name.
+
+    Raises
+    ------
+    InputError
+        If the other file is missing, the .sel file is none of HAWC2's, or the .dat is cut short.
+    """
+    wanted = ".dat" if path.suffix.lower() == ".sel" else ".sel"
+    other = companion(path, wanted)
+    if other is None:
+        raise refuse(path, f"HAWC2 output is two files; {path.with_suffix(wanted).name} is missing")
+    sel, dat = (path, other) if wanted == ".dat" else (other, path)
+    selection = _selection(sel)
+    _check_length(dat, selection)
+
+    def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
+        return _load(dat, selection, names, rows)
+
+    kind = "ASCII" if selection.factors is None else "binary"
+    return Table(path, f"HAWC2, {kind}", selection.names, selection.units, load)
+
+
+def _selection(sel: Path) -> Selection:
+    lines = sel.read_text(encoding="latin-1").splitlines()
+    strange = refuse(sel, "is not a HAWC2 .sel file (line 9: scans, channels, time, ASCII/BINARY)")
+    try:
+        scans, count, length, kind = lines[SUMMARY_LINE].split()[:4]
+        rows = lines[FIRST_CHANNEL : FIRST_CHANNEL + int(count)]
+        total, duration = int(scans), float(length)
+    except (IndexError, ValueError):
+        raise strange from None
+    if len(rows) != int(count) or kind.upper() not in ("ASCII", "BINARY") or total < 1:
+        raise strange
+    names = distinct([row[NAME].strip() or str(place + 1) for place, row in enumerate(rows)])
+    units = tuple(row[UNIT].strip() for row in rows)
+    factors = None
+    if kind.upper() == "BINARY":
+        below = lines[FIRST_CHANNEL + int(count) :]
+        start = next((k for k, text in enumerate(below) if "scale factor" in text.lower()), None)
+        try:
+            numbers = below[(start if start is not None else len(below)) + 1 :]
+            factors = np.array([float(text) for text in " ".join(numbers).split()][: int(count)])
+        except ValueError:
+            raise strange from None
+        if len(factors) != int(count):
+            raise refuse(sel, f"has {len(factors)} scale factors for {count} channels")
+    stated = tuple("" if unit == "-" else unit for unit in units)
+    return Selection(total, names, stated, factors, duration)
+
+
+def _check_length(dat: Path, selection: Selection) -> None:
+    if dat.stat().st_size == 0:
+        raise refuse(dat, "is empty")
+    if selection.factors is None:
+        return
+    there = dat.stat().st_size
+    if there < 2 * selection.scans * len(selection.names):
+        raise refuse(
+            dat,
+            f"is cut short: {selection.scans} scans of {len(selection.names)} channels need "
+            f"{2 * selection.scans * len(selection.names)} bytes, {there} are there",
+        )
+
+
+def _load(
+    dat: Path, selection: Selection, names: Sequence[str], rows: int | None
+) -> Mapping[str, Array]:
+    places = {name: selection.names.index(name) for name in names}
+    if selection.factors is not None:
+        scans = selection.scans
+        packed = np.memmap(dat, dtype="<i2", mode="r", shape=(len(selection.names), scans))
+        return {
+            name: _restored(packed[k, :rows] * selection.factors[k], k, selection)
+            for name, k in places.items()
+        }
+    import pandas as pd
+
+    try:
+        frame = pd.read_csv(
+            dat,
+            sep=r"\s+",
+            header=None,
+            names=list(range(len(selection.names))),
+            usecols=sorted(set(places.values())),
+            nrows=rows,
+            dtype="float64",
+        )
+    except (ValueError, pd.errors.ParserError) as error:
+        reason = " ".join(str(error).split())[:160]
+        raise refuse(dat, f"cannot be read as numbers ({reason})") from None
+    if rows is None and len(frame) < selection.scans:
+        raise refuse(dat, f"is cut short: {selection.scans} scans announced, {len(frame)} there")
+    return {
+        name: _restored(frame[k].to_numpy(dtype=float), k, selection) for name, k in places.items()
+    }
+
+
+def _restored(values: Array, place: int, selection: Selection) -> Array:
+    """Time at full resolution: 16 bits or 6 digits of it repeat values in a long file.
+
+    The step is duration / scans. Time stays as it is where it is not that comb but for rounding.
+    """
+    if place != 0 or not selection.names[0].lower().startswith("time") or not len(values):
+        return values
+    step = selection.duration / selection.scans
+    comb = step * np.arange(len(values))
+    comb += np.mean(values - comb)
+    packing = 0.0 if selection.factors is None else float(abs(selection.factors[0]))
+    rounding = max(packing, 1e-5 * float(np.max(np.abs(values))))
+    return comb if np.max(np.abs(values - comb)) <= rounding else values

@@ -1,0 +1,233 @@
+"""Text tables: CSV, TSV, blanks between the columns, FAST's .out; also compressed by gzip.
+
+The layout is found from the first lines: data begin at the first two lines that are mostly numbers
+and have the same number of fields; above them stands a line of names, or names and then units,
+and above those any preamble.
+"""
+
+from __future__ import annotations
+
+import gzip
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.recorded.formats.table import Table, distinct, refuse
+
+#: How much of the file the layout is found from: bytes.
+HEAD = 1 << 18
+
+MISSING = (
+    *("", "nan", "NaN", "NAN", "-nan", "-NaN", "1.#QNAN", "-1.#IND", "#N/A", "NA", "N/A", "n/a"),
+    *("null", "NULL", "None", "none", "-", "inf", "-inf", "Inf", "-Inf"),
+)
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?$")
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?$")
+_UNIT_AT_END = re.compile(r"^(.*?)[\s_]*[\[(]([^\[\]()]*)[\])]\s*$")
+_BRACKETED = re.compile(r"^[\[(].*[\])]$")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where things stand: `delimiter` is " " for any run of blanks, `first` the first data line."""
+
+    delimiter: str
+    first: int
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+
+
+def open_text(path: Path) -> Table:
+    """Open a text table.
+
+    Raises
+    ------
+    InputError
+        For an empty file, one without two lines of numbers, one with decimal commas.
+    """
+    layout = find_layout(path, _head(path))
+    read = _load_blanks if layout.delimiter == " " else _load_delimited
+
+    def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
+        return read(path, layout, list(names), rows)
+
+    word = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks"}[layout.delimiter]
+    return Table(path, f"text, columns between {word}", layout.names, layout.units, load)
+
+
+def _opened(path: Path) -> IO[bytes]:
+    if path.suffix.lower() == ".gz":
+        return gzip.open(path)  # type: ignore[return-value]
+    return path.open("rb")
+
+
+def _head(path: Path) -> list[str]:
+    """The first lines, the last one only if it is whole."""
+    try:
+        with _opened(path) as file:
+            raw = file.read(HEAD)
+    except (OSError, EOFError) as error:
+        raise refuse(path, f"cannot be read ({error})") from None
+    if not raw.strip():
+        raise refuse(path, "is empty")
+    if b"\0" in raw:
+        raise refuse(path, "holds binary data, not text; give it the extension of its format")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return lines[:-1] if len(raw) == HEAD and len(lines) > 1 else lines
+
+
+def split(line: str, delimiter: str) -> list[str]:
+    """The fields of a line, without blanks and quotes around them."""
+    if delimiter == " ":
+        return [field.strip('"') for field in line.split()]
+    return [field.strip().strip('"').strip() for field in line.rstrip("\r\n").split(delimiter)]
+
+
+def find_layout(path: Path, lines: list[str]) -> Layout:
+    """Delimiter, header and first line of the data.
+
+    Raises
+    ------
+    InputError
+        If there are no numbers, or decimal commas.
+    """
+    for first, line in enumerate(lines):
+        if not line.strip():
+            continue
+        delimiter = _delimiter(line)
+        fields = split(line, delimiter)
+        follower = next((text for text in lines[first + 1 :] if text.strip()), line)
+        if (
+            len(fields) < 2
+            or not _is_data(fields)
+            or not _is_data(split(follower, delimiter))
+            or len(split(follower, delimiter)) != len(fields)
+        ):
+            continue
+        if delimiter != "," and any(_DECIMAL_COMMA.match(field) for field in fields):
+            raise refuse(
+                path,
+                f"line {first + 1} has decimal commas ({_comma_example(fields)}): "
+                "write numbers with a point",
+            )
+        names, units = _header(lines[:first], delimiter, len(fields))
+        return Layout(delimiter, first, names, units)
+    raise refuse(
+        path,
+        "has no table of numbers (two lines or more, two columns or more between commas, "
+        "semicolons, tabs or blanks)",
+    )
+
+
+def _comma_example(fields: list[str]) -> str:
+    return next(field for field in fields if _DECIMAL_COMMA.match(field))
+
+
+def _delimiter(line: str) -> str:
+    for candidate in (";", "\t"):
+        if candidate in line.strip():
+            return candidate
+    # "1,5 2,25" is blanks with decimal commas; "1,2, 3" is commas
+    blanks = line.split()
+    if len(blanks) > 1 and all(_DECIMAL_COMMA.match(field) for field in blanks):
+        return " "
+    return "," if "," in line else " "
+
+
+def _is_data(fields: list[str]) -> bool:
+    def fits(field: str) -> bool:
+        return bool(_NUMBER.match(field) or _DECIMAL_COMMA.match(field)) or field in MISSING
+
+    numbers = sum(1 for f in fields if _NUMBER.match(f) or _DECIMAL_COMMA.match(f))
+    return numbers > 0 and 2 * sum(map(fits, fields)) >= len(fields)
+
+
+def _header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
+    """Names and units from the lines above the data; numbers from 1 where there are no names."""
+    rows = [split(line.lstrip("#!%").strip(), delimiter) for line in above if line.strip()]
+    units = [""] * count
+    if rows and len(rows[-1]) == count and all(_BRACKETED.match(f) or not f for f in rows[-1]):
+        units = [field.strip("[]() ") for field in rows.pop()]
+    if not rows or len(rows[-1]) != count:
+        return tuple(str(number + 1) for number in range(count)), tuple(units)
+    names = []
+    for place, field in enumerate(rows[-1]):
+        found = _UNIT_AT_END.match(field)
+        if found and found[1] and not units[place]:
+            names.append(found[1])
+            units[place] = found[2].strip()
+        else:
+            names.append(field or str(place + 1))
+    return distinct(names), tuple("" if unit in ("-", "none") else unit for unit in units)
+
+
+def _load_delimited(
+    path: Path, layout: Layout, names: list[str], rows: int | None
+) -> Mapping[str, Array]:
+    """By pyarrow, block by block: only the wanted columns are ever held."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    parts: dict[str, list[Array]] = {name: [] for name in names}
+    count = 0
+    try:
+        with _opened(path) as file:
+            reader = csv.open_csv(
+                pa.PythonFile(file, mode="r"),
+                read_options=csv.ReadOptions(
+                    skip_rows=layout.first, column_names=list(layout.names), block_size=1 << 22
+                ),
+                parse_options=csv.ParseOptions(delimiter=layout.delimiter),
+                convert_options=csv.ConvertOptions(
+                    include_columns=names,
+                    column_types={name: pa.float64() for name in names},
+                    null_values=list(MISSING),
+                ),
+            )
+            for batch in reader:
+                for name in names:
+                    column = batch.column(name)
+                    # a copy, so that Arrow can use its block again
+                    parts[name].append(np.array(column.to_numpy(zero_copy_only=False)))
+                count += batch.num_rows
+                if rows is not None and count >= rows:
+                    break
+    except (pa.ArrowInvalid, OSError, EOFError) as error:
+        reason = " ".join(str(error).split())
+        raise refuse(path, f"cannot be read as a table of numbers ({reason[:160]})") from None
+    return {name: np.concatenate(parts.pop(name) or [np.empty(0)])[:rows] for name in names}
+
+
+def _load_blanks(
+    path: Path, layout: Layout, names: list[str], rows: int | None
+) -> Mapping[str, Array]:
+    """By pandas, because pyarrow knows no runs of blanks."""
+    import pandas as pd
+
+    options: dict[str, Any] = {"dtype": "float64", "na_values": list(MISSING)}
+    try:
+        with _opened(path) as file:
+            frame = pd.read_csv(
+                file,
+                sep=r"\s+",
+                skiprows=layout.first,
+                header=None,
+                names=list(layout.names),
+                usecols=names,
+                nrows=rows,
+                **options,
+            )
+    except (ValueError, OSError, EOFError, pd.errors.ParserError) as error:
+        reason = " ".join(str(error).split())
+        raise refuse(path, f"cannot be read as a table of numbers ({reason[:160]})") from None
+    return {name: frame[name].to_numpy(dtype=float) for name in names}

@@ -1,0 +1,190 @@
+"""Recorded channels on the uniform grid that the estimators run on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.bandlimited import BandLimited
+from owtsweep.motion.recorded.checks import Limits, gaps
+from owtsweep.motion.recorded.recording import Recording
+from owtsweep.motion.recorded.timing import timing
+
+#: Part of a sampling rate up to which a channel is kept in full.
+FULL_BAND = 0.4
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The times start + k / rate, k = 0 .. steps - 1; s and Hz."""
+
+    start: float
+    rate: float
+    steps: int
+
+    @property
+    def time(self) -> Array:
+        """(steps,) s, on the file's clock."""
+        return self.start + np.arange(self.steps) / self.rate
+
+
+@dataclass(frozen=True)
+class Gridded:
+    """Channels on one grid.
+
+    Attributes
+    ----------
+    grid
+        Its times.
+    channels
+        role -> (steps,) in SI units. Fixes are NaN at steps without one, references NaN in gaps;
+        nothing else is ever NaN.
+    cutoff
+        Hz, up to where the motion is kept; None where no motion was derived.
+    notes
+        What was done that a user should know.
+    """
+
+    grid: Grid
+    channels: Mapping[str, Array]
+    cutoff: float | None
+    notes: tuple[str, ...]
+
+
+def grid_of(recording: Recording, roles: Sequence[str], rate: float) -> Grid:
+    """The grid over the time that all these channels share.
+
+    Raises
+    ------
+    InputError
+        If they share less than a second.
+    """
+    spans = [recording.series(role)[0][[0, -1]] for role in roles]
+    start = max(float(span[0]) for span in spans)
+    end = min(float(span[1]) for span in spans)
+    if end - start < 1.0:
+        raise InputError(
+            f"{recording.path}: {', '.join(roles)} share {max(end - start, 0.0):.3g} s; at least "
+            "1 s is needed"
+        )
+    return Grid(start, rate, int(np.floor((end - start) * rate + 1e-6)) + 1)
+
+
+def to_grid(
+    recording: Recording,
+    roles: Sequence[str],
+    rate: float,
+    *,
+    grid: Grid | None = None,
+    limits: Limits | None = None,
+) -> Gridded:
+    """Resample channels.
+
+    Everything but fixes goes through a band-limited function (`bandlimited`) that keeps 0.4 of the
+    lower of the two rates in full and nothing above its half: no images, no aliases. A channel that
+    already stands on the grid is taken as it is. Irregular
+    times and missing samples are first interpolated by a cubic spline, gaps longer than
+    `limits.longest_gap` monotonically; a reference is NaN inside those. A fix goes, as it is, to
+    the nearest step; of two at one step the later one stays.
+
+    Parameters
+    ----------
+    recording
+        A checked recording.
+    roles
+        Which channels.
+    rate
+        Of the grid, Hz.
+    grid
+        Another grid than that over the time that the channels (but fixes and references) share.
+    limits
+        The same as for `read`.
+    """
+    limits = limits or Limits()
+    if grid is None:
+        dense = [role for role in roles if not role.startswith(("fix", "reference"))]
+        grid = grid_of(recording, dense or roles, rate)
+    channels, notes = {}, []
+    for role in roles:
+        if role.startswith("fix"):
+            channels[role], said = _nearest(recording, role, grid)
+            notes += said
+            continue
+        source, step, holes = uniform_source(recording, role, limits)
+        cutoff = FULL_BAND * min(1.0 / step, grid.rate)
+        same = _same_comb(source, step, grid)
+        if same is None:
+            function = BandLimited(source[1], source[0], step, cutoff, grid.rate)
+            values = function.on_grid(grid.start, grid.rate, grid.steps)
+        else:
+            values = same
+        channels[role] = without_gaps(values, grid, holes) if role.startswith("ref") else values
+    return Gridded(grid, channels, None, tuple(dict.fromkeys(notes)))
+
+
+def uniform_source(
+    recording: Recording, role: str, limits: Limits
+) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
+    """((start, uniform samples), step, gaps) of a channel; missing samples interpolated."""
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    time, values = recording.series(role)
+    comb = timing(time)
+    holes = gaps(time, limits.longest_gap)
+    if comb.uniform and comb.count == len(time):
+        return (comb.start, values), comb.step, holes
+    teeth = comb.teeth
+    at = comb.start + comb.step * comb.number if comb.uniform else time
+    filled = np.asarray(CubicSpline(at, values)(teeth))
+    if holes:
+        inside = _inside(teeth, holes)
+        filled[inside] = PchipInterpolator(at, values)(teeth[inside])
+    if comb.uniform:
+        filled[comb.number.astype(np.int64)] = values
+    return (comb.start, filled), comb.step, holes
+
+
+def _same_comb(source: tuple[float, Array], step: float, grid: Grid) -> Array | None:
+    """The samples themselves where they stand on the grid, to 1e-3 of a step."""
+    start, values = source
+    first = (grid.start - start) / step
+    drift = abs(step * grid.rate - 1.0) * grid.steps
+    place = round(first)
+    if abs(first - place) + drift > 1e-3 or place < 0 or place + grid.steps > len(values):
+        return None
+    return values[place : place + grid.steps].copy()
+
+
+def _inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
+    """Which times lie strictly inside a hole."""
+    result = np.zeros(len(time), dtype=bool)
+    for start, end in holes:
+        result[np.searchsorted(time, start, "right") : np.searchsorted(time, end, "left")] = True
+    return result
+
+
+def without_gaps(values: Array, grid: Grid, holes: list[tuple[float, float]]) -> Array:
+    return np.where(_inside(grid.time, holes), np.nan, values) if holes else values
+
+
+def _nearest(recording: Recording, role: str, grid: Grid) -> tuple[Array, list[str]]:
+    """Fixes at their nearest steps, and how far they were moved."""
+    time, values = recording.series(role)
+    exact = (time - grid.start) * grid.rate
+    place = np.rint(exact).astype(np.int64)
+    kept = (place >= 0) & (place < grid.steps)
+    result = np.full(grid.steps, np.nan)
+    result[place[kept]] = values[kept]
+    moved = float(np.max(np.abs(exact - place)[kept], initial=0.0)) / grid.rate
+    notes = []
+    if moved > 1e-6:
+        notes.append(f"fixes moved to the nearest step, by {moved:.3g} s at most")
+    lost = int(kept.sum()) - len(np.unique(place[kept]))
+    if lost:
+        notes.append(f"{role}: {lost} fixes dropped, the IMU step had a later one")
+    return result, notes

@@ -1,0 +1,120 @@
+"""From a file to a checked recording in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.checks import Limits, check_channels, check_time
+from owtsweep.motion.recorded.columns import ROLES, assign
+from owtsweep.motion.recorded.formats import Table, open_table
+from owtsweep.motion.recorded.formats.table import refuse
+from owtsweep.motion.recorded.recording import Recording
+from owtsweep.motion.recorded.units import DIMENSIONS, factor
+
+GAPS = ("refuse", "interpolate")
+
+
+def read(
+    path: str | Path,
+    *,
+    columns: Mapping[str, str | None] | None = None,
+    units: Mapping[str, str | None] | None = None,
+    limits: Limits | None = None,
+) -> Recording:
+    """Read and check one recording.
+
+    Parameters
+    ----------
+    path
+        The file; its format is told by the extension, then by the content.
+    columns
+        role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Roles that are not given are guessed
+        from well-known names; None or "" leaves one out.
+    units
+        role -> unit, e.g. `{"position_x": "mm"}`; overrides what the file says. Where neither
+        says anything SI is taken, with a note.
+    limits
+        What the recording has to keep to; see `Limits`.
+
+    Raises
+    ------
+    InputError
+        One line that names the file and the place.
+    """
+    limits = limits or Limits()
+    if limits.gaps not in GAPS:
+        raise InputError(f"gaps: {limits.gaps!r} is none of {', '.join(GAPS)}")
+    table = open_table(path)
+    chosen = _roles(table, columns or {})
+    factors, notes = _factors(table, chosen, units or {})
+    loaded = table.load(list(dict.fromkeys(chosen.values())), None)
+    time = np.multiply(loaded[chosen["time"]], factors["time"])
+    check_time(table.path, chosen["time"], time)
+    channels: dict[str, Array] = {}
+    for role, name in chosen.items():
+        if role != "time":
+            values = loaded[name]
+            shared = list(chosen.values()).count(name) > 1  # one channel in two roles
+            if shared or not values.flags.writeable:
+                values = values.copy()
+            values *= factors[role]
+            values[~np.isfinite(values)] = np.nan
+            channels[role] = values
+    bare = Recording(table.path, time, channels, chosen, ())
+    notes += check_channels(bare, limits)
+    return Recording(table.path, time, channels, chosen, tuple(notes))
+
+
+def _roles(table: Table, columns: Mapping[str, str | None]) -> dict[str, str]:
+    """role -> channel, time first.
+
+    Raises
+    ------
+    InputError
+        If there is no time, or nothing beside it.
+    """
+    try:
+        chosen = assign(table.names, columns)
+    except InputError as error:
+        raise refuse(table.path, str(error)) from None
+    listed = ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
+    if "time" not in chosen:
+        raise refuse(table.path, f"no time column found among {listed}: set columns.time=NAME")
+    if len(chosen) == 1 or set(chosen) == {"time", "yaw"}:
+        raise refuse(
+            table.path,
+            f"no channel of a known name among {listed}: set columns.position_x=NAME or "
+            "columns.specific_force_x=NAME (--describe shows what is there)",
+        )
+    return {"time": chosen.pop("time"), **chosen}
+
+
+def _factors(
+    table: Table, chosen: Mapping[str, str], units: Mapping[str, str | None]
+) -> tuple[dict[str, float], list[str]]:
+    """Factors to SI, from the configuration, else from the file, else 1 with a note."""
+    for role in units:
+        if role not in ROLES:
+            raise InputError(f"units.{role}: no such role: use one of {', '.join(ROLES)}")
+    factors, assumed = {}, []
+    for role, name in chosen.items():
+        given, stated = units.get(role), table.unit(name)
+        if given:
+            factors[role] = factor(given, ROLES[role], f"{table.path}: units.{role}")
+        elif stated:
+            where = f"{table.path}: channel {name} says its unit is"
+            try:
+                factors[role] = factor(stated, ROLES[role], where)
+            except InputError as error:
+                hint = f"; or give it by units.{role}"
+                raise InputError(f"{error}{hint}") from None
+        else:
+            factors[role] = 1.0
+            assumed.append(f"{role} in {DIMENSIONS[ROLES[role]][0]}")
+    notes = [f"units not in the file, taken as SI: {', '.join(assumed)}"] if assumed else []
+    return factors, notes

@@ -1,0 +1,61 @@
+"""What a file holds once it is read: roles, SI units, its own times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.motion.recorded.columns import QUANTITIES
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One file in SI units, at the times it has.
+
+    Attributes
+    ----------
+    path
+        The file.
+    time
+        (n,) s, strictly increasing, as in the file.
+    channels
+        role -> (n,) values in SI units (m, m/s, m/s^2, rad), NaN where missing. Roles are
+        position, velocity, acceleration, specific_force, fix (GNSS) and reference, each with _x
+        and _y, and yaw.
+    names
+        role -> the channel's name in the file; "time" is among them.
+    notes
+        What a user should know: units that were assumed, irregular times, gaps.
+    """
+
+    path: Path
+    time: Array
+    channels: Mapping[str, Array]
+    names: Mapping[str, str]
+    notes: tuple[str, ...]
+
+    def has(self, quantity: str) -> bool:
+        """Whether at least one axis of a quantity, such as "fix", is there."""
+        return any(f"{quantity}_{axis}" in self.channels for axis in "xy")
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """The quantities that are there, of either axis."""
+        return tuple(name for name in QUANTITIES if self.has(name))
+
+    def series(self, role: str) -> tuple[Array, Array]:
+        """Times (s) and values of a channel where it has one: (m,), (m,)."""
+        values = self.channels[role]
+        there = np.isfinite(values)
+        if there.all():  # no copies of a long record
+            return self.time, values
+        return self.time[there], values[there]
+
+    def rate(self, role: str) -> float:
+        """Samples per second of a channel, from the median interval between its values."""
+        time, _ = self.series(role)
+        return float(1.0 / np.median(np.diff(time)))

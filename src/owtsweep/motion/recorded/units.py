@@ -1,0 +1,106 @@
+"""Units that recordings come in, and their factors to SI."""
+
+from __future__ import annotations
+
+import math
+
+from owtsweep.errors import InputError
+
+STANDARD_GRAVITY = 9.80665  # m/s^2, by definition
+
+#: dimension -> (SI unit, unit -> factor to SI)
+DIMENSIONS: dict[str, tuple[str, dict[str, float]]] = {
+    "time": (
+        "s",
+        {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
+    ),
+    "length": (
+        "m",
+        {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "ft": 0.3048, "in": 0.0254},
+    ),
+    "velocity": (
+        "m/s",
+        {
+            "m/s": 1.0,
+            "mm/s": 1e-3,
+            "cm/s": 1e-2,
+            "km/h": 1 / 3.6,
+            "kt": 1852 / 3600,
+            "ft/s": 0.3048,
+        },
+    ),
+    "acceleration": (
+        "m/s^2",
+        {
+            "m/s^2": 1.0,
+            "mm/s^2": 1e-3,
+            "cm/s^2": 1e-2,
+            "g": STANDARD_GRAVITY,
+            "mg": 1e-3 * STANDARD_GRAVITY,
+            "ft/s^2": 0.3048,
+        },
+    ),
+    "angle": ("rad", {"rad": 1.0, "deg": math.pi / 180, "mrad": 1e-3}),
+}
+
+#: Other ways to write them, in lower case and without blanks.
+SPELLINGS = {
+    "sec": "s",
+    "secs": "s",
+    "second": "s",
+    "seconds": "s",
+    "msec": "ms",
+    "µs": "us",
+    "minutes": "min",
+    "hours": "h",
+    "meter": "m",
+    "metre": "m",
+    "meters": "m",
+    "metres": "m",
+    "µm": "um",
+    "knots": "kt",
+    "gee": "g",
+    "gn": "g",
+    "degree": "deg",
+    "degrees": "deg",
+    "°": "deg",
+    "radians": "rad",
+}
+
+
+def canonical(unit: str) -> str:
+    """One spelling: `m/s2`, `m/s**2`, `m s-2` and `m/sec^2` are all `m/s^2`."""
+    text = unit.strip().lower()
+    for old, new in (("**", "^"), ("²", "^2"), ("·", " "), ("*", " ")):
+        text = text.replace(old, new)
+    for old, new in ((" s^-2", "/s^2"), (" s-2", "/s^2"), (" s^-1", "/s"), (" s-1", "/s")):
+        text = text.replace(old, new)
+    text = "".join(text.split())
+    text = text.replace("/sec", "/s").replace("/s/s", "/s^2").replace("/s2", "/s^2")
+    return SPELLINGS.get(text, text)
+
+
+def dimension(unit: str) -> str | None:
+    """The dimension of a unit, None for one that is not in the table."""
+    known = canonical(unit)
+    return next((name for name, (_, table) in DIMENSIONS.items() if known in table), None)
+
+
+def factor(unit: str, wanted: str, argument: str) -> float:
+    """Factor from a unit to the SI unit of the wanted dimension.
+
+    Raises
+    ------
+    InputError
+        For a unit that is not in the table, or of another dimension; `argument` names it.
+    """
+    si, table = DIMENSIONS[wanted]
+    known = canonical(unit)
+    if known in table:
+        return table[known]
+    other = dimension(unit)
+    if other is None:
+        reason = "is not a unit known here"
+    else:
+        reason = f"is a unit of {other}, not of {wanted}"
+    raise InputError(f"{argument}: {unit!r} {reason}: use one of {', '.join(table)} (SI: {si})")

@@ -1,0 +1,255 @@
+"""Eq. (1) of Ren et al. (2019) fitted to a record by Whittle's likelihood.
+
+The ordinates I_j of the periodogram are taken as independent and exponential with the mean S(f_j):
+minus the log-likelihood is the sum of log S(f_j) + I_j / S(f_j) over the lines inside a band
+(Whittle, 1953). S is written by its peak frequency f* and its half-bandwidth sqrt(k) (see
+`spectra.translated`): S = a f / ((f - f*)^2 + (k / f*) f), so c = f*^2 and b = -2 f* + k / f*.
+For a given shape the best a is the mean of I_j over S(f_j) / a; two parameters are searched.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.motion.spectra import Spectrum
+
+#: The study's own band, Hz.
+BAND = (0.05, 0.6)
+#: Fewest lines of the periodogram that three parameters are fitted to.
+FEWEST_LINES = 12
+#: A probability below this makes the shape doubtful.
+DOUBTFUL = 0.01
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What a record says about Eq. (1).
+
+    Attributes
+    ----------
+    spectrum
+        a, b, c; the one-sided density in m^2/Hz.
+    natural_period
+        1 / f*, s.
+    bandwidth
+        k, s^-2.
+    errors
+        Standard errors of a, b, c, natural_period, bandwidth and half_bandwidth, from the Hessian
+        of the likelihood at its expectation (the Fisher information). They hold if the shape does.
+    band, lines
+        Where it was fitted, Hz, and to how many lines.
+    band_share
+        Part of the record's variance (mean and trend removed) that lies inside the band.
+    explained
+        Part of the band's variance that the curve accounts for: the area that it shares with the
+        periodogram, smoothed over 9 lines, over the area of that. (The two areas themselves are
+        always equal.) Chance alone leaves some 0.87 for a spectrum that is right.
+    probability
+        Of a departure from the shape as large as this one if the shape were right: Bartlett's
+        test on the accumulated I_j / S(f_j). Cautious, because the fit has adapted to the record.
+    warnings
+        What is wrong with the fit, in words; empty for a good one.
+    """
+
+    spectrum: Spectrum
+    natural_period: float
+    bandwidth: float
+    errors: dict[str, float]
+    band: tuple[float, float]
+    lines: int
+    band_share: float
+    explained: float
+    probability: float
+    warnings: tuple[str, ...]
+
+    @property
+    def half_bandwidth(self) -> float:
+        """sqrt(k), Hz."""
+        return float(np.sqrt(self.bandwidth))
+
+
+def periodogram(position: Array, step: float) -> tuple[Array, Array]:
+    """Frequencies (Hz) and one-sided periodogram (m^2/Hz), mean and straight trend removed.
+
+    Parameters
+    ----------
+    position
+        (n,) m, or (axes, n): the periodograms of the axes are added.
+    step
+        s.
+
+    Returns
+    -------
+    frequency, density
+        (n // 2,) each, without the line at zero. Density over n step sums to the variance.
+    """
+    from scipy.fft import rfft
+
+    series = np.atleast_2d(np.asarray(position, dtype=float))
+    n = series.shape[1]
+    trend = np.vstack([np.ones(n), np.linspace(-1.0, 1.0, n)])
+    flat = series - (series @ np.linalg.pinv(trend)) @ trend
+    lines = rfft(flat, axis=1)
+    power = np.sum(np.abs(lines) ** 2, axis=0) * (2.0 * step / n)
+    if n % 2 == 0:
+        power[-1] *= 0.5
+    frequency = np.arange(len(power)) / (n * step)
+    return frequency[1:], power[1:]
+
+
+def fit(position: Array, step: float, *, band: tuple[float, float] = BAND) -> Fit:
+    """Fit Eq. (1) to a record.
+
+    Parameters
+    ----------
+    position
+        (n,) m, or (axes, n): the sum of the axes' spectra is fitted.
+    step
+        s.
+    band
+        Hz, edges included.
+
+    Raises
+    ------
+    InputError
+        If the band holds too few lines of the record, or the record does not move in it.
+    """
+    frequency, power = periodogram(position, step)
+    df = float(frequency[0])
+    inside = (frequency >= band[0] * (1 - 1e-9)) & (frequency <= band[1] * (1 + 1e-9))
+    f, observed = frequency[inside], power[inside]
+    if len(f) < FEWEST_LINES:
+        raise InputError(
+            f"band: [{band[0]:g}, {band[1]:g}] Hz holds {len(f)} lines of a record of "
+            f"{1 / df:.4g} s; at least {FEWEST_LINES} are needed: widen it or take a longer record"
+        )
+    if not np.all(np.isfinite(power)) or observed.sum() <= 1e-24 * len(f):
+        raise InputError(
+            "position: the record does not move inside the band, or has missing values"
+        )
+    peak, k = _search(f, observed, df, band)
+    shape = _shape(f, peak, k)
+    a = float(np.mean(observed / shape))
+    ratio = observed / (a * shape)
+    spectrum = Spectrum(a=a, b=-2.0 * peak + k / peak, c=peak**2)
+    probability = _bartlett(ratio)
+    return Fit(
+        spectrum=spectrum,
+        natural_period=1.0 / peak,
+        bandwidth=k,
+        errors=_errors(f, a, peak, k),
+        band=band,
+        lines=len(f),
+        band_share=float(observed.sum() / power.sum()),
+        explained=_shared(observed, a * shape),
+        probability=probability,
+        warnings=tuple(_doubts(f, observed, peak, k, df, band, probability)),
+    )
+
+
+def _shape(f: Array, peak: float, k: float) -> Array:
+    return f / ((f - peak) ** 2 + (k / peak) * f)
+
+
+def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> tuple[float, float]:
+    """Peak (Hz) and k (s^-2): the best of a coarse grid, then Nelder and Mead's simplex."""
+    from scipy.optimize import minimize
+
+    lowest, highest = np.log(band[0] / 3.0), np.log(band[1] * 3.0)
+    narrow, broad = np.log((0.05 * df) ** 2), np.log((2.0 * band[1]) ** 2)
+
+    def cost(parameters: NDArray[Any]) -> float:
+        if not (lowest <= parameters[0] <= highest and narrow <= parameters[1] <= broad):
+            return np.inf
+        shape = _shape(f, float(np.exp(parameters[0])), float(np.exp(parameters[1])))
+        return float(np.log(np.mean(observed / shape)) + np.mean(np.log(shape)))
+
+    largest = f[np.argsort(observed)[::-1][:3]]
+    peaks = np.log(np.concatenate([np.geomspace(band[0], band[1], 40), largest]))
+    widths = np.linspace(np.log((0.3 * df) ** 2), np.log(band[1] ** 2), 16)
+    starts = sorted((cost(np.array([p, w])), p, w) for p in peaks for w in widths)[:3]
+    options = {"xatol": 1e-9, "fatol": 1e-13, "maxiter": 2000}
+    found = [minimize(cost, [p, w], method="Nelder-Mead", options=options) for _, p, w in starts]
+    best = min(found, key=lambda result: float(result.fun)).x
+    return float(np.exp(best[0])), float(np.exp(best[1]))
+
+
+def _errors(f: Array, a: float, peak: float, k: float) -> dict[str, float]:
+    """Standard errors: the information is the sum of the outer products of d log S."""
+    below = (f - peak) ** 2 + (k / peak) * f
+    slopes = np.array(
+        [
+            np.full(len(f), 1.0 / a),
+            (2.0 * (f - peak) + (k / peak**2) * f) / below,
+            -(f / peak) / below,
+        ]
+    )  # of log S to a, f*, k
+    scale = np.array([a, peak, k])
+    scaled = slopes * scale[:, None]
+    covariance = np.linalg.pinv(scaled @ scaled.T) * np.outer(scale, scale)
+    towards = {
+        "a": (1.0, 0.0, 0.0),
+        "b": (0.0, -2.0 - k / peak**2, 1.0 / peak),
+        "c": (0.0, 2.0 * peak, 0.0),
+        "natural_period": (0.0, -1.0 / peak**2, 0.0),
+        "bandwidth": (0.0, 0.0, 1.0),
+        "half_bandwidth": (0.0, 0.0, 0.5 / np.sqrt(k)),
+    }
+    return {
+        name: float(np.sqrt(np.array(g) @ covariance @ np.array(g))) for name, g in towards.items()
+    }
+
+
+def _shared(observed: Array, fitted: Array, lines: int = 9) -> float:
+    """Area under both curves, both smoothed alike, over the area under the observed one."""
+    window = np.ones(lines) / lines
+    smooth, curve = (np.convolve(series, window, "valid") for series in (observed, fitted))
+    return float(np.minimum(smooth, curve).sum() / smooth.sum())
+
+
+def _bartlett(ratio: Array) -> float:
+    """Probability of so large a distance between the accumulated ratios and a straight line."""
+    from scipy.special import kolmogorov
+
+    n = len(ratio)
+    distance = np.abs(np.cumsum(ratio) / ratio.sum() - np.arange(1, n + 1) / n)
+    return float(kolmogorov(np.sqrt(n) * np.max(distance)))
+
+
+def _doubts(
+    f: Array,
+    observed: Array,
+    peak: float,
+    k: float,
+    df: float,
+    band: tuple[float, float],
+    probability: float,
+) -> list[str]:
+    doubts = []
+    if not band[0] + df <= peak <= band[1] - df:
+        doubts.append(
+            f"the peak, {peak:.4g} Hz, is at the edge of the band [{band[0]:g}, {band[1]:g}] Hz or "
+            "outside: the period is a guess"
+        )
+    if np.sqrt(k) < df:
+        doubts.append(
+            f"the half-bandwidth, {np.sqrt(k):.2g} Hz, is below the record's resolution of "
+            f"{df:.2g} Hz: it is narrower than this record can tell"
+        )
+    if np.sqrt(k) > peak:
+        doubts.append("the spectrum is so broad that it has no peak to speak of")
+    if probability < DOUBTFUL:
+        away = f[int(np.argmax(observed))]
+        other = ""
+        if abs(away - peak) > 3 * df:
+            other = f"; its largest line is at {away:.4g} Hz: fit a band around that"
+        doubts.append(
+            f"one peak of this shape does not describe the record (p = {probability:.1g}){other}"
+        )
+    return doubts

@@ -1,0 +1,156 @@
+"""Which scheme to run, by how much it is better than the next, and whether that matters.
+
+Schemes are compared in pairs on the same data: replicate by replicate where the noise was drawn,
+piece by piece of the settled record where everything was recorded and there is one of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.cube import mean_and_error, t_quantile
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: A smaller relative margin does not decide what to run on board.
+LEAST_MARGIN = 0.05
+#: Values that agree to this are those of one and the same estimator.
+SAME = 1e-9
+
+COLUMNS = (
+    "file", "source", "criterion", "window", "best", "same_as", "runner_up", "value_best",
+    "value_runner_up", "margin", "difference", "ci_low", "ci_high", "n", "matters",
+)  # fmt: skip
+
+
+def compare(
+    samples: Array, schemes: Sequence[str], *, whole: Array | None = None
+) -> dict[str, Any] | None:
+    """Best and runner-up.
+
+    Parameters
+    ----------
+    samples
+        (schemes, n) mean squares of the same n replicates or pieces; NaN where a scheme has none.
+    schemes
+        Their names.
+    whole
+        (schemes,) the values to compare, where the samples are pieces that serve the interval
+        alone; the means of the samples by default.
+
+    Returns
+    -------
+    dict or None
+        Columns `best` to `matters` of the advice; None if no scheme has a value. Without a second
+        sample there is no interval, and the margin alone decides.
+    """
+    common = np.isfinite(samples).any(axis=0)
+    took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
+    common &= np.isfinite(samples[took_part]).all(axis=0)
+    if len(took_part) == 0 or not np.any(common):
+        return None
+    kept = samples[np.ix_(took_part, common)]
+    mean = kept.mean(axis=1) if whole is None else whole[took_part]
+    first = int(np.argmin(mean))
+    same = [i for i in range(len(mean)) if abs(mean[i] - mean[first]) <= SAME * abs(mean[first])]
+    best = same[-1]
+    others = [i for i in range(len(mean)) if i not in same]
+    names = [schemes[int(i)] for i in took_part]
+    found: dict[str, Any] = {
+        "best": names[best],
+        "same_as": " ".join(names[i] for i in same[:-1]),
+        "runner_up": "",
+        "value_best": float(mean[best]),
+        "value_runner_up": np.nan,
+        "margin": np.nan,
+        "difference": np.nan,
+        "ci_low": np.nan,
+        "ci_high": np.nan,
+        "n": int(kept.shape[1]),
+        "matters": False,
+    }
+    if not others:
+        return found
+    least = min(mean[i] for i in others)
+    second = [i for i in others if mean[i] - least <= SAME * abs(least)][-1]
+    paired = kept[second] - kept[best]
+    _, error, n = mean_and_error(paired)
+    difference = mean[second] - mean[best]
+    half = float(t_quantile(n - 1) * error) if n > 1 else np.nan
+    margin = float(difference / mean[best])
+    excludes_zero = bool(difference - half > 0.0) if n > 1 else True
+    found.update(
+        runner_up=names[second],
+        value_runner_up=float(mean[second]),
+        margin=margin,
+        difference=float(difference),
+        ci_low=float(difference) - half,
+        ci_high=float(difference) + half,
+        matters=excludes_zero and margin >= LEAST_MARGIN,
+    )
+    return found
+
+
+def from_record(
+    values: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str
+) -> dict[str, Any] | None:
+    """The advice of one record's own errors, or without a reference of its fixes.
+
+    Parameters
+    ----------
+    values
+        Rows of one file: scheme, replicate, measure, window, value.
+    """
+    measures = set(values["measure"])
+    source = "record"
+    if criterion not in measures:
+        criterion, source = "fix_residual", "fixes"
+    rows = values[values["measure"] == criterion]
+    samples = _pivot(rows[rows["window"] == window], schemes, "replicate")
+    whole = None
+    if samples.shape[1] == 1:  # drawn once: the settled record piece by piece
+        parts = _pivot(rows[rows["window"].str.startswith("part_")], schemes, "window")
+        if parts.shape[1] > 1:
+            window = "settled"
+            whole = _pivot(rows[rows["window"] == window], schemes, "replicate")[:, 0]
+            samples = parts
+    found = compare(samples, schemes, whole=whole)
+    if found is None:
+        return None
+    return {"source": source, "criterion": criterion, "window": window, **found}
+
+
+def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
+    table = rows.pivot_table(index="scheme", columns=column, values="value", sort=True)
+    return np.asarray(table.reindex(list(schemes)).to_numpy(dtype=float))
+
+
+def sentence(row: Any) -> str:
+    """One line of advice, as a report and the terminal say it."""
+    where = {
+        "record": "this record's own errors",
+        "fixes": "the distance from the fixes that came later",
+        "map": "the expected map at its period and amplitude",
+    }[row["source"]]
+    best = row["best"] + (f" (= {row['same_as'].replace(' ', ' = ')})" if row["same_as"] else "")
+    root = np.sqrt(row["value_best"])
+    unit = "m/s" if row["criterion"] == "velocity" else "m"
+    size = f"{row['value_best']:.3g} {unit.replace('m', 'm²', 1).replace('/s', '/s²')}"
+    if row["criterion"] == "fix_residual":
+        size += f" from a fix, its noise included (root {root:.2g} {unit})"
+    else:
+        size += f" {row['criterion']} MSE (root {root:.2g} {unit})"
+    if not row["runner_up"]:
+        return f"by {where}: {best}, {size}; there is nothing to compare it with"
+    margin = f"{row['runner_up']} has {100.0 * row['margin']:.3g} % more"
+    if row["source"] != "map" and np.isfinite(row["ci_low"]):
+        low, high = (100.0 * row[key] / row["value_best"] for key in ("ci_low", "ci_high"))
+        margin += f" (95 %: {low:.3g} to {high:.3g} %)"
+    if not row["matters"]:
+        return f"by {where}: no difference that matters; {best}, {size}; {margin}"
+    return f"by {where}: run {best}, {size}; {margin}"

@@ -1,0 +1,163 @@
+"""Planning and running a replay: one block per record and scheme, and one for the record itself."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.config import as_mapping
+from owtsweep.errors import InputError
+from owtsweep.studies.base import FAILED, OK, Block
+from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.blocks import scheme_content
+from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.replay import facts, measures
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.estimating import estimate
+from owtsweep.studies.replay.measuring import measure, replicates
+from owtsweep.studies.replay.record import load_record
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COLUMNS = (
+    "file", "scheme", "measure", "window", "replicate", "value", "n_samples", "status", "reason",
+)  # fmt: skip
+#: Stands as the scheme of what belongs to the record, and of holding the last fix.
+RECORD, LAST_FIX = "", "last_fix"
+
+
+def labels(files: Sequence[str]) -> dict[str, str]:
+    """Label -> file: file names without endings, numbered where two are alike."""
+    found: dict[str, str] = {}
+    for file in files:
+        stem = Path(file).name.split(".")[0] or Path(file).name
+        label, number = stem, 2
+        while label in found:
+            label, number = f"{stem}-{number}", number + 1
+        found[label] = file
+    return found
+
+
+def digest(file: str) -> str:
+    """Hash of a file's bytes, and of those that belong to it (a HAWC2 .sel has its .dat).
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    path = Path(file)
+    try:
+        parts = [path]
+        if path.suffix.lower() in (".sel", ".dat"):
+            parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
+        states = tuple((str(p), p.stat().st_size, p.stat().st_mtime_ns) for p in parts)
+        return _digest(states)
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
+
+
+@lru_cache(maxsize=4096)
+def _digest(states: tuple[tuple[str, int, int], ...]) -> str:
+    result = hashlib.blake2b(digest_size=16)
+    for name, _, _ in states:
+        with open(name, "rb") as stream:
+            while chunk := stream.read(1 << 20):
+                result.update(chunk)
+    return result.hexdigest()
+
+
+def plan(config: ReplayConfig) -> list[Block]:
+    """The record's own block, then one per scheme, for every file."""
+    shared = _shared_content(config)
+    schemes = resolve_all(config.schemes, config)
+    blocks = []
+    for label, file in labels(config.grid.files).items():
+        content = {**shared, "file": label, "digest": digest(file)}
+        content["ending"] = "".join(Path(file).suffixes[-2:]).lower()
+        own = [scheme_content(config, e, s) for e, s in zip(config.schemes, schemes, strict=True)]
+        first = {
+            **content,
+            "scheme": RECORD,
+            "window": config.measures.window,
+            "estimator": own[facts.describer(config)],
+        }
+        blocks.append(Block(label, f"{label}, the record", first, 1))
+        for scheme, entry in zip(schemes, own, strict=True):
+            blocks.append(Block(label, f"{label}, {scheme.name}", {**content, **entry}, 1))
+    return blocks
+
+
+def _shared_content(config: ReplayConfig) -> dict[str, Any]:
+    whole = as_mapping(config)
+    content = {key: whole[key] for key in ("seed", "engine", "sensors", "band", "gaps")}
+    content["columns"], content["units"] = config.columns.given(), config.units.given()
+    content["replay"] = {key: item for key, item in whole["replay"].items() if key != "table"}
+    content["settling_time"] = config.measures.settling_time
+    return content
+
+
+def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+    """Run blocks of one record; it is read once."""
+    sensors = sensing.sensors(config.sensors)
+    files = labels(config.grid.files)
+    schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
+    settled = round(config.measures.settling_time / sensors.step)
+    for block in blocks:
+        label, name = block.content["file"], block.content["scheme"]
+        record = load_record(config, files[label])
+        if name == RECORD:
+            scheme = resolve_all(config.schemes, config)[facts.describer(config)]
+            rows = [
+                _row(label, RECORD, 0, found)
+                for found in facts.facts(config, record, sensors, scheme, settled)
+            ]
+            for replicate in range(replicates(config, record)):
+                fixes = measure(config, sensors, record, replicate).fixes
+                rows += [
+                    _row(label, LAST_FIX, replicate, found)
+                    for found in measures.held(record, fixes, sensors, settled)
+                ]
+            yield block, _frame(rows)
+            continue
+        scheme = schemes[name]
+        rows = []
+        for replicate in range(replicates(config, record)):
+            try:
+                measured = measure(config, sensors, record, replicate)
+                estimated = estimate(config, scheme, sensors, measured)
+                rows += [
+                    _row(label, name, replicate, found)
+                    for found in measures.measure(
+                        record, measured.fixes, estimated, sensors, settled
+                    )
+                ]
+            except (Exception, SystemExit) as error:  # a user's scheme: the rest goes on
+                reason = " ".join(f"{type(error).__name__}: {error}".split())
+                rows = [_failed(label, name, replicate, reason)]
+                break
+        yield block, _frame(rows)
+
+
+def _row(file: str, scheme: str, replicate: int, found: measures.Measured) -> dict[str, Any]:
+    name, window, value, count = found
+    return {
+        "file": file, "scheme": scheme, "measure": name, "window": window, "replicate": replicate,
+        "value": value, "n_samples": count, "status": OK, "reason": "",
+    }  # fmt: skip
+
+
+def _failed(file: str, scheme: str, replicate: int, reason: str) -> dict[str, Any]:
+    row = _row(file, scheme, replicate, ("", "", float("nan"), 0))
+    return {**row, "status": FAILED, "reason": reason}
+
+
+def _frame(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    import pandas as pd
+
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    return table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})

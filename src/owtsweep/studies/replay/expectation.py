@@ -1,0 +1,83 @@
+"""What a scheme's error is expected to be for a motion of Eq. (1), settled, without any record."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Scheme, Sensors
+from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
+from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
+
+#: Frequencies at which an error spectrum is computed over the band.
+NODES = 64
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """A scheme's settled errors per unit of motion, and what its sensors' noise makes."""
+
+    spectrum: ErrorSpectrum
+    floor: NoiseFloor
+
+    def mse(
+        self, density: Callable[[Array], Array], band: tuple[float, float], rms: float
+    ) -> tuple[float, float]:
+        """Expected MSE of position (m^2) and velocity ((m/s)^2), x + y.
+
+        Parameters
+        ----------
+        density
+            S(f) in any unit, cut off at the edges of `band` (Hz).
+        rms
+            Of the displacement, m.
+        """
+        position, velocity = expected_mse(self.spectrum, density, band, rms=rms)
+        return position + self.floor.of("position"), velocity + self.floor.of("velocity")
+
+
+def expectation(
+    config: HubConfig, scheme: Scheme, sensors: Sensors, steps: int, band: tuple[float, float]
+) -> Expectation:
+    """The expectation of a scheme under a configuration, for motions inside a band (Hz).
+
+    Raises
+    ------
+    InputError
+        If the scheme has no kernel, or does not settle.
+    """
+    kernel: Any = getattr(scheme, "kernel", None)
+    if kernel is None:
+        from owtsweep.errors import InputError
+
+        raise InputError(f"schemes: {scheme.name} has no kernel, so nothing can be expected of it")
+    chain = kernel(sensors, config, steps)
+    return _known(_Held(chain), sensors, *band)
+
+
+class _Held:
+    """A chain by identity: chains are shared, so equal ones are the same object."""
+
+    def __init__(self, chain: Chain) -> None:
+        self.chain = chain
+
+    def __hash__(self) -> int:
+        return id(self.chain)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Held) and other.chain is self.chain
+
+
+@lru_cache(maxsize=8)
+def _known(held: _Held, sensors: Sensors, low: float, high: float) -> Expectation:
+    frequencies = np.geomspace(low, high, NODES)
+    return Expectation(
+        error_spectrum(held.chain, sensors, frequencies), noise_floor(held.chain, sensors)
+    )

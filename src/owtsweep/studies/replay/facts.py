@@ -1,0 +1,120 @@
+"""What a record itself is: how long, how large, how fast, and the spectrum of Eq. (1) behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.motion.whittle import Fit, fit
+from owtsweep.studies.hub.contract import Scheme, Sensors
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.estimating import estimate
+from owtsweep.studies.replay.measures import Measured
+from owtsweep.studies.replay.measuring import measure
+from owtsweep.studies.replay.record import Record
+
+
+class Displacement(NamedTuple):
+    """(n, 2) m around its mean, without gaps, and what it was taken from."""
+
+    values: Array
+    source: str
+
+
+def displacement(
+    config: ReplayConfig, record: Record, sensors: Sensors, scheme: Scheme, settled: int
+) -> Displacement:
+    """The horizontal motion, from the truth or else from a scheme's settled estimate.
+
+    It is that of the window which is judged: simulations begin with a transient of their own.
+    Gaps of a reference are bridged by straight lines.
+    """
+    if record.position is not None:
+        begin = settled if config.measures.window == "settled" else 0
+        xy, source = bridged(record.position)[begin:], record.truth
+    else:
+        found = estimate(config, scheme, sensors, measure(config, sensors, record, 0))
+        xy, source = found.state[settled:, :2], f"the estimate of {scheme.name}"
+    return Displacement(xy - xy.mean(axis=0), source)
+
+
+def described(config: ReplayConfig, file: str) -> tuple[Displacement, float]:
+    """The displacement of a file's record, as its facts were taken from, and the step (s)."""
+    from owtsweep.studies.hub.schemes import resolve_all
+    from owtsweep.studies.hub.sensors import sensors
+    from owtsweep.studies.replay.record import load_record
+
+    known = sensors(config.sensors)
+    scheme = resolve_all(config.schemes, config)[describer(config)]
+    settled = round(config.measures.settling_time / known.step)
+    return displacement(config, load_record(config, file), known, scheme, settled), known.step
+
+
+def describer(config: ReplayConfig) -> int:
+    """Which scheme's estimates describe the motion of a record without a reference."""
+    from owtsweep.studies.hub.schemes import resolve_all
+
+    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
+    return names.index("HME1") if "HME1" in names else len(names) - 1
+
+
+def bridged(xy: Array) -> Array:
+    """(n, 2) with NaN rows replaced by straight lines; the ends by the nearest value."""
+    there = np.isfinite(xy[:, 0])
+    if np.all(there):
+        return xy
+    at = np.arange(len(xy))
+    return np.stack([np.interp(at, at[there], xy[there, i]) for i in range(2)], axis=1)
+
+
+def main_direction(xy: Array) -> tuple[float, float]:
+    """Direction of most variance, deg from x in (-90, 90], and its part of the variance."""
+    variance, directions = np.linalg.eigh(xy.T @ xy / len(xy))
+    x, y = directions[:, 1]
+    angle = float(np.rad2deg(np.arctan2(y, x)))
+    angle = angle - 180.0 if angle > 90.0 else angle + 180.0 if angle <= -90.0 else angle
+    total = float(np.sum(variance))
+    return angle, float(variance[1] / total) if total > 0.0 else 1.0
+
+
+def fitted(xy: Array, step: float, config: ReplayConfig) -> Fit | str:
+    """Eq. (1) fitted to the sum of both axes' spectra inside the band, or why it cannot be."""
+    try:
+        return fit(xy.T, step, band=config.fit_band)
+    except InputError as error:
+        return str(error)
+
+
+def facts(
+    config: ReplayConfig, record: Record, sensors: Sensors, scheme: Scheme, settled: int
+) -> Iterator[Measured]:
+    """Facts as measures: duration (s), rms and peak (m), direction (deg), the fit of Eq. (1)."""
+    xy = displacement(config, record, sensors, scheme, settled).values
+    n = len(xy)
+    angle, share = main_direction(xy)
+    found = {
+        "duration": record.steps * sensors.step,
+        "rms": float(np.sqrt(np.mean(np.sum(xy**2, axis=1)))),
+        "peak": float(np.max(np.hypot(xy[:, 0], xy[:, 1]))),
+        "direction": angle,
+        "direction_share": share,
+    }
+    shape = fitted(xy, sensors.step, config)
+    if not isinstance(shape, str):
+        found |= {
+            "natural_period": shape.natural_period,
+            "natural_period_error": shape.errors["natural_period"],
+            "half_bandwidth": shape.half_bandwidth,
+            "half_bandwidth_error": shape.errors["half_bandwidth"],
+            "a": shape.spectrum.a,
+            "b": shape.spectrum.b,
+            "c": shape.spectrum.c,
+            "band_share": shape.band_share,
+            "fit_p": shape.probability,
+        }
+    for name, value in found.items():
+        yield (name, "full", float(value), n)

@@ -1,0 +1,106 @@
+"""The figures of a replay; matplotlib only once they are used."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owtsweep.errors import InputError
+from owtsweep.studies.replay.config import ReplayConfig
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+logger = logging.getLogger(__name__)
+
+#: Figure -> what of the time histories it shows, and whether zoomed in.
+HISTORIES = {
+    "position": ("position", False),
+    "position_zoom": ("position", True),
+    "velocity": ("velocity", False),
+    "velocity_zoom": ("velocity", True),
+    "acceleration_zoom": ("acceleration", True),
+    "bias": ("bias", False),
+}
+OVERVIEW = "overview"
+
+
+def draw_all(
+    config: ReplayConfig,
+    tables: Mapping[str, pd.DataFrame],
+    folder: Path,
+    *,
+    only: str | None = None,
+    metadata: Mapping[str, str] | None = None,
+) -> list[Path]:
+    """Draw the figures of a run, or the one called `only`; returns the files.
+
+    `overview` is the zoomed position of a single record, and of many the map over them. A figure
+    that this run cannot have is left out with a logged warning, unless it is the one asked for.
+
+    Raises
+    ------
+    InputError
+        If there is no figure of that name, or the run cannot have it.
+    """
+    from owtsweep.studies.hub.figures import style
+
+    single = len(config.grid.files) == 1
+    drawings = _of_one(config, tables) if single else _of_many(config, tables)
+    if only == OVERVIEW:
+        only = "position_zoom" if single else "best_scheme_by_record"
+    if only is not None and only not in drawings:
+        raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")
+    files: list[Path] = []
+    for name, draw in drawings.items():
+        if only not in (None, name):
+            continue
+        try:
+            with style.context():
+                files += style.save(draw(), folder, name, metadata)
+        except InputError as error:
+            if only is not None:
+                raise
+            logger.warning("%s is left out: %s", name, error)
+    return files
+
+
+def _of_one(
+    config: ReplayConfig, tables: Mapping[str, pd.DataFrame]
+) -> dict[str, Callable[[], Figure]]:
+    from owtsweep.studies.replay.figures import histories, place, spectrum
+    from owtsweep.studies.replay.session import session
+
+    known = cache(lambda: session(config, config.grid.files[0]))
+
+    def history(name: str) -> Callable[[], Figure]:
+        quantity, zoom = HISTORIES[name]
+        return lambda: histories.draw(
+            config, known(), quantity, zoom=zoom, advised=_advised(tables)
+        )
+
+    return {
+        **{name: history(name) for name in HISTORIES},
+        "spectrum": lambda: spectrum.draw(config, tables["records"].iloc[0]),
+        "place_in_map": lambda: place.draw(config, tables["records"].iloc[0]),
+    }
+
+
+def _of_many(
+    config: ReplayConfig, tables: Mapping[str, pd.DataFrame]
+) -> dict[str, Callable[[], Figure]]:
+    from owtsweep.studies.replay.figures import records
+
+    return {
+        "best_scheme_by_record": lambda: records.draw(config, tables["records"], tables["advice"])
+    }
+
+
+def _advised(tables: Mapping[str, pd.DataFrame]) -> str | None:
+    """The scheme whose uncertainty the figures show."""
+    advised = tables["advice"]
+    return str(advised.iloc[0]["best"]) if len(advised) else None

@@ -1,0 +1,112 @@
+"""The place of a record in the expected best-scheme map."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.errors import InputError
+from owtsweep.studies.hub.figures import style
+from owtsweep.studies.hub.palette import style_of
+from owtsweep.studies.replay.advice import LEAST_MARGIN
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.place import expected_map, fitted, rms_in_band
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PERIODS, AMPLITUDES = 48, 160
+
+
+def draw(config: ReplayConfig, record: Any) -> Figure:
+    """The best scheme by expected settled MSE over period and amplitude, and the record in it.
+
+    Raises
+    ------
+    InputError
+        If the record has no fitted period inside the band.
+    """
+    from matplotlib.colors import ListedColormap
+    from matplotlib.patches import Patch
+
+    shape, band = fitted(record), config.fit_band
+    if shape is None or not band[0] <= shape.peak_frequency <= band[1]:
+        raise InputError("the record's spectrum has no peak inside band, so it has no place there")
+    period, amplitude = 1.0 / shape.peak_frequency, float(record["peak"])
+    low = max(min([*config.grid.natural_period, 0.9 * period]), 1.0 / band[1])
+    high = min(max([*config.grid.natural_period, 1.1 * period]), 1.0 / band[0])
+    periods = np.linspace(low, high, PERIODS)
+    small = min([*config.grid.amplitude, 0.7 * amplitude])
+    large = max([*config.grid.amplitude, 1.5 * amplitude])
+    amplitudes = np.geomspace(small, large, AMPLITUDES)
+    expected = expected_map(config, record, periods, amplitudes)
+    names = _distinct(expected)
+    values = np.array([expected[name] for name in names])
+    order = np.sort(values, axis=0)
+    best = np.argmin(values, axis=0)
+    ratio = float(record["peak"]) / rms_in_band(record)
+    with style.context():
+        figure = style.new_figure(7.2, 5.6)
+        axes = figure.add_subplot()
+        colors = ListedColormap([style_of(name, names).color for name in names])
+        axes.pcolormesh(
+            periods, amplitudes, best.T, cmap=colors, vmin=-0.5, vmax=len(names) - 0.5,
+            shading="nearest", rasterized=True,
+        )  # fmt: skip
+        handles = [
+            Patch(facecolor=style_of(names[i], names).color, label=_name(names[i], expected))
+            for i in np.unique(best)
+        ]
+        if len(names) > 1:
+            margin = order[1] / order[0] - 1.0
+            axes.contourf(
+                periods, amplitudes, margin.T, levels=[0.0, LEAST_MARGIN], colors="none",
+                hatches=["////"],
+            )  # fmt: skip
+            label = f"next best within {100 * LEAST_MARGIN:g} %"
+            handles.append(Patch(facecolor="0.8", edgecolor="black", hatch="////", label=label))
+        axes.plot(
+            period, amplitude, marker="*", markersize=20, color="white", markeredgecolor="black",
+            markeredgewidth=1.4,
+        )  # fmt: skip
+        axes.annotate(
+            f"this record\n{period:.2f} s, {amplitude:.2g} m", (period, amplitude),
+            (-14, 12) if period > 0.5 * (low + high) else (14, 12),
+            ha="right" if period > 0.5 * (low + high) else "left",
+            textcoords="offset points", fontsize=9,
+            bbox={"boxstyle": "round", "facecolor": "white", "alpha": 0.85, "linewidth": 0},
+        )  # fmt: skip
+        axes.set_yscale("log")
+        axes.grid(visible=False)
+        axes.set_xlabel("natural period (s)")
+        axes.set_ylabel("amplitude: largest displacement (m)")
+        axes.set_title(
+            f"Place of {Path(str(record['file'])).name} in the map of the best scheme\n"
+            f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}",
+            loc="left",
+        )
+        figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
+        style.footnote(
+            figure,
+            f"Motions of the spectrum translated (bandwidth {config.spectrum.bandwidth:g} s⁻²) in "
+            f"band [{band[0]:g}, {band[1]:g}] Hz, with this record's ratio of the "
+            f"largest to the rms displacement in the band, {ratio:.2f}.",
+        )
+    return figure
+
+
+def _distinct(expected: dict[str, Any]) -> list[str]:
+    """Names of schemes with different values, the last of those that are the same."""
+    names = list(expected)
+    return [
+        name
+        for i, name in enumerate(names)
+        if not any(np.allclose(expected[name], expected[o], rtol=1e-9) for o in names[i + 1 :])
+    ]
+
+
+def _name(name: str, expected: dict[str, Any]) -> str:
+    same = [other for other in expected if np.allclose(expected[other], expected[name], rtol=1e-9)]
+    return " = ".join(same)

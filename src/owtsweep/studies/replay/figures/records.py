@@ -1,0 +1,124 @@
+"""The best scheme of many records over the columns of their table."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.errors import InputError
+from owtsweep.studies.hub.figures import style
+from owtsweep.studies.hub.palette import style_of
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.seastates import axes as numeric_axes
+from owtsweep.studies.replay.seastates import sea_states
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+HATCH = "////"
+
+
+def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> Figure:
+    """One mark per record: its best scheme, the next and by how much; hatched where it is all one.
+
+    Over the first two columns of numbers of `replay.table`; without one, over the fitted natural
+    period and the largest displacement.
+
+    Raises
+    ------
+    InputError
+        If no record has both coordinates.
+    """
+    from matplotlib.patches import Patch
+
+    table, (first, second) = _coordinates(config, records)
+    own = advised[advised["source"] != "map"]
+    shown = table.merge(own, on="file").dropna(subset=[first, second])
+    if shown.empty:
+        raise InputError("no record has both coordinates of the map; give replay.table=FILE.csv")
+    names = sorted(set(shown["best"]) | set(shown["runner_up"].dropna()) - {""})
+    with style.context():
+        figure = style.new_figure(8.0, 6.0)
+        axes = figure.add_subplot()
+        width, height = _cell(shown[first]), _cell(shown[second])
+        for line in shown.to_dict("records"):
+            _mark(axes, line, (first, second), (width, height), names)
+        axes.set_xlim(shown[first].min() - width, shown[first].max() + width)
+        axes.set_ylim(shown[second].min() - height, shown[second].max() + height)
+        axes.set_xlabel(_LABELS.get(first, first))
+        axes.set_ylabel(_LABELS.get(second, second))
+        axes.grid(visible=False)
+        window = style.describe_window(config.measures.window)
+        axes.set_title(
+            f"Best scheme by {config.measures.criterion} MSE, {len(shown)} records\n"
+            f"{window}, tuning: {config.tuning}",
+            loc="left",
+        )
+        best = sorted(set(shown["best"]))
+        handles = [Patch(facecolor=style_of(name, names).color, label=name) for name in best]
+        if not all(shown["matters"]):
+            handles.append(
+                Patch(facecolor="0.6", edgecolor="white", hatch=HATCH, label="does not matter")
+            )
+        figure.legend(
+            handles=handles, loc="outside upper center", ncols=len(handles), frameon=False
+        )
+        style.footnote(
+            figure,
+            "Second line: the next best scheme and by how much its error is larger. Hatched: by "
+            "less than 5 %, or the paired interval (95 %) holds zero.",
+        )
+    return figure
+
+
+_LABELS = {"natural_period": "fitted natural period (s)", "peak": "amplitude (m)"}
+
+
+def _coordinates(
+    config: ReplayConfig, records: pd.DataFrame
+) -> tuple[pd.DataFrame, tuple[str, str]]:
+    states = sea_states(config)
+    if states is not None:
+        names = numeric_axes(states)
+        if len(names) >= 2:
+            return states, (names[0], names[1])
+        return records, (names[0], "peak")
+    if "natural_period" not in records:
+        raise InputError("no record has a fitted period; give replay.table=FILE.csv")
+    return records, ("natural_period", "peak")
+
+
+def _cell(values: pd.Series[Any]) -> float:
+    """Width of a mark: the least distance between different coordinates, not too small."""
+    known = sorted({float(value) for value in values})
+    if len(known) < 2:
+        return max(abs(known[0]) * 0.2, 1e-3)
+    steps = [b - a for a, b in itertools.pairwise(known)]
+    return max(min(steps), (known[-1] - known[0]) / 12.0)
+
+
+def _mark(
+    axes: Any,
+    line: dict[Any, Any],
+    names: tuple[str, str],
+    size: tuple[float, float],
+    schemes: list[str],
+) -> None:
+    from matplotlib.patches import Rectangle
+
+    x, y = float(line[names[0]]), float(line[names[1]])
+    look = style_of(line["best"], schemes)
+    corner = (x - size[0] / 2.0, y - size[1] / 2.0)
+    axes.add_patch(Rectangle(corner, *size, facecolor=look.color, edgecolor="white"))
+    if not line["matters"]:
+        axes.add_patch(
+            Rectangle(corner, *size, facecolor="none", edgecolor=(1, 1, 1, 0.6), hatch=HATCH)
+        )
+    text = line["best"]
+    if line["margin"] == line["margin"]:
+        text += f"\n{line['runner_up']} +{100.0 * line['margin']:.0f} %"
+    box = (
+        {"facecolor": look.color, "edgecolor": "none", "pad": 1.0} if not line["matters"] else None
+    )
+    axes.text(x, y, text, ha="center", va="center", color=look.text_color, fontsize=9, bbox=box)

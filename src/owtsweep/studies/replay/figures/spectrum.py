@@ -1,0 +1,93 @@
+"""A record's spectrum with Eq. (1) as it was fitted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.motion.whittle import periodogram
+from owtsweep.studies.hub.figures import style
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.facts import described
+from owtsweep.studies.replay.place import fitted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+#: Upper end of the figure over the upper edge of the band.
+BEYOND = 2.0
+#: Lines of the periodogram that a point of its smooth form takes in.
+SMOOTHED = 7
+
+
+def draw(config: ReplayConfig, record: Any) -> Figure:
+    """Periodogram of the horizontal displacement, its running mean, and the fit of Eq. (1).
+
+    Parameters
+    ----------
+    record
+        The record's line of records.csv.
+
+    Raises
+    ------
+    InputError
+        If the record does not move.
+    """
+    found, step = described(config, config.grid.files[0])
+    if not np.any(found.values):
+        raise InputError("the record does not move, so it has no spectrum")
+    frequency, power = periodogram(found.values.T, step)
+    low, high = config.fit_band
+    shown = (frequency >= low / 2.0) & (frequency <= BEYOND * high)
+    with style.context():
+        figure = style.new_figure(9.0, 4.8)
+        axes = figure.add_subplot()
+        axes.axvspan(low, high, color="0.95", zorder=0)
+        axes.plot(frequency[shown], power[shown], color="0.7", linewidth=0.8, label="periodogram")
+        if np.count_nonzero((frequency >= low) & (frequency <= high)) > 20 * SMOOTHED:
+            label = f"mean of {SMOOTHED} lines"
+            axes.plot(
+                frequency[shown], _smooth(power)[shown], color="black", linewidth=1.2, label=label
+            )
+        shape = fitted(record)
+        if shape is not None:
+            f = np.linspace(low, high, 2000)
+            axes.plot(f, shape.density(f), color="#0072B2", linewidth=2.0, label="Eq. (1), fitted")
+        axes.set_yscale("log")
+        top = float(np.max(power[shown]))
+        axes.set_ylim(1e-6 * top, 3.0 * top)
+        axes.set_xlim(low / 2.0, BEYOND * high)
+        axes.set_xlabel("frequency (Hz)")
+        axes.set_ylabel("displacement spectrum, x + y (m²/Hz)")
+        axes.legend(loc="upper right", frameon=False)
+        axes.set_title(
+            f"Spectrum of {Path(config.grid.files[0]).name}\n{_said(record, shape is not None)}",
+            loc="left",
+        )
+        share = ""
+        if shape is not None:
+            share = f"; it holds {100 * record['band_share']:.0f} % of the variance"
+        style.footnote(
+            figure,
+            f"Horizontal displacement, from {found.source}. Grey: band [{low:g}, {high:g}] Hz, "
+            f"where Eq. (1) is fitted by Whittle likelihood{share}.",
+        )
+    return figure
+
+
+def _smooth(power: Array) -> Array:
+    return np.convolve(power, np.full(SMOOTHED, 1.0 / SMOOTHED), mode="same")
+
+
+def _said(record: Any, has_fit: bool) -> str:
+    if not has_fit:
+        return "Eq. (1) could not be fitted inside the band"
+    return (
+        f"natural period {record['natural_period']:.3g} ± "
+        f"{1.96 * record['natural_period_error']:.1g} s, half-bandwidth "
+        f"{record['half_bandwidth']:.2g} ± {1.96 * record['half_bandwidth_error']:.1g} Hz"
+    )

@@ -1,0 +1,93 @@
+"""Position fixes on the IMU's grid: those that were recorded, and those made from a reference."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.sensors import fix_count
+
+#: Least fixes that a record must hold to be worth running.
+LEAST_FIXES = 3
+
+
+class Aligned(NamedTuple):
+    """Recorded fixes at the moments at which they are due.
+
+    offset: s after the record's begin at which the first is due, below one GNSS interval; values
+    (fixes, 2) m, NaN where none came; jitter: s, the largest distance of a fix from its moment;
+    dropped: fixes that came while another stood for the same moment.
+    """
+
+    offset: float
+    values: Array
+    jitter: float
+    dropped: int
+
+
+def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Aligned:
+    """Move irregular fixes to the grid of the GNSS, each to the nearest moment.
+
+    The grid's phase is the circular mean of the fixes' own, so a constant offset costs nothing.
+
+    Parameters
+    ----------
+    time
+        (n,) s after the record's begin, when the fixes came.
+    values
+        (n, 2) m; rows with NaN are no fixes.
+    duration
+        Of the record, s.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than `LEAST_FIXES`.
+    """
+    there = np.all(np.isfinite(values), axis=1)
+    time, values = time[there], values[there]
+    if len(time) < LEAST_FIXES:
+        raise InputError(
+            f"columns.fix_x: the record holds {len(time)} position fixes, and {LEAST_FIXES} are "
+            "needed; without fixes give a reference and replay.gnss=from_reference"
+        )
+    interval = sensors.fix_step
+    phase = np.angle(np.mean(np.exp(2j * np.pi * time / interval))) / (2.0 * np.pi)
+    offset = float(phase * interval)
+    if offset < -1e-9:  # the first moment must lie inside the record
+        offset += interval
+    # ... and on a sample of the IMU
+    offset = max(round(offset / sensors.step), 0) * sensors.step
+    steps = int((duration - offset) / sensors.step + 1e-9) + 1
+    count = fix_count(steps, sensors.fix_interval)
+    number = np.rint((time - offset) / interval).astype(int)
+    away = np.abs(time - offset - number * interval)
+    inside = (number >= 0) & (number < count)
+    result = np.full((count, 2), np.nan)
+    nearest_last = np.lexsort((-away[inside], number[inside]))  # later assignments win
+    result[number[inside][nearest_last]] = values[inside][nearest_last]
+    dropped = int(np.count_nonzero(inside) - np.count_nonzero(np.isfinite(result[:, 0])))
+    jitter = float(np.max(away[inside])) if np.any(inside) else 0.0
+    return Aligned(offset, result, jitter, dropped)
+
+
+def from_reference(position: Array, first: int, steps: int, sensors: Sensors) -> Array:
+    """Fixes without noise: the reference `delay` steps before each moment, (fixes, 2) m.
+
+    Parameters
+    ----------
+    position
+        (n, 2) m on the IMU's grid, NaN where there is none; it begins `first` steps before the
+        first moment.
+    first
+        At least `sensors.delay`.
+    steps
+        IMU steps from the first moment on.
+    """
+    count = fix_count(steps, sensors.fix_interval)
+    at = first - sensors.delay + sensors.fix_interval * np.arange(count)
+    return np.array(position[at])

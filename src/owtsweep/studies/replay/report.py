@@ -1,0 +1,126 @@
+"""report.md: what was replayed, what came of it, and what to run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.record import Record, load_record
+from owtsweep.studies.replay.terminal import cells, fit_warnings, sentences
+from owtsweep.sweep.files import write_atomically
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+KINDS = {
+    "simulated": "Recorded motion; GNSS and IMU are simulated, {n} draws of their noise.",
+    "from_reference": "Recorded specific force; fixes made from the reference, {n} draws of their "
+    "noise.",
+    "recorded": "Recorded specific force and recorded fixes.",
+}
+CAPTIONS = {
+    "position_zoom": "Position about the largest motion",
+    "position": "Position",
+    "velocity_zoom": "Velocity about the largest motion",
+    "velocity": "Velocity",
+    "acceleration_zoom": "Acceleration",
+    "bias": "Accelerometer bias",
+    "spectrum": "Spectrum and the fit of Eq. (1)",
+    "place_in_map": "Place in the expected map",
+    "best_scheme_by_record": "Best scheme by record",
+}
+
+
+def write(
+    config: ReplayConfig, tables: Mapping[str, pd.DataFrame], figures: Sequence[Path], folder: Path
+) -> Path:
+    """Write report.md into a run folder whose tables and figures are there."""
+    parts = ["# Replay\n", "## Advice\n"]
+    parts += [f"- {line}" for line in sentences(tables["advice"])] or ["- none: no scheme ran"]
+    if len(config.grid.files) == 1:
+        record = load_record(config, config.grid.files[0])
+        parts += ["", *_of_one(config, tables, record)]
+    else:
+        parts += ["", f"## Records\n\n{_records(tables['records'])}"]
+    parts.append("\n## Figures\n")
+    drawn = {path.stem: path for path in figures if path.suffix == ".png"}
+    parts += [
+        f"**{caption}**\n\n![{caption}]({drawn[name].relative_to(folder).as_posix()})\n"
+        for name, caption in CAPTIONS.items()
+        if name in drawn
+    ]
+    path = folder / "report.md"
+    write_atomically(path, "\n".join(parts) + "\n")
+    return path
+
+
+def _of_one(config: ReplayConfig, tables: Mapping[str, pd.DataFrame], record: Record) -> list[str]:
+    count = int(tables["errors"]["n"].max()) if len(tables["errors"]) else 0
+    headings, rows = cells(config, tables["errors"])
+    return [
+        "## The record\n",
+        f"- {Path(record.file).name}: {KINDS[record.gnss].format(n=count)}",
+        f"- {record.steps} IMU steps at {1.0 / record.step:g} Hz "
+        f"({record.steps * record.step:.4g} s), fixes at {config.sensors.gnss.rate:g} Hz, "
+        f"{config.sensors.gnss.delay:g} s late; tuning {config.tuning}",
+        *(f"- {line}" for line in _facts(config, tables["records"])),
+        *(f"- {note}" for note in record.notes),
+        "",
+        f"## Errors, {config.measures.window} record\n",
+        _table(headings, rows),
+        "",
+        "Mean squared errors of x + y; ± is the 95 % interval over the draws. *In ±1.96 σ*: how "
+        "much of the position error lies within what the scheme states (95 % if it knows its "
+        "noise). *To later fix*: squared distance of the estimate from the fix that tells of the "
+        "same moment later, noise of the fix included. *NIS* is 2 and *white p* not small where "
+        "the filter's innovations are as it expects them to be.",
+    ]
+
+
+def _facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
+    if records.empty:
+        return []
+    line: Any = records.iloc[0]
+    found = [
+        f"displacement: rms {line['rms']:.3g} m, largest {line['peak']:.3g} m along "
+        f"{line['direction']:.0f} deg from x, which carries "
+        f"{100 * line['direction_share']:.0f} % of the variance"
+    ]
+    if np.isfinite(line.get("natural_period", np.nan)):
+        found.append(
+            f"Eq. (1): natural period {line['natural_period']:.4g} ± "
+            f"{1.96 * line['natural_period_error']:.2g} s, half-bandwidth "
+            f"{line['half_bandwidth']:.3g} ± {1.96 * line['half_bandwidth_error']:.2g} Hz, "
+            + ", ".join(f"{name} = {line[name]:.4g}" for name in "abc")
+            + f"; {100 * line['band_share']:.0f} % of the variance lies in the band "
+            f"[{config.fit_band[0]:g}, {config.fit_band[1]:g}] Hz"
+        )
+        found += [
+            f"the fit of Eq. (1): {warning}"
+            for warning in fit_warnings(config, config.grid.files[0])
+        ]
+        low, high = config.fit_band
+        if not low <= 1.0 / float(line["natural_period"]) <= high:
+            found.append("its peak lies outside band, so it has no place in the expected map")
+    else:
+        found.append("Eq. (1) could not be fitted, so the record has no place in the expected map")
+    return found
+
+
+def _records(records: pd.DataFrame) -> str:
+    kept = [name for name in records.columns if not name.startswith("spectrum_") or
+            name == "spectrum_natural_period"]  # fmt: skip
+    rows = [
+        [f"{v:.4g}" if isinstance(v, float) else str(v) for v in line]
+        for line in records[kept].itertuples(index=False)
+    ]
+    return _table([str(name) for name in kept], rows)
+
+
+def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [headings, ["---"] * len(headings), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

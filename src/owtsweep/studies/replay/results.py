@@ -1,0 +1,128 @@
+"""From the rows of a replay to its tables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.errors import InputError
+from owtsweep.studies.base import OK
+from owtsweep.studies.hub.cube import mean_and_error, t_quantile
+from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.replay import advice
+from owtsweep.studies.replay.blocks import LAST_FIX, RECORD, labels
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.measures import WINDOWS
+from owtsweep.studies.replay.seastates import sea_states
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """replay, errors, records and advice (see docs/replay.md for their columns)."""
+    import pandas as pd
+
+    done = rows[rows["status"] == OK]
+    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
+    order = list(labels(config.grid.files))
+    found = errors(done[done["scheme"] != RECORD], order, [*names, LAST_FIX])
+    values = found[["file", "scheme", "measure", "window", "mean"]].rename(
+        columns={"mean": "value"}
+    )
+    records = facts(config, done[done["scheme"] == RECORD], order)
+    advised = pd.DataFrame(
+        [*_advices(config, done, names, order, records)], columns=list(advice.COLUMNS)
+    )
+    return {
+        "replay": values.drop(columns="file") if len(order) == 1 else values,
+        "errors": found,
+        "records": records,
+        "advice": advised,
+    }
+
+
+def errors(rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]) -> pd.DataFrame:
+    """Means over the replicates with 95 % intervals, per file, scheme, measure and window."""
+    import pandas as pd
+
+    kept = rows[rows["window"].isin(WINDOWS)]
+    keys = ["file", "scheme", "measure", "window"]
+    lines = []
+    for key, group in kept.groupby(keys, sort=False):
+        samples = group.sort_values("replicate")["value"].to_numpy(dtype=float)
+        mean, error, n = mean_and_error(samples)
+        half = float(t_quantile(n - 1) * error) if n > 1 else np.nan
+        lines.append((*key, float(mean), float(mean) - half, float(mean) + half, int(n)))
+    table = pd.DataFrame(lines, columns=[*keys, "mean", "ci_low", "ci_high", "n"])
+    rank = {
+        "file": list(files),
+        "scheme": list(schemes),
+        "measure": list(dict.fromkeys(table["measure"])),
+        "window": list(WINDOWS),
+    }
+    return table.sort_values(
+        keys, key=lambda column: column.map(rank[str(column.name)].index), kind="stable",
+        ignore_index=True,
+    )  # fmt: skip
+
+
+def facts(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
+    """One line per record: its sea state from the table, and what it is."""
+    wide = rows.pivot_table(index="file", columns="measure", values="value", sort=False)
+    table = wide.reindex([file for file in files if file in wide.index])
+    table.columns.name = None
+    table = table.reset_index()
+    states = sea_states(config)
+    if states is not None:
+        table = states.merge(table, on="file", how="right")
+    return table
+
+
+def _advices(
+    config: ReplayConfig,
+    rows: pd.DataFrame,
+    schemes: Sequence[str],
+    files: Sequence[str],
+    records: pd.DataFrame,
+) -> Any:
+    for file in files:
+        own = rows[(rows["file"] == file) & rows["scheme"].isin(schemes)]
+        if not own.empty:
+            found = advice.from_record(
+                own, schemes, config.measures.criterion, config.measures.window
+            )
+            if found is not None:
+                yield {"file": file, **found}
+        known = records[records["file"] == file]
+        if known.empty:
+            continue
+        try:
+            found = from_map(config, schemes, known.iloc[0])
+        except InputError:  # a scheme that nothing can be expected of; the report says so
+            continue
+        if found is not None:
+            yield {"file": file, **found}
+
+
+def from_map(config: ReplayConfig, schemes: Sequence[str], record: Any) -> dict[str, Any] | None:
+    """The advice of the expected map at a record's period and amplitude, settled.
+
+    Raises
+    ------
+    InputError
+        If a scheme has no expectation.
+    """
+    from owtsweep.studies.replay.place import expected_at
+
+    found = expected_at(config, record)
+    if found is None:
+        return None
+    criterion = "velocity" if config.measures.criterion == "velocity" else "position"
+    values = np.array([[found[name][criterion == "velocity"]] for name in schemes])
+    compared = advice.compare(values, schemes)
+    if compared is None:
+        return None
+    return {"source": "map", "criterion": criterion, "window": "settled", **compared}

@@ -1,0 +1,76 @@
+"""The table of sea states: which file is which, and the axes of the map over records."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owtsweep.config import require
+from owtsweep.studies.replay.blocks import labels
+from owtsweep.studies.replay.config import ReplayConfig
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def read_table(path: str) -> pd.DataFrame:
+    """A CSV with the column `file` (relative to the table's folder) and at least one number.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or lacks them.
+    """
+    import pandas as pd
+
+    where = f"replay.table: {path}"
+    require(Path(path).is_file(), f"{where}: there is no such file")
+    try:
+        table = pd.read_csv(path, skipinitialspace=True)
+    except (ValueError, OSError) as error:
+        text = " ".join(str(error).split())
+        require(False, f"{where}: it cannot be read as CSV ({text})")
+        raise
+    require("file" in table.columns, f"{where}: it has no column `file`; it has {_list(table)}")
+    require(len(table) > 0, f"{where}: it has no row")
+    require(
+        len(axes(table)) > 0,
+        f"{where}: it has no column of numbers besides `file`; add e.g. Hs and Tp",
+    )
+    table["file"] = [
+        str(p if (p := Path(str(name))).is_absolute() else Path(path).parent / p)
+        for name in table["file"]
+    ]
+    return table
+
+
+def axes(table: pd.DataFrame) -> list[str]:
+    """The columns of numbers, in order; the first two are the axes of the map."""
+    numbers = table.select_dtypes("number").columns
+    return [str(name) for name in numbers if name != "file"]
+
+
+def files_of(path: str) -> list[str]:
+    """The files that a table names."""
+    return [str(name) for name in read_table(path)["file"]]
+
+
+def sea_states(config: ReplayConfig) -> pd.DataFrame | None:
+    """The table with labels in place of files; rows of other files are left out."""
+    if config.replay.table is None:
+        return None
+    table = read_table(config.replay.table)
+    names = {_real(file): label for label, file in labels(config.grid.files).items()}
+    table["file"] = [names.get(_real(file)) for file in table["file"]]
+    kept = table.dropna(subset=["file"]).drop_duplicates("file").reset_index(drop=True)
+    return kept[["file", *[c for c in table.columns if c != "file"]]]
+
+
+def _real(file: str) -> str:
+    return str(Path(file).resolve())
+
+
+def _list(table: pd.DataFrame) -> str:
+    names: Sequence[str] = [str(name) for name in table.columns]
+    return ", ".join(names[:8])

@@ -1,0 +1,127 @@
+"""What `replay` shows at its end: the errors of every scheme, and the advice."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.studies.replay import advice
+from owtsweep.studies.replay.blocks import LAST_FIX
+from owtsweep.studies.replay.config import ReplayConfig
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from rich.console import RenderableType
+
+#: Measure -> heading, in the order of the columns; those without a value are left out.
+SHOWN = {
+    "position": "position MSE (m²)",
+    "velocity": "velocity MSE (m²/s²)",
+    "coverage_position": "in ±1.96 σ",
+    "fix_residual": "to later fix (m²)",
+    "nis": "NIS (2)",
+    "innovation_lag_1": "innov. lag 1",
+    "innovation_white_p": "white p",
+}
+
+
+#: Of more records than this the terminal counts the advice instead of telling each.
+MOST_RECORDS = 8
+
+
+def answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+    """A table of errors for one record, and the advice for each."""
+    from rich.console import Group
+    from rich.text import Text
+
+    parts: list[Any] = []
+    if len(config.grid.files) == 1:
+        parts.append(_errors(config, tables["errors"]))
+    if len(config.grid.files) <= MOST_RECORDS:
+        parts += [Text(line) for line in sentences(tables["advice"])]
+    else:
+        parts.append(Text(_counted(tables["advice"])))
+    return Group(*parts)
+
+
+def _counted(advised: pd.DataFrame) -> str:
+    """How often each scheme is best by the records' own errors."""
+    own = advised[advised["source"] != "map"]
+    best = ", ".join(f"{name} in {count}" for name, count in own["best"].value_counts().items())
+    alike = int((~own["matters"].astype(bool)).sum())
+    return f"{len(own)} records; best: {best}; in {alike} no difference that matters (report.md)"
+
+
+def sentences(advised: pd.DataFrame) -> list[str]:
+    """The advice, one line each; with many records each names its own."""
+    empty = advised[["same_as", "runner_up"]].isna()
+    clean = advised.astype({"same_as": object, "runner_up": object}).mask(
+        empty.reindex(columns=advised.columns, fill_value=False), ""
+    )
+    many = clean["file"].nunique() > 1
+    return [
+        (f"{row['file']}: " if many else "") + advice.sentence(row)
+        for row in clean.to_dict("records")
+    ]
+
+
+def notes(config: ReplayConfig) -> list[str]:
+    """What the records' readers and resampling have to say, each once; of many with the file."""
+    from pathlib import Path
+
+    from owtsweep.studies.replay.record import load_record
+
+    found: dict[str, None] = {}
+    for file in config.grid.files:
+        for note in load_record(config, file).notes:
+            name = f"{Path(file).name}: " if len(config.grid.files) > 1 else ""
+            found[f"{name}{note}"] = None
+    if len(config.grid.files) == 1:
+        found |= {
+            f"spectrum: {warning}": None for warning in fit_warnings(config, config.grid.files[0])
+        }
+    return list(found)
+
+
+def fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
+    """What is doubtful about the spectrum fitted to a record, or why there is none."""
+    from owtsweep.studies.replay.facts import described, fitted
+
+    found, step = described(config, file)
+    shape = fitted(found.values, step, config)
+    return (shape,) if isinstance(shape, str) else shape.warnings
+
+
+def cells(config: ReplayConfig, errors: pd.DataFrame) -> tuple[list[str], list[list[str]]]:
+    """Headings and rows of the error table of one record, in the configured window."""
+    shown = errors[errors["window"] == config.measures.window]
+    names = [name for name in SHOWN if name in set(shown["measure"])]
+    rows = []
+    for scheme, group in shown.groupby("scheme", sort=False):
+        found = group.set_index("measure")
+        row = ["hold the last fix" if scheme == LAST_FIX else str(scheme)]
+        for name in names:
+            row.append(_cell(name, found.loc[name]) if name in found.index else "")
+        rows.append(row)
+    return ["scheme", *(SHOWN[name] for name in names)], rows
+
+
+def _cell(name: str, line: Any) -> str:
+    if name.startswith("coverage"):
+        return f"{100.0 * line['mean']:.1f} %"
+    text = f"{line['mean']:.3g}"
+    if line["n"] > 1 and name in ("position", "velocity", "fix_residual"):
+        text += f" ± {line['ci_high'] - line['mean']:.1g}"
+    return text
+
+
+def _errors(config: ReplayConfig, errors: pd.DataFrame) -> RenderableType:
+    from rich.table import Table
+
+    headings, rows = cells(config, errors)
+    table = Table(title=f"errors, {config.measures.window} record, tuning {config.tuning}")
+    for heading in headings:
+        table.add_column(heading, justify="left" if heading == "scheme" else "right")
+    for row in rows:
+        table.add_row(*row)
+    return table

@@ -1,0 +1,158 @@
+"""Machines elsewhere: a dask cluster, driven through joblib's own backend.
+
+Imported on demand: `dask[distributed]` is an extra, and takes half a second to load.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from distributed import Client
+from joblib._dask import DaskDistributedBackend  # private, but the only name of a public backend
+
+from owtsweep.errors import InputError
+from owtsweep.studies.base import Study
+from owtsweep.sweep.versions import other_versions
+from owtsweep.sweep.worker import one_line
+
+_Base: Any = DaskDistributedBackend
+
+#: Seconds to reach a scheduler, and to find a worker there.
+PATIENCE_AT_START = 10.0
+#: Seconds without a scheduler or without any worker until what is left counts as failed.
+PATIENCE = 60.0
+_LOOK = 1.0
+
+
+@dataclass(frozen=True)
+class Lost:
+    """Instead of a result: the task came to nothing; `final` if the cluster did."""
+
+    task: int
+    reason: str
+    final: bool = False
+
+
+@contextmanager
+def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterator[Client]:
+    """A connection to a cluster whose workers have been asked who they are.
+
+    Raises
+    ------
+    InputError
+        If the scheduler does not answer, has no workers, or one of them cannot do the work.
+    """
+    try:
+        client = Client(address, timeout=PATIENCE_AT_START, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"compute.scheduler: no scheduler answers at {address} ({type(error).__name__}); "
+            "start one with `dask scheduler`, or use compute.backend=auto"
+        ) from error
+    try:
+        _check_workers(client, address, study, metadata)
+        yield client
+    finally:
+        # What this client has asked for and nobody has begun is dropped with it.
+        client.close(timeout=1.0)
+
+
+def _check_workers(client: Client, address: str, study: Study, metadata: Mapping[str, str]) -> None:
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE_AT_START)
+    except TimeoutError as error:
+        raise InputError(
+            f"compute.scheduler: {address} has no workers; start some with `dask worker {address}`"
+        ) from error
+    answers = client.run(other_versions, study, dict(metadata), on_error="return")
+    for worker, answer in sorted(answers.items()):
+        if isinstance(answer, BaseException):
+            answer = (
+                f"the worker cannot load the study ({one_line(answer)}); install owtsweep there"
+            )
+        if answer:
+            raise InputError(f"compute.scheduler: {worker}: {answer}")
+
+
+class Backend(_Base):  # type: ignore[misc]
+    """joblib's backend, which also hears of tasks that fail outside their own code.
+
+    joblib 1.6 waits for ever for a task whose workers died or could not load it, and for a cluster
+    that is gone.
+    """
+
+    def __init__(self, client: Client) -> None:
+        super().__init__(client=client, pure=False)
+        self._last_seen = time.monotonic()
+
+    def __reduce__(self) -> Any:
+        return (DaskDistributedBackend, ())
+
+    def start_call(self) -> None:
+        super().start_call()
+        self.client.loop.add_callback(self._watch)
+
+    def submit(self, func: Any, callback: Any = None) -> Any:
+        ((_, arguments, _),) = func.items  # batch_size=1: run_task(work, number, ...)
+        return super().submit(func, _Numbered(arguments[1], callback))
+
+    def abort_everything(self, ensure_ready: bool = True) -> None:
+        super().abort_everything(ensure_ready)
+        # The scheduler drops what nobody waits for and no worker has begun.
+        self._callbacks.clear()
+        self._results.clear()
+
+    async def _collect(self) -> None:
+        while self._continue:
+            async for future, result in self.waiting_futures:
+                self._last_seen = time.monotonic()
+                callback = self._callbacks.pop(future, None)
+                waiting = self._results.pop(future, None)
+                if callback is None:
+                    continue
+                if future.status != "finished":
+                    error = result[1] if isinstance(result, tuple) else result
+                    result = [Lost(callback.number, _short(error))]
+                waiting.set_result(result)
+                callback(result)
+            await asyncio.sleep(0.01)
+
+    async def _watch(self) -> None:
+        """Give up when there has been nobody to work for too long."""
+        self._last_seen = time.monotonic()
+        while self._continue:
+            await asyncio.sleep(_LOOK)
+            reason = "the cluster has no workers left"
+            try:
+                if await asyncio.wait_for(self.client.scheduler.ncores(), PATIENCE):
+                    self._last_seen = time.monotonic()
+            except Exception:  # whatever the network does
+                reason = "the scheduler does not answer"
+            if time.monotonic() - self._last_seen > PATIENCE and self._callbacks and self._continue:
+                future, callback = self._callbacks.popitem()
+                self._results.pop(future, None)
+                callback([Lost(callback.number, reason, final=True)])
+
+
+@dataclass(frozen=True)
+class _Numbered:
+    """joblib's callback, which also knows the number of the task."""
+
+    number: int
+    call: Callable[[Any], None]
+
+    def __call__(self, result: Any) -> None:
+        self.call(result)
+
+
+def _short(error: Any) -> str:
+    """dask's reason in one line, without its advice to read the logs."""
+    text = one_line(error) if isinstance(error, BaseException) else "the task was cancelled"
+    if "all those workers died" in text:
+        return "KilledWorker: every worker that tried it died"
+    return text

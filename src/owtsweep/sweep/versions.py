@@ -1,0 +1,119 @@
+"""Versions that decide whether a stored block is still what this program would compute."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from itertools import islice
+from typing import Any, cast
+
+from owtsweep.studies.base import Study
+from owtsweep.sweep.keys import block_key
+from owtsweep.sweep.plan import Plan
+from owtsweep.sweep.shard import PREFIX
+from owtsweep.sweep.store import Store
+
+#: Shards outside the plan whose versions are looked up: enough to meet every version in use.
+SAMPLE = 64
+KINDS = ("schema_version", "numerics_version")
+
+
+def shard_metadata(study: Study) -> dict[str, str | int]:
+    """What every shard of a study says about itself, besides its key."""
+    return {
+        "study": study.name,
+        "schema_version": study.schema_version,
+        "numerics_version": study.numerics_version,
+    }
+
+
+def all_versions(study: Study) -> dict[str, str]:
+    """The metadata of a study's shards, and the version of this package, as text."""
+    from owtsweep import __version__
+
+    entries = {**shard_metadata(study), "owtsweep_version": __version__}
+    return {name: str(value) for name, value in entries.items()}
+
+
+@cache
+def package_version(name: str) -> str | None:
+    """The installed version of a package, or None, e.g. for a checkout that is not installed."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None
+
+
+def other_versions(study: Study, expected: Mapping[str, str]) -> str:
+    """Why a worker with these sources must not compute for a coordinator; empty if it may."""
+    own = all_versions(study)
+    differing = [name for name, value in expected.items() if own.get(name, value) != value]
+    if not differing:
+        return ""
+    told = ", ".join(f"{name} {own[name]} instead of {expected[name]}" for name in differing)
+    return f"the worker has {told}; give it the coordinator's version of owtsweep"
+
+
+@dataclass(frozen=True)
+class _OtherVersion:
+    """A study of which only what makes a key is known."""
+
+    name: str
+    schema_version: int
+    numerics_version: int
+
+
+def outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str, int]:
+    """How many of the missing cases are stored in another version: `change -> cases`.
+
+    Versions are part of a block's key, so such shards are simply not in the plan. Which versions
+    there are is read from a sample of them; which blocks they hold is told by their names.
+    """
+    if not missing:
+        return {}
+    present = {path.name for path in store.cases.glob("part-*.parquet")}
+    foreign = sorted(present - {store.path(key).name for key in plan})
+    found: dict[str, int] = {}
+    for schema, numerics in sorted(_versions(store, foreign)):
+        if (schema, numerics) == (study.schema_version, study.numerics_version):
+            continue
+        other = cast(Study, _OtherVersion(study.name, schema, numerics))
+        cases = sum(
+            block.cases
+            for block in missing.values()
+            if store.path(block_key(other, block)).name in present
+        )
+        if cases:
+            found[_change(study, schema, numerics)] = cases
+    return found
+
+
+def _versions(store: Store, names: list[str]) -> set[tuple[int, int]]:
+    # Keys are hashes, so any evenly spaced names are a fair sample.
+    step = max(1, len(names) // SAMPLE)
+    found = (_stored_versions(store.cases / name) for name in islice(names, 0, None, step))
+    return {pair for pair in found if pair is not None}
+
+
+def _stored_versions(path: Any) -> tuple[int, int] | None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        entries = pq.read_metadata(path).metadata or {}
+        schema, numerics = (int(entries[f"{PREFIX}{kind}".encode()]) for kind in KINDS)
+    except (pa.ArrowException, OSError, KeyError, ValueError):
+        return None
+    return schema, numerics
+
+
+def _change(study: Study, schema: int, numerics: int) -> str:
+    olds: Iterable[int] = (schema, numerics)
+    news = (study.schema_version, study.numerics_version)
+    return ", ".join(
+        f"{kind.replace('_', ' ')} {old} -> {new}"
+        for kind, old, new in zip(KINDS, olds, news, strict=True)
+        if old != new
+    )

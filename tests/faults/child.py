@@ -1,0 +1,33 @@
+"""A sweep of the dummy study in a process of its own: `child.py RESULTS BACKEND SECONDS LEVELS`.
+
+Every block takes SECONDS. Ends as the command line does.
+"""
+
+from __future__ import annotations
+
+import sys
+from types import SimpleNamespace
+
+from dummy_study import DummyStudy, make_config
+
+from owtsweep import cli, studies
+from owtsweep.commands import sweep as command
+from owtsweep.sweep import progress
+
+if __name__ == "__main__":
+    results, backend, seconds, levels, *scheduler = sys.argv[1:]
+    c = make_config(
+        results, backend=backend, workers=2, level=[float(i + 1) for i in range(int(levels))]
+    )
+    if scheduler:
+        from dataclasses import replace
+
+        c = replace(c, compute=replace(c.compute, scheduler=scheduler[0]))
+    study = DummyStudy(pause=float(seconds))
+    studies.get_study = lambda name: study
+    cli.import_module = lambda name: SimpleNamespace(
+        run=lambda options, argv: command.run_one(c, ["sweep", "grid.note=two words"])
+    )
+    progress.make_progress = lambda quiet: progress.SilentProgress()
+    code = cli.main(["sweep", "grid.note=two words"])
+    sys.exit(code)

@@ -1,0 +1,189 @@
+"""A replay as a run: outputs, resume, grids of records, the command line, bad input."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from replay_tools import motion_file, sensor_file
+
+import owtsweep
+from owtsweep.cli import main
+from owtsweep.studies.replay.running import configure, execute, expand
+
+QUICK = ["schemes=[MKF,HME1]", "replay.replicates=2", "measures.settling_time=5", "tuning=matched"]
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def test_outputs(capsys):
+    motion_file(Path("tower.csv"), mean=(1.5, 0.0), duration=30.0)
+    assert main(["replay", "tower.csv", *QUICK]) == 0
+    out, err = capsys.readouterr()
+    assert "HME1" in out
+    assert "by this record's own errors" in out
+    assert "note: motion kept up to 5 Hz" in err
+    (run,) = Path("results").iterdir()
+    assert run.name.startswith("replay-tower-")
+    assert out.splitlines()[-1].endswith(f"{run.resolve().name}/report.md")
+    replayed = pd.read_csv(run / "replay.csv")
+    assert list(replayed.columns) == ["scheme", "measure", "window", "value"]
+    keys = replayed.set_index(["scheme", "measure", "window"])["value"]
+    assert not keys.index.duplicated().any()
+    assert 0.8 < keys["HME1", "coverage_position", "settled"] <= 1.0
+    assert keys["last_fix", "position", "settled"] > keys["HME1", "position", "settled"]
+    estimates = pd.read_parquet(run / "estimates.parquet")
+    assert list(estimates.columns) == [
+        "time", "scheme", "x", "y", "vx", "vy", "x_std", "y_std", "vx_std", "vy_std",
+    ]  # fmt: skip
+    assert set(estimates.scheme) == {"MKF", "HME1"}
+    own = estimates[estimates.scheme == "HME1"]
+    assert own.x.to_numpy()[1000:].mean() == pytest.approx(1.5, abs=0.05)  # in the file's frame
+    truth = pd.read_csv("tower.csv")
+    late = own[own.time > 10]
+    apart = late.x - np.interp(late.time, truth.time, truth.position_x)
+    assert np.sqrt(np.mean(apart**2)) < 0.1
+    one = pd.read_csv(run / "estimates" / "HME1.csv")
+    assert np.array_equal(one.x, own.x)
+    report = (run / "report.md").read_text()
+    for link in ("position_zoom", "velocity_zoom", "spectrum", "place_in_map", "bias"):
+        assert f"](figures/{link}.png)" in report
+        assert (run / f"figures/{link}.png").stat().st_size > 10_000
+        assert (run / f"figures/{link}.svg").stat().st_size < 500 * 1024
+    assert len(owtsweep.load(run).draw("spectrum")) == 2
+    assert main(["show", str(run)]) == 0
+
+
+def test_python_interface():
+    motion_file(Path("a.csv"), duration=30.0)
+    replay = owtsweep.replay("a.csv", QUICK)
+    assert set(replay.errors().scheme) == {"MKF", "HME1", "last_fix"}
+    assert list(replay.advice().source) == ["record", "map"]
+    assert replay.records().loc[0, "natural_period"] > 0.0
+    assert set(replay.estimates().scheme) == {"MKF", "HME1"}
+    assert owtsweep.load(replay.folder).table("replay").equals(replay.run.table("replay"))
+    with pytest.raises(owtsweep.InputError, match="none of a"):
+        replay.estimates("b")
+
+
+def test_many_records_resume_and_equal_single_ones():
+    for number in range(3):
+        motion_file(Path(f"r{number}.csv"), duration=25.0, rms=0.1 * (1 + number), seed=number)
+    first = execute(configure(["r0.csv", "r1.csv"], QUICK))
+    assert (first.computed, first.reused) == (6, 0)
+    both = execute(configure(["r[0-9].csv"], QUICK))
+    assert (both.computed, both.reused) == (3, 6)
+    assert both.run.folder == first.run.folder
+    scratch = execute(configure(["r2.csv", "r1.csv", "r0.csv"], [*QUICK, "name=scratch"]))
+    key = ["file", "scheme", "measure", "window"]
+    one, other = (
+        o.run.table("errors").sort_values(key, ignore_index=True) for o in (both, scratch)
+    )
+    pd.testing.assert_frame_equal(one, other, check_exact=True)
+    alone = owtsweep.replay("r1.csv", QUICK).errors().drop(columns="file")
+    among = one[one.file == "r1"].drop(columns="file")
+    pd.testing.assert_frame_equal(
+        alone.sort_values(key[1:], ignore_index=True),
+        among.sort_values(key[1:], ignore_index=True),
+        check_exact=True,
+    )
+    motion_file(Path("r1.csv"), duration=25.0, rms=0.7, seed=9)  # another record, the same name
+    changed = execute(configure(["r0.csv", "r1.csv", "r2.csv"], QUICK))
+    assert (changed.computed, changed.reused) == (3, 6)
+
+
+def test_a_table_of_sea_states_becomes_a_map(capsys):
+    lines = ["file,Hs,Tp"]
+    for number, (height, period) in enumerate([(1, 6), (2, 6), (1, 8), (2, 8)]):
+        motion_file(Path(f"s{number}.csv"), duration=25.0, rms=0.2 * height, period=period / 2)
+        lines.append(f"s{number}.csv,{height},{period}")
+    Path("seastates.csv").write_text("\n".join(lines) + "\n")
+    assert main(["replay", "replay.table=seastates.csv", *QUICK]) == 0
+    (run,) = Path("results").iterdir()
+    records = pd.read_csv(run / "records.csv")
+    assert list(records.columns[:3]) == ["file", "Hs", "Tp"]
+    assert list(records.Hs) == [1, 2, 1, 2]
+    assert (run / "figures/best_scheme_by_record.png").is_file()
+    assert next(iter(pd.read_csv(run / "replay.csv"))) == "file"
+    assert (run / "records/s3/estimates.parquet").is_file()
+    assert "s2: by this record's own errors" in capsys.readouterr().out
+
+
+def test_sensors_without_a_reference(capsys):
+    sensor_file(Path("s.csv"), duration=40.0, reference=False, missing=(12, 13), jitter=0.03)
+    assert main(["replay", "s.csv", *QUICK]) == 0
+    out, err = capsys.readouterr()
+    assert "irregular by up to 0.0" in err
+    assert "2 of" in err
+    assert "distance from the fixes that came later" in out
+    (run,) = Path("results").iterdir()
+    measures = set(pd.read_csv(run / "replay.csv").measure)
+    assert {"nis", "innovation_white_p", "fix_residual"} <= measures
+    assert "position" not in measures
+
+
+BAD = {
+    "no file": (["nothing.csv"], "there is no such file"),
+    "no match": (["nothing*.csv"], "nothing matches"),
+    "no word": ([], "name a record"),
+    "a folder": (["."], "is a folder"),
+    "empty": (["empty.csv"], "empty.csv"),
+    "not FAST": (["broken.outb"], "broken.outb"),
+    "unknown channel": (["good.csv", "columns.position_x=Nonsense"], "position_x"),
+    "unknown key": (["good.csv", "replay.gns=auto"], "did you mean replay.gnss"),
+    "unknown role": (["good.csv", "columns.position_z=a"], "columns.position_z"),
+    "wrong unit": (["good.csv", "units.position_x=deg"], "deg"),
+    "backwards": (["backwards.csv"], "goes backwards"),
+    "one bad of two": (["good.csv", "backwards.csv"], "backwards.csv"),
+    "gravity": (["gravity.csv"], "9.81"),
+    "no table": (["good.csv", "replay.table=nothing.csv"], "replay.table"),
+    "a choice": (["good.csv", "replay.input=guess"], "replay.input"),
+    "an engine": (["good.csv", "engine=expected"], "engine"),
+    "gaps": (["good.csv", "gaps=ignore"], "gaps"),
+    "a band": (["good.csv", "replay.band=[0.4,0.2]"], "replay.band"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_input_is_one_line_and_writes_nothing(case, capsys):
+    motion_file(Path("good.csv"), duration=30.0)
+    Path("empty.csv").write_text("")
+    Path("broken.outb").write_bytes(b"\x02\x00not a FAST file")
+    times = [*range(40), 12, *range(41, 60)]
+    Path("backwards.csv").write_text(
+        "time,position_x\n" + "\n".join(f"{0.1 * t},{0.01 * t}" for t in times)
+    )
+    steps = range(4000)
+    Path("gravity.csv").write_text(
+        "time,specific_force_x,fix_x\n" + "\n".join(f"{0.01 * t},9.81,0.1" for t in steps)
+    )
+    before = sorted(Path().rglob("*"))
+    words, message = BAD[case]
+    assert main(["replay", *words]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert len(err.strip().splitlines()) == 1
+    assert err.startswith("owtsweep: ")
+    assert message in err
+    assert sorted(Path().rglob("*")) == before
+
+
+def test_describe_and_cfg(capsys):
+    motion_file(Path("good.csv"), duration=30.0)
+    assert main(["replay", "good.csv", "--describe"]) == 0
+    assert "position_x" in capsys.readouterr().out
+    assert main(["replay", "--cfg", "good.csv", "columns.position_x=position_y"]) == 0
+    assert "position_x: position_y" in capsys.readouterr().out
+    assert not Path("results").exists()
+
+
+def test_files_and_patterns():
+    for name in ("b.csv", "a.csv", "a[1].csv"):
+        Path(name).write_text("x")
+    found = [Path(file).name for file in expand(["b.csv", "*.csv", "a[1].csv"])]
+    assert found == ["b.csv", "a.csv", "a[1].csv"]
