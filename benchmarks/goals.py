@@ -36,7 +36,10 @@ def must_reach(found: dict[str, Any]) -> list[Goal]:
 
 def also_asked(found: dict[str, Any]) -> list[Goal]:
     """Numbers asked for outside that table."""
-    return [*_amplitudes(found), *_threads(found), *_map(found), *_online(found), *_books(found)]
+    return [
+        *_amplitudes(found), *_memory(found), *_threads(found), *_map(found), *_online(found),
+        *_books(found),
+    ]  # fmt: skip
 
 
 def _study(found: dict[str, Any]) -> Iterator[Goal]:
@@ -170,6 +173,24 @@ def _amplitudes(found: dict[str, Any]) -> Iterator[Goal]:
                 f"{100 * (ratio - 1):+.1f} %",
                 ratio <= 1.1,
                 why,
+            )
+
+
+def _memory(found: dict[str, Any]) -> Iterator[Goal]:
+    kept = {
+        "replicates": "rows of the tables",
+        "duration": "a block's motion and the gains of schemes whose covariances have not settled "
+        "(tuning=paper: up to 2621 s) are kept step by step",
+    }
+    for axis in found.get("study", {}).get("axes", []):
+        if axis["axis"] in kept:
+            first, last = axis["points"][0], axis["points"][-1]
+            yield Goal(
+                f"memory at {last['value'] / first['value']:g} times the {axis['axis']}",
+                "flat (within 10 %)",
+                f"{first['peak']:.0f} MB to {last['peak']:.0f} MB",
+                last["peak"] <= 1.1 * first["peak"],
+                kept[axis["axis"]],
             )
 
 

@@ -27,7 +27,8 @@ def found() -> dict[str, Any]:
         "ns_arithmetic": 2.0, "ns_least": 2.4, "ns_median": 2.5, "share": 0.8,
         "triad_GB_per_s": 30.0, "multiply_add_Gflop_per_s": 50.0,
     }  # fmt: skip
-    point = {"wall": 1.0, "compute": 1.0, "compute_wall": 1.0, "peak": 300.0, "bytes": 1e5}
+    common = {"wall": 1.0, "compute": 1.0, "compute_wall": 1.0, "peak": 300.0, "bytes": 1e5}
+    points = [{**common, "value": v, "compute_wall": 1.0 / v} for v in (1, 2)]
     return {
         "quick": False,
         "machine": {
@@ -45,7 +46,7 @@ def found() -> dict[str, Any]:
             "replicates": 100,
             "whole": {"wall": 20.0, "process": 21.0, "peak": 500.0, "bytes": 1e6, "cases": 24000.0},
             "axes": [
-                {"axis": axis, "exponent": 1.0, "points": [{**point, "value": v, "compute_wall": 1.0 / v} for v in (1, 2)]}
+                {"axis": axis, "exponent": 1.0, "points": points}
                 for axis in ("replicates", "duration", "amplitudes", "workers")
             ],
         },
