@@ -102,7 +102,7 @@ def _peers(rows: list[dict[str, Any]], key: str, scale: float, unit: str, title:
     ax.bar_label(bars, [f"{plain(v)} (x {plain(v / values[0])})" for v in values], padding=3)
     ax.invert_yaxis()
     ax.set(xscale="log", xlabel=unit)
-    ax.margins(x=0.25)
+    ax.margins(x=0.35)
     ax.set_title(title)
     return figure
 

@@ -38,6 +38,8 @@ def _lines(found: dict[str, Any], pictures: dict[str, str]) -> Iterator[str]:
         ("Must reach", goals.must_reach(found)),
         ("Also asked", goals.also_asked(found)),
     ):
+        if not rows:
+            continue
         yield f"## {title}\n"
         yield from table(
             ("goal", "asked", "measured", "", "why"),
@@ -68,11 +70,11 @@ def _machine(found: dict[str, Any]) -> Iterator[str]:
     if found["quick"]:
         yield "**A quick look at smaller sizes and with fewer repeats: no verdict on any goal.**\n"
     before, after = found["busy_before"], found["busy_after"]
-    shares = f"of its cores {100 * before:.0f} % before the run and {100 * after:.0f} % after it"
+    shares = f"were {100 * before:.0f} % of its cores before the run, {100 * after:.0f} % after it"
     if max(before, after) > BUSY:
-        yield f"**The machine was not quiet. Others used {shares}: do not trust the times.**\n"
+        yield f"**The machine was not quiet. Busy {shares}: do not trust the times.**\n"
     elif not math.isnan(before):
-        yield f"The machine was quiet: others used {shares}.\n"
+        yield f"The machine was quiet: busy {shares}.\n"
     yield from _peaks(found.get("kernels", []))
 
 
