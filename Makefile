@@ -9,6 +9,7 @@ VENV_PYTHON := $(VENV)/bin/python
 INSTALLED := $(VENV)/.installed
 INSTALLED_TEST := $(VENV)/.installed-test
 INSTALLED_CALIBRATE := $(VENV)/.installed-calibrate
+INSTALLED_BENCH := $(VENV)/.installed-bench
 
 # Compiled kernels go with the environment that compiled them.
 # Small matrices only: BLAS threads would fight the workers for the cores.
@@ -18,13 +19,14 @@ export NUMBA_CACHE_DIR := $(CURDIR)/$(VENV)/numba-cache
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help sweep test test-faults reproduce clean
+.PHONY: help sweep test test-faults reproduce bench clean
 
 help:
 	@echo 'make sweep   run the default study; overrides: make sweep ARGS="grid.replicates=2"'
 	@echo 'make test    lint, format check, types, tests; one test: make test ARGS="-k store"'
 	@echo 'make test-faults   the slow tests: kills, full disks, a cluster, a million cases'
 	@echo 'make reproduce   the search, both runs with 100 records per cell, all figures, the report'
+	@echo 'make bench   speed against goals and peers, into benchmarks/report.md; ARGS=--quick: a look'
 	@echo 'make clean   delete the environment and all caches (never results)'
 	@echo 'The Python to use (3.11 or newer): make sweep PYTHON=python3.12'
 
@@ -46,6 +48,9 @@ test-faults: $(INSTALLED_TEST)
 reproduce: $(INSTALLED_CALIBRATE)
 	$(VENV_PYTHON) experiments/reproduce.py $(ARGS)
 
+bench: $(INSTALLED_BENCH)
+	$(VENV_PYTHON) -m benchmarks $(ARGS)
+
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -type d -name __pycache__ -prune -exec rm -rf {} +
@@ -61,6 +66,10 @@ $(INSTALLED_TEST): pyproject.toml | $(VENV_PYTHON)
 
 $(INSTALLED_CALIBRATE): pyproject.toml | $(VENV_PYTHON)
 	$(VENV_PYTHON) -m pip install --disable-pip-version-check --quiet --editable '.[calibrate]'
+	@touch $(INSTALLED) $@
+
+$(INSTALLED_BENCH): pyproject.toml | $(VENV_PYTHON)
+	$(VENV_PYTHON) -m pip install --disable-pip-version-check --quiet --editable '.[bench]'
 	@touch $(INSTALLED) $@
 
 $(VENV_PYTHON):

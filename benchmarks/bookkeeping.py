@@ -1,7 +1,7 @@
 """What a block costs besides its computing: plan, key, status, write, read; and whole large plans.
 
-    python benchmarks/bookkeeping.py           per block, medians of 5: some seconds
-    python benchmarks/bookkeeping.py --large   also a million cases and 10 000 replicates: minutes
+    python -m benchmarks.bookkeeping           per block, medians of 5: some seconds
+    python -m benchmarks.bookkeeping --large   also a million cases and 10 000 replicates: minutes
 
 Writes benchmarks/bookkeeping.csv; with --write also the tables of docs/scaling.md. The goal:
 planning and bookkeeping under 2 ms per block.
@@ -15,24 +15,21 @@ import json
 import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Sequence
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 import numpy as np
 
-from bulk_study import BulkStudy, bulk_config
+from benchmarks.bulk_study import BulkStudy, bulk_config
+from benchmarks.page import put
+from benchmarks.scale import made_up_rows
+from benchmarks.timing import REPEATS, median_time, timed
 from owtsweep.config import compose
 from owtsweep.studies import get_study
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
-from page import put
-from scale import made_up_rows
 
-REPEATS = 5
 BLOCKS = 240
 GOAL_MS = 2.0
 #: What is paid once per block of a sweep; "sum" is of these.
@@ -45,8 +42,8 @@ LARGE = (
 )
 
 
-def measure() -> list[dict[str, Any]]:
-    """Milliseconds per block, medians of `REPEATS`, one row per kind of block and stage.
+def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
+    """Milliseconds per block, medians, one row per kind of block and stage.
 
     `cpu_ms` leaves out waiting: for the disk, or for a busy machine's other work.
     """
@@ -62,13 +59,13 @@ def measure() -> list[dict[str, Any]]:
         for number, (kind, (study, config)) in enumerate(kinds.items()):
             samples = [
                 _stages(Run(place / f"{number}-{repeat}", config, study))
-                for repeat in range(REPEATS)
+                for repeat in range(repeats)
             ]
-            stages = {stage: _medians([one[stage] for one in samples]) for stage in samples[0]}
+            stages = {stage: median_time([one[stage] for one in samples]) for stage in samples[0]}
             terms = [stages[stage] for stage in STAGES]
             stages["sum"] = [sum(values) for values in zip(*terms, strict=True)]
             found += [_row(kind, stage, *values) for stage, values in stages.items()]
-        found += _whole_sweep(place)
+        found += _whole_sweep(place, repeats)
     return found
 
 
@@ -76,7 +73,7 @@ def _stages(run: Run) -> dict[str, list[float]]:
     """ms per block of every stage, one by one: wall and CPU."""
     random = np.random.default_rng(0)
     run.store.cases.mkdir(parents=True)
-    plan, planning = _timed(lambda: make_plan(run.study, run.config))
+    plan, planning = timed(lambda: make_plan(run.study, run.config))
     rows = [_rows(run, block, random) for block in plan.values()]
     versions = {"study": run.study.name, "schema_version": "1", "numerics_version": "1"}
 
@@ -87,11 +84,11 @@ def _stages(run: Run) -> dict[str, list[float]]:
         for key, frame in zip(plan, rows, strict=True):
             run.store.write(key, frame, versions)
 
-    missing, before = _timed(status)
-    _, writing = _timed(write)
-    stored, after = _timed(status)
-    (frame, lacking), reading = _timed(run.stored)
-    _, aggregating = _timed(lambda: run.study.aggregate(run.config, frame))
+    missing, before = timed(status)
+    _, writing = timed(write)
+    stored, after = timed(status)
+    (frame, lacking), reading = timed(run.stored)
+    _, aggregating = timed(lambda: run.study.aggregate(run.config, frame))
     assert set(missing) == {"missing"}
     assert set(stored) == {"done"}
     assert not lacking
@@ -109,25 +106,21 @@ def _rows(run: Run, block: Any, random: np.random.Generator) -> Any:
     return next(run.study.run(run.config, [block]))[1]
 
 
-def _whole_sweep(place: Path) -> list[dict[str, Any]]:
+def _whole_sweep(place: Path, repeats: int) -> list[dict[str, Any]]:
     """Sweeps of dummy blocks from end to end: nothing stored, and all stored."""
     first, again = [], []
-    for repeat in range(REPEATS):
+    for repeat in range(repeats):
         config = bulk_config(place / f"whole-{repeat}", 80 * BLOCKS, 80, workers=1)
-        first.append(_timed(lambda config=config: sweep(BulkStudy(), config))[1])
-        again.append(_timed(lambda config=config: sweep(BulkStudy(), config))[1])
+        first.append(timed(lambda config=config: sweep(BulkStudy(), config))[1])
+        again.append(timed(lambda config=config: sweep(BulkStudy(), config))[1])
     return [
         _row(
             "dummy, 80 cases",
             f"whole sweep, {what}",
-            *(1e3 * value / BLOCKS for value in _medians(pairs)),
+            *(1e3 * value / BLOCKS for value in median_time(pairs)),
         )
         for what, pairs in (("nothing stored", first), ("all stored", again))
     ]
-
-
-def _medians(pairs: Sequence[Sequence[float]]) -> list[float]:
-    return [median(values) for values in zip(*pairs, strict=True)]
 
 
 def _row(block: str, stage: str, wall: float, cpu: float) -> dict[str, Any]:
@@ -139,19 +132,17 @@ def _row(block: str, stage: str, wall: float, cpu: float) -> dict[str, Any]:
     }
 
 
-def _timed(work: Callable[[], Any]) -> tuple[Any, tuple[float, float]]:
-    began, cpu = time.perf_counter(), time.process_time()
-    result = work()
-    return result, (time.perf_counter() - began, time.process_time() - cpu)
-
-
 def large() -> list[dict[str, Any]]:
     """Seconds per stage and peak memory of whole large plans, each in its own process, once."""
-    program = Path(__file__).with_name("scale.py")
+    root = Path(__file__).resolve().parents[1]
     found = []
     for arguments in LARGE:
         done = subprocess.run(
-            [sys.executable, str(program), *arguments], capture_output=True, text=True, check=True
+            [sys.executable, "-m", "benchmarks.scale", *arguments],
+            capture_output=True,
+            text=True,
+            check=True,
+            cwd=root,
         )
         found.append(json.loads(done.stdout.splitlines()[-1]))
     return found
@@ -165,7 +156,7 @@ def write_csv(rows: list[dict[str, Any]]) -> None:
         writer.writerows(rows)
 
 
-def _block_table(rows: list[dict[str, Any]]) -> str:
+def block_table(rows: list[dict[str, Any]]) -> str:
     lines = ["| block | stage | ms | of them CPU |", "|---|---|---|---|"]
     for row in rows:
         figures = f"{row['ms_per_block']:.2f} | {row['cpu_ms']:.2f}"
@@ -173,7 +164,7 @@ def _block_table(rows: list[dict[str, Any]]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _plan_table(plans: list[dict[str, Any]]) -> str:
+def plan_table(plans: list[dict[str, Any]]) -> str:
     lines = ["| cases | blocks | seconds | peak, MB |", "|---|---|---|---|"]
     for plan in plans:
         stages = ", ".join(f"{name} {value:.1f}" for name, value in plan["seconds"].items())
@@ -198,9 +189,9 @@ def main() -> int:
     for plan in plans:
         print(json.dumps(plan))
     if options.write:
-        put("bookkeeping", _block_table(rows))
+        put("bookkeeping", block_table(rows))
     if options.write and plans:
-        put("large", _plan_table(plans))
+        put("large", plan_table(plans))
     return 0
 
 

@@ -1,24 +1,30 @@
-"""The expected engine against records: every cell of a grid, every scheme, and the time it takes.
+"""The expected engine against records: every cell of a grid, every scheme; and the time it takes.
 
-    python benchmarks/expected.py FOLDER [override ...]
+    python -m benchmarks.expected FOLDER [override ...]
+    python -m benchmarks.expected
 
-runs the study twice under FOLDER, with records (200 per natural period unless overridden) and with
-engine=expected, compares position and velocity MSE in both windows, and times a map of 200 x 200
-cells with and without what is cached. It writes FOLDER/expected.csv, one row per cell, and prints
-the worst of each scheme.
+The first runs the study twice under FOLDER, with records (200 per natural period unless overridden)
+and with engine=expected, and compares position and velocity MSE in both windows. It writes
+FOLDER/expected.csv, one row per cell, and prints the worst of each scheme. The second times a map
+of 200 x 200 cells with curves known and not.
 """
+
+from __future__ import annotations
 
 import os
 import sys
 import tempfile
-import time
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
 import owtsweep
+from benchmarks.timing import REPEATS, seconds, timed
 from owtsweep.config import compose
 from owtsweep.studies.hub.expected import answers, cache, engine
 
@@ -61,38 +67,55 @@ def worst(table: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def time_of_map(overrides: list[str]) -> float:
-    """Seconds for the map of 200 x 200 cells, configuration and imports aside."""
-    config = compose([*overrides, "engine=expected"])
+def map_of(overrides: Sequence[str]) -> None:
+    """The map of 200 x 200 cells, in memory."""
+    config: Any = compose([*overrides, "engine=expected"])
     periods = np.linspace(3.0, 8.0, FINE)
     amplitudes = np.geomspace(0.05, 10.0, FINE)
     names = [block.content["scheme"] for block in engine.plan(config)]
-    began = time.perf_counter()
     rows = pd.concat([engine.rows(config, n, [float(p) for p in periods]) for n in names])
     known = answers.expected(rows, names, config.measures.criterion, config.measures.window)
     answers.judge(known.at(amplitudes))
-    return time.perf_counter() - began
+
+
+def measure(
+    tunings: Sequence[str] = ("paper", "matched"), repeats: int = REPEATS
+) -> list[dict[str, Any]]:
+    """Seconds of the map by tuning: curves in memory, in files (medians), not known (once)."""
+    rows = []
+    home = os.environ.get("XDG_CACHE_HOME")
+    for tuning in tunings:
+        work = partial(map_of, [f"tuning={tuning}"])
+
+        def from_files(work: Callable[[], None] = work) -> None:
+            cache.forget()
+            work()
+
+        with tempfile.TemporaryDirectory() as empty:
+            os.environ["XDG_CACHE_HOME"] = empty
+            try:
+                cache.forget()
+                nothing = timed(work)[1].wall
+                files = seconds(from_files, repeats=repeats)
+                memory = seconds(work, repeats=repeats)
+            finally:
+                os.environ.pop("XDG_CACHE_HOME")
+                if home is not None:
+                    os.environ["XDG_CACHE_HOME"] = home
+        rows.append({"tuning": tuning, "memory": memory, "files": files, "nothing": nothing})
+    return rows
 
 
 def main() -> None:
-    """Run, compare, print."""
+    """Compare, or measure the time."""
     if len(sys.argv) < 2:
-        sys.exit(f"usage: python {sys.argv[0]} FOLDER [override ...]")
+        for row in measure():
+            print(row)
+        return
     folder, overrides = Path(sys.argv[1]), sys.argv[2:]
     table = compare(folder, overrides)
     table.to_csv(folder / "expected.csv", index=False)
     print(worst(table).to_string(float_format="{:.4f}".format))
-    memory = time_of_map(overrides)
-    cache.forget()
-    files = time_of_map(overrides)
-    with tempfile.TemporaryDirectory() as empty:
-        os.environ["XDG_CACHE_HOME"] = empty
-        cache.forget()
-        nothing = time_of_map(overrides)
-    print(
-        f"map of {FINE} x {FINE} cells: {memory:.2f} s with curves in memory, {files:.2f} s with "
-        f"curves in files, {nothing:.2f} s with nothing cached, one thread"
-    )
 
 
 if __name__ == "__main__":

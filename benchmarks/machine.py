@@ -6,14 +6,15 @@ else runs on the machine slows all of them.
 
 from __future__ import annotations
 
-import time
+import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from benchmarks.timing import on_threads
 
 #: Taken where the machine does not say how large its last cache is.
 DEFAULT_CACHE = 32 * 2**20
@@ -30,19 +31,8 @@ def last_cache() -> int:
 
 
 def fastest(work: Callable[[int], Any], threads: int, repeats: int) -> float:
-    """Least seconds in which all threads do `work(thread)` once, over the repeats."""
-    return min(seconds(work, threads, repeats))
-
-
-def seconds(work: Callable[[int], Any], threads: int, repeats: int) -> list[float]:
-    """Seconds of each repeat, all threads at once; the first, which warms up, is left out."""
-    times = []
-    with ThreadPoolExecutor(threads) as pool:
-        for _ in range(repeats + 1):
-            began = time.perf_counter()
-            list(pool.map(work, range(threads)))
-            times.append(time.perf_counter() - began)
-    return times[1:]
+    """Least seconds in which all threads do `work(thread)` once: a peak is what can be reached."""
+    return min(time.wall for time in on_threads(work, threads, repeats))
 
 
 @cache
@@ -93,7 +83,7 @@ def _compiled() -> tuple[Any, Any, Any]:
     return triad, separate, contracted
 
 
-def triad_bandwidth(threads: int, *, repeats: int = 5) -> float:
+def triad_bandwidth(threads: int, *, repeats: int = 15) -> float:
     """Bytes per second of a = b + s c, three arrays of 4 x the last cache; 24 bytes an element."""
     triad = _compiled()[0]
     size = 4 * last_cache() // 8
@@ -107,7 +97,7 @@ def triad_bandwidth(threads: int, *, repeats: int = 5) -> float:
     return 24.0 * size / fastest(work, threads, repeats)
 
 
-def multiply_add_peak(threads: int, *, fused: bool, repeats: int = 5) -> float:
+def multiply_add_peak(threads: int, *, fused: bool, repeats: int = 15) -> float:
     """Operations per second of x = x m + s in registers, eight chains of eight lanes.
 
     `fused` contracts the two operations into one instruction, which rounds once. Our kernels keep
@@ -120,8 +110,10 @@ def multiply_add_peak(threads: int, *, fused: bool, repeats: int = 5) -> float:
     return threads * count * 8 * 8 * 2 / took
 
 
-def machine(threads: Sequence[int] = (1, 2)) -> list[dict[str, float]]:
-    """Bandwidth (GB/s) and peaks (Gflop/s) by number of threads."""
+def machine(threads: Sequence[int] | None = None) -> list[dict[str, float]]:
+    """Bandwidth (GB/s) and peaks (Gflop/s) by number of threads: one, and one per core."""
+    if threads is None:
+        threads = sorted({1, os.cpu_count() or 1})
     return [
         {
             "threads": n,

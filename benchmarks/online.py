@@ -1,6 +1,6 @@
 """What one IMU sample costs on board: each scheme's online form, one `update` per sample.
 
-python benchmarks/online.py
+python -m benchmarks.online
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """One large sweep of dummy blocks in one process: stopped half way, resumed, aggregated, checked.
 
-    python benchmarks/scale.py [--cases 1000000] [--per-block 80]
-    python benchmarks/scale.py --hub 10000
+    python -m benchmarks.scale [--cases 1000000] [--per-block 80]
+    python -m benchmarks.scale --hub 10000
 
 The second lays out the default hub study with so many replicates on made-up shards, and aggregates
 them and draws the map. Each prints one line of JSON with seconds per stage and the peak memory of
@@ -59,7 +59,7 @@ class StopAfter(SilentProgress):
 
 def bulk(cases: int, per_block: int) -> dict[str, Any]:
     """A study of dummy blocks, whole."""
-    from bulk_study import SCHEMES, BulkStudy, bulk_config, value
+    from benchmarks.bulk_study import SCHEMES, BulkStudy, bulk_config, value
 
     clock = Clock()
     study = BulkStudy()

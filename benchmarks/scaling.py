@@ -1,9 +1,9 @@
 """The measured part of docs/scaling.md: how computing grows, and how many cores a study wants.
 
-    python benchmarks/scaling.py           measure and print: a minute or two
-    python benchmarks/scaling.py --write   also put the tables into docs/scaling.md
+    python -m benchmarks.scaling           measure and print: a minute or two
+    python -m benchmarks.scaling --write   also put the tables into docs/scaling.md
 
-Run it on a quiet machine, after benchmarks/bookkeeping.py, whose table it reads.
+Run it on a quiet machine, after benchmarks.bookkeeping, whose table it reads.
 """
 
 from __future__ import annotations
@@ -13,23 +13,22 @@ import csv
 import math
 import sys
 import tempfile
-import time
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import median
 from typing import Any
 
+from benchmarks import reference as stepwise
+from benchmarks.page import put
+from benchmarks.timing import REPEATS, median_time, timed
 from owtsweep.config import compose
 from owtsweep.studies import get_study
 from owtsweep.sweep.run import sweep
-from page import put
 
-REPEATS = 5
 BOOKKEEPING = Path(__file__).with_name("bookkeeping.csv")
+#: IMU samples in a second of the default study.
+RATE = 100
 #: The study whose parts are varied one by one.
 BASE = {"replicates": 16, "periods": 2, "duration": 500, "amplitudes": 10}
-#: Records of the reference engine (s): what the longer one adds is the cost of a second.
-REFERENCE_DURATIONS = (24, 34)
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,6 @@ def seconds(
     workers: int = 1,
     repeats: int = REPEATS,
     wall: bool = False,
-    extra: tuple[str, ...] = (),
 ) -> float:
     """Median core-seconds of a sweep without figures, shards written; `wall`: seconds."""
     overrides = [
@@ -61,26 +59,23 @@ def seconds(
         f"record.duration={duration}",
         f"compute.workers={workers}",
         "measures.settling_time=1",
-        *extra,
     ]
     found = []
     for _ in range(repeats):
         with tempfile.TemporaryDirectory() as folder:
             config = compose([*overrides, f"results={folder}"])
-            began = time.process_time()
-            outcome = sweep(get_study("hub"), config)
-            cores = time.process_time() - began
+            outcome, time = timed(lambda config=config: sweep(get_study("hub"), config))
             assert not outcome.failed
-            found.append(outcome.seconds if wall else cores)
-    return median(found)
+            found.append(time)
+    return median_time(found).wall if wall else median_time(found).cpu
 
 
-def growth() -> list[dict[str, Any]]:
+def growth(repeats: int = REPEATS) -> list[dict[str, Any]]:
     """One row per axis of the study: time at the base and at four times as much."""
-    base = seconds(**BASE)
+    base = seconds(**BASE, repeats=repeats)
     rows = []
     for axis in ("replicates", "periods", "duration", "amplitudes"):
-        more = seconds(**{**BASE, axis: 4 * BASE[axis]})
+        more = seconds(**{**BASE, axis: 4 * BASE[axis]}, repeats=repeats)
         exponent = math.log(more / base) / math.log(4.0)
         rows.append({"axis": axis, "base": base, "more": more, "exponent": exponent})
     return rows
@@ -115,18 +110,15 @@ def bookkeeping() -> dict[str, float]:
     return {row["stage"]: float(row["cpu_ms"]) for row in rows}
 
 
-def tables(repeats_reference: int = 1) -> str:
+def tables(repeats: int = REPEATS) -> str:
     """The measured tables in Markdown."""
     seconds(1, 1, 30, 1, repeats=1)  # compile
-    rows = growth()
+    rows = growth(repeats)
     batch = per_record_second(rows)
-    one, two = (seconds(**BASE, workers=workers, wall=True) for workers in (1, 2))
-    stepwise = ("engine=reference", "compute.backend=threading")
-    short, long = (
-        seconds(1, 1, duration, 1, repeats=repeats_reference, extra=stepwise)
-        for duration in REFERENCE_DURATIONS
-    )
-    reference = (long - short) / (REFERENCE_DURATIONS[1] - REFERENCE_DURATIONS[0])
+    one, two = (seconds(**BASE, workers=workers, wall=True, repeats=repeats) for workers in (1, 2))
+    # Motion and noise are run apart, so a step of a record is two of an estimator.
+    steps = stepwise.measure(repeats, lead=24, settings=())
+    reference = 2.0 * RATE * 1e-9 * sum(row["ns"] for row in steps)
     books = bookkeeping()
     worker = books["write"]
     coordinator = books["sum"] - worker + books["aggregate"]

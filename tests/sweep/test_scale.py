@@ -17,14 +17,15 @@ from owtsweep.config import compose
 from owtsweep.studies import get_study
 from owtsweep.sweep.plan import count_cases, make_plan
 
-PROGRAM = Path(__file__).parents[2] / "benchmarks" / "scale.py"
+ROOT = Path(__file__).parents[2]
 #: An interpreter with all that a sweep imports, before it has planned anything (10^6 bytes).
 BARE = 180
 
 
 def measure(*arguments: str, folder: Path) -> dict:
     done = subprocess.run(
-        [sys.executable, str(PROGRAM), *arguments],
+        [sys.executable, "-m", "benchmarks.scale", *arguments],
+        cwd=ROOT,
         capture_output=True,
         text=True,
         env={**os.environ, "TMPDIR": str(folder)},

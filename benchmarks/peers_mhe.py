@@ -1,0 +1,250 @@
+"""What users would take instead of the closed form of the moving horizon estimator.
+
+The job: one window of HME2 (two axes, states x, y, v_x, v_y, b_x, b_y; N_m fix intervals; arrival
+state and covariance given, which contain the oldest fix; no constraint) to its newest state. Warm:
+problems are built beforehand, only the data change. Every answer is held against the closed form's.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from benchmarks.timing import REPEATS, seconds
+from owtsweep.config import compose
+from owtsweep.estimation.mhe import CasadiWindow, WindowWeights, square_root_information, window_map
+from owtsweep.studies.hub.horizon import horizon
+from owtsweep.studies.hub.sensors import sensors
+
+#: Of the largest magnitude of each state; IPOPT stops at a tolerance of its own.
+AGREEMENT = 1e-4
+PAIRS = 10
+
+
+@dataclass(frozen=True)
+class Window:
+    """z (n + 1, 2) fixes, effects (n, 6) of the inputs on each interval, x0 (6,), P0 (3, 3)."""
+
+    weights: WindowWeights
+    z: np.ndarray
+    effects: np.ndarray
+    x0: np.ndarray
+    covariance: np.ndarray
+
+    @property
+    def intervals(self) -> int:
+        return len(self.effects)
+
+
+Solver = Callable[[Window], np.ndarray]
+
+
+def make_window(intervals: int = 20) -> Window:
+    """A window of the matched HME2's model with random data."""
+    config: Any = compose(["tuning=matched"])
+    weights = horizon(config.hme.mhe, sensors(config.sensors)).weights
+    random = np.random.default_rng(1)
+    return Window(
+        weights=weights,
+        z=random.normal(size=(intervals + 1, 2)),
+        effects=random.normal(size=(intervals, 6)) * [0.1, 0.1, 0.1, 0.1, 0.0, 0.0],
+        x0=random.normal(size=6) * 0.1,
+        covariance=np.diag([0.01, 0.01, 0.01]),
+    )
+
+
+def measure(intervals: int = 20, repeats: int = REPEATS) -> list[dict[str, object]]:
+    """One row per solver: seconds per window, agreement with the closed form, a note."""
+    window = make_window(intervals)
+    expected = closed_form(window)(window)
+    # In turn, so that no solver starts from its own last answer to the same data.
+    turns = [window, replace(window, z=-window.z, effects=-window.effects, x0=-window.x0)] * PAIRS
+    rows: list[dict[str, object]] = []
+    for name, note, make in PEERS:
+        try:
+            with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                solve = make(window)
+                error = float(np.max(np.abs(solve(window) - expected) / np.max(np.abs(expected))))
+                work = partial(_all, solve, turns)
+                taken = seconds(work, repeats=repeats) / len(turns)
+        except ImportError as missing:
+            rows.append(
+                {"peer": name, "seconds": None, "agrees": None, "note": f"skipped: {missing}"}
+            )
+            continue
+        rows.append(
+            {
+                "peer": name,
+                "seconds": taken,
+                "agrees": error <= AGREEMENT,
+                "error": error,
+                "note": note,
+            }
+        )
+    return rows
+
+
+def _all(solve: Solver, windows: list[Window]) -> None:
+    for window in windows:
+        solve(window)
+
+
+def closed_form(window: Window) -> Solver:
+    """Ours: the window as a linear map."""
+    map_ = window_map(
+        window.weights,
+        window.intervals,
+        arrival_covariance=window.covariance,
+        use_first_fix=False,
+    )
+
+    def solve(w: Window) -> np.ndarray:
+        data = np.concatenate([w.z, w.effects.reshape(-1, 2), w.x0.reshape(-1, 2)])
+        return (map_ @ data).ravel()
+
+    return solve
+
+
+def _casadi(solver: str) -> Callable[[Window], Solver]:
+    def make(window: Window) -> Solver:
+        problem = CasadiWindow(
+            window.intervals,
+            states=6,
+            outputs=2,
+            last_node=False,
+            arrival=True,
+            use_first_fix=False,
+            solver=solver,
+        )
+        I2 = np.eye(2)
+        weights = window.weights
+        deviation = np.sqrt(np.diagonal(weights.link_covariance))
+        scale = np.kron([np.sqrt(weights.fix_variance), deviation[1], deviation[2]], [1.0, 1.0])
+        packed = [
+            np.kron(weights.transition, I2),
+            np.kron(weights.transition, I2),
+            np.kron(square_root_information(weights.link_covariance), I2),
+            np.full(window.intervals + 1, 1.0 / np.sqrt(weights.fix_variance)),
+        ]
+        prior = np.kron(square_root_information(window.covariance), I2)
+        none, no_rows = np.zeros((2, 0, 0)), np.zeros((0, 6))
+
+        def solve(w: Window) -> np.ndarray:
+            # One solve, as anybody would; the package itself refines the answer by a second.
+            nodes = problem._minimum(none, scale, no_rows, w.z.T, w.effects.T, *packed, w.x0, prior)
+            return nodes[:, -1]
+
+        return solve
+
+    return make
+
+
+def _osqp(window: Window) -> Solver:
+    """Least squares as a QP over the nodes: 1/2 X' J'J X - (J' d)' X."""
+    import osqp
+    from scipy import sparse
+
+    J, data = _least_squares(window)
+    scale = 1.0 / np.linalg.norm(J, axis=0)
+    J = J * scale
+    solver = osqp.OSQP()
+    free = sparse.csc_matrix((1, J.shape[1]))
+    solver.setup(
+        P=sparse.csc_matrix(np.triu(J.T @ J)), q=np.zeros(J.shape[1]), A=free, l=np.array([-1.0]),
+        u=np.array([1.0]), verbose=False, eps_abs=1e-9, eps_rel=1e-9, polishing=True,
+        max_iter=20_000,
+    )  # fmt: skip
+
+    def solve(w: Window) -> np.ndarray:
+        solver.update(q=-J.T @ data(w))
+        return np.asarray(solver.solve().x * scale)[-6:]
+
+    return solve
+
+
+def _least_squares(window: Window) -> tuple[np.ndarray, Callable[[Window], np.ndarray]]:
+    """Whitened rows J X = d over the stacked nodes X, and d from the data."""
+    n, I2 = window.intervals, np.eye(2)
+    sigma = np.sqrt(window.weights.fix_variance)
+    link = np.kron(square_root_information(window.weights.link_covariance), I2)
+    A = np.kron(window.weights.transition, I2)
+    prior = np.kron(square_root_information(window.covariance), I2)
+    rows = 2 * (n + 1) + 6 * n + 6
+    J = np.zeros((rows, 6 * (n + 1)))
+    for i in range(1, n + 1):
+        J[2 * i : 2 * i + 2, 6 * i : 6 * i + 2] = I2 / sigma
+    for i in range(n):
+        at = slice(2 * (n + 1) + 6 * i, 2 * (n + 1) + 6 * (i + 1))
+        J[at, 6 * i : 6 * i + 6], J[at, 6 * i + 6 : 6 * i + 12] = -link @ A, link
+    J[-6:, :6] = prior
+
+    def data(w: Window) -> np.ndarray:
+        return np.concatenate([w.z.ravel() / sigma, (w.effects @ link.T).ravel(), prior @ w.x0])
+
+    return J, data
+
+
+def _do_mpc(window: Window) -> Solver:
+    """do-mpc's MHE with the same model, weights and arrival state; IPOPT inside."""
+    import casadi as ca
+    import do_mpc
+
+    I2 = np.eye(2)
+    A = np.kron(window.weights.transition, I2)
+    model = do_mpc.model.Model("discrete")
+    x = model.set_variable("_x", "x", (6, 1))
+    effect = model.set_variable("_u", "effect", (6, 1))
+    model.set_meas("z", x[:2], meas_noise=True)
+    model.set_meas("effect_meas", effect, meas_noise=False)
+    model.set_rhs("x", ca.mtimes(ca.DM(A), x) + effect, process_noise=True)
+    model.setup()
+    mhe = do_mpc.estimator.MHE(model, [])
+    mhe.settings.n_horizon = window.intervals
+    mhe.settings.t_step = 1.0
+    mhe.settings.store_full_solution = False
+    mhe.settings.meas_from_data = True
+    mhe.settings.supress_ipopt_output()
+    information = [
+        np.kron(np.linalg.inv(c), I2) for c in (window.covariance, window.weights.link_covariance)
+    ]
+    mhe.set_default_objective(
+        P_x=information[0], P_v=np.eye(2) / window.weights.fix_variance, P_w=information[1]
+    )
+    mhe.setup()
+    mhe.x0 = window.x0
+    mhe.set_initial_guess()
+    return _do_mpc_solver(mhe)
+
+
+def _do_mpc_solver(mhe: Any) -> Solver:
+    def solve(w: Window) -> np.ndarray:
+        mhe.opt_p_num["_x_prev"] = w.x0
+        for k, effect in enumerate(w.effects):  # its measurements stand at the ends of intervals
+            mhe.opt_p_num["_y_meas", k] = np.concatenate([w.z[k + 1], effect])
+        mhe.solve()
+        return np.asarray(mhe.opt_x_num_unscaled["_x", -1, -1]).ravel()
+
+    return solve
+
+
+#: Name, note, and what makes the solver from a window (ImportError: not installed).
+PEERS: tuple[tuple[str, str, Callable[[Window], Solver]], ...] = (
+    ("owtsweep closed form", "a fixed matrix times the data, in NumPy", closed_form),
+    ("CasADi qrqp", "active-set QP, with a check of its gradient", _casadi("qrqp")),
+    ("CasADi IPOPT", "interior point, tol 1e-12, with a check of its gradient", _casadi("ipopt")),
+    ("OSQP", "operator splitting, eps 1e-9, polished, factorisation kept", _osqp),
+    ("do-mpc", "its MHE class over CasADi IPOPT", _do_mpc),
+)
+
+
+if __name__ == "__main__":
+    for row in measure():
+        print(row)

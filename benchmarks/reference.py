@@ -1,0 +1,73 @@
+"""What a step costs with `engine=reference`, and from that a cell: one record, all four schemes.
+
+Settings as the goal names them: N_s = 20 IMU steps, N_m = 20 GNSS intervals, T_m = 0.1 s. Windows
+are full before the clock starts, since nearly all of a record is like that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from benchmarks.timing import REPEATS, median_time, timed
+from owtsweep.config import compose
+from owtsweep.studies.hub import blocks
+from owtsweep.studies.hub.records import make_records
+from owtsweep.studies.hub.schemes import resolve
+from owtsweep.studies.hub.sensors import observe
+
+SCHEMES = ("EKF", "MKF", "HME1", "HME2")
+SETTINGS = ("hme.smoother_window=20", "hme.mhe.horizon=20", "hme.mhe.interval=0.1")
+#: Steps of a record of the default study (2000 s at 100 Hz) and cells of its map.
+STEPS = 200_000
+CELLS = 60
+
+
+def measure(
+    repeats: int = REPEATS,
+    intervals: int = 3,
+    lead: int = 22,
+    settings: Sequence[str] = SETTINGS,
+) -> list[dict[str, Any]]:
+    """One row per scheme: ns per IMU step of a two-axis record, median of `repeats` stretches.
+
+    A stretch is so many GNSS intervals; `lead` intervals go before.
+    """
+    needed = lead + repeats * intervals
+    config: Any = compose(["engine=reference", *settings, f"record.duration={needed}"])
+    records = make_records(config, 4.0, [0])
+    sensors = records.sensors
+    moved = observe(records.motion[0], records.direction, sensors)
+    noise = records.noise[0]
+    force = moved.specific_force + noise.specific_force
+    fixes = moved.fixes + noise.fixes
+    M = sensors.fix_interval
+
+    rows = []
+    for name in SCHEMES:
+        estimator = blocks.start(config, resolve(name), sensors)
+
+        def feed(first: int, count: int, estimator: Any = estimator) -> None:
+            for k in range(first * M, (first + count) * M):
+                estimator.update(force[k], np.array(fixes[k // M]) if k % M == 0 else None)
+
+        feed(0, lead)
+        times = [
+            timed(lambda i=i: feed(lead + i * intervals, intervals))[1] for i in range(repeats)
+        ]
+        rows.append({"scheme": name, "ns": 1e9 * median_time(times).wall / (intervals * M)})
+    return rows
+
+
+def per_cell(rows: list[dict[str, Any]]) -> float:
+    """Seconds for one record of one cell with all schemes."""
+    return sum(row["ns"] for row in rows) * 1e-9 * STEPS
+
+
+if __name__ == "__main__":
+    found = measure()
+    for row in found:
+        print(f"{row['scheme']:5} {1e-3 * row['ns']:9.1f} us per step")
+    print(f"one cell, one record of 2000 s, four schemes: {per_cell(found):.0f} s")

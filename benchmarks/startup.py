@@ -1,0 +1,57 @@
+"""How long a user waits before anything is computed; every line is a process of its own."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from benchmarks.timing import REPEATS, seconds
+
+ROOT = Path(__file__).resolve().parents[1]
+BARE = ("-c", "pass")
+#: What is run, its goal (s), and the arguments to Python.
+COMMANDS = (
+    ("`import owtsweep` (the interpreter's own start taken off)", 0.1, ("-c", "import owtsweep")),
+    ("`python -m owtsweep --help`", 0.3, ("-m", "owtsweep", "--help")),
+    ("sweep of a 2-cell study without figures, warm cache", 4.0, ("-m", "benchmarks.two_cells")),
+)
+
+
+def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
+    """One row per command: median wall time (s) of the process, its goal, a note."""
+    bare = _run(BARE, repeats)
+    rows: list[dict[str, Any]] = [
+        {"what": "the interpreter alone", "seconds": bare, "goal": None, "note": ""}
+    ]
+    for what, goal, arguments in COMMANDS:
+        taken = _run(arguments, repeats)
+        note = ""
+        if what.startswith("sweep"):
+            stages = [json.loads(_output((*arguments, "again"))) for _ in range(repeats)]
+            cpu, again = (median(stage[key] for stage in stages) for key in ("cpu", "again"))
+            note = (
+                f"a second one in the same process takes {again:.2f} s: the rest, once per "
+                "process, is importing libraries, loading kernels and making the schemes' gains "
+                f"({cpu:.2f} core-seconds in all)"
+            )
+        own = taken - bare if what.startswith("`import") else taken
+        rows.append({"what": what, "seconds": own, "goal": goal, "note": note})
+    return rows
+
+
+def _run(arguments: tuple[str, ...], repeats: int) -> float:
+    return seconds(lambda: _output(arguments), repeats=repeats)
+
+
+def _output(arguments: tuple[str, ...]) -> str:
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, cwd=ROOT).stdout
+
+
+if __name__ == "__main__":
+    for row in measure():
+        print(row)

@@ -1,0 +1,101 @@
+"""Whole studies: time and memory against replicates, duration, amplitudes and workers.
+
+Every point is a process of its own, because a peak of memory never goes down.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from benchmarks.timing import REPEATS, timed
+
+#: What the goal is stated for: the default grid, records of 2000 s, 100 per cell.
+WHOLE = ("grid.replicates=100",)
+#: Its size, for times per replicate.
+REPLICATES = 100
+PERIODS = "grid.natural_period=[4.0,7.0]"
+
+
+def _amplitudes(count: int) -> str:
+    """So many amplitudes in steps of a centimetre, as an override's value."""
+    return "grid.amplitude=[" + ",".join(f"{0.01 * (i + 1):.2f}" for i in range(count)) + "]"
+
+
+def axes(scale: float = 1.0) -> dict[str, list[tuple[float, tuple[str, ...]]]]:
+    """Axis of growth -> values and overrides of its points, the smallest first.
+
+    `scale` shortens the records, for a quick look.
+    """
+    base = (PERIODS, "grid.replicates=16", f"record.duration={2000 * scale:g}")
+    one = (PERIODS, f"record.duration={500 * scale:g}", "compute.workers=1")
+    durations = [scale * s for s in (500, 1000, 2000, 4000)]
+    return {
+        "replicates": [(n, (*one, f"grid.replicates={n}")) for n in (16, 32, 64, 128)],
+        "duration": [
+            (s, (*one[::2], "grid.replicates=16", f"record.duration={s:g}")) for s in durations
+        ],
+        "amplitudes": [
+            (n, (*base, "compute.workers=1", _amplitudes(n))) for n in (10, 100, 1000)
+        ],
+        "workers": [
+            (n, (*base, f"compute.workers={n}")) for n in sorted({1, os.cpu_count() or 1})
+        ],
+    }  # fmt: skip
+
+
+def measure_whole(repeats: int = REPEATS, overrides: Sequence[str] = WHOLE) -> dict[str, Any]:
+    """The study of the goal: medians over processes.
+
+    `process` is the whole process on the clock, interpreter and imports included.
+    """
+    found = []
+    for _ in range(repeats):
+        run, time = timed(lambda: _process(overrides, 0))
+        found.append({**run, "process": time.wall})
+    return {key: median(run[key] for run in found) for key in found[0]}
+
+
+def measure_axis(name: str, repeats: int = REPEATS, scale: float = 1.0) -> dict[str, Any]:
+    """Points along one axis, and the exponent of the computing alone over it."""
+    points = [
+        {"value": value, **_process(overrides, repeats)} for value, overrides in axes(scale)[name]
+    ]
+    key = "compute_wall" if name == "workers" else "compute"
+    return {
+        "axis": name,
+        "points": points,
+        "exponent": slope([(point["value"], point[key]) for point in points]),
+    }
+
+
+def slope(points: Sequence[tuple[float, float]]) -> float:
+    """Least-squares slope of log y over log x."""
+    x = [math.log(a) for a, _ in points]
+    y = [math.log(b) for _, b in points]
+    mean_x, mean_y = sum(x) / len(x), sum(y) / len(y)
+    above = sum((a - mean_x) * (b - mean_y) for a, b in zip(x, y, strict=True))
+    return above / sum((a - mean_x) ** 2 for a in x) if len(x) > 1 else math.nan
+
+
+def _process(overrides: Sequence[str], repeats: int) -> dict[str, float]:
+    root = Path(__file__).resolve().parents[1]
+    command = [sys.executable, "-m", "benchmarks.one_study", json.dumps([*overrides])]
+    done = subprocess.run(
+        [*command, str(repeats)], check=True, stdout=subprocess.PIPE, text=True, cwd=root
+    )
+    result: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
+    return result
+
+
+if __name__ == "__main__":
+    print(measure_whole())
+    for axis in axes():
+        print(measure_axis(axis, repeats=1))
