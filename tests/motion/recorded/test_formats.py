@@ -139,7 +139,7 @@ def test_pickled_archives_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="pickled"):
         read(path)
     path.write_bytes(path.read_bytes()[:300])  # np.load would call this a pickle too
-    with pytest.raises(InputError, match="not a whole .npz archive"):
+    with pytest.raises(InputError, match=r"not a whole \.npz archive"):
         read(path)
 
 

@@ -90,9 +90,9 @@ def _shifts(moved: pd.DataFrame) -> str:
         return "No natural period has a boundary in both runs of a pair."
     lines = ["| from | to | natural period (s) | ratio | 95 % interval |", "|---|---|---|---|---|"]
     lines += [
-        f"| {row.from_run} | {row.to_run} | {row.natural_period:g} | {row.ratio:.3g} | "
-        f"{_interval(row.ratio_low, row.ratio_high)} |"
-        for row in moved.itertuples()
+        f"| {row['from_run']} | {row['to_run']} | {row['natural_period']:g} | {row['ratio']:.3g} | "
+        f"{_interval(row['ratio_low'], row['ratio_high'])} |"
+        for row in moved.to_dict("records")
     ]
     return "\n".join(lines)
 
