@@ -187,3 +187,14 @@ def test_a_table_is_written_as_pandas_writes_it(tmp_path):
     )
     path = write_table(tmp_path, "table", table)
     assert path.read_text(encoding="utf-8") == table.to_csv(index=False, lineterminator="\n")
+
+
+def test_every_number_is_written_as_repr_has_it(tmp_path):
+    bits = np.random.default_rng(1).integers(0, 2**63, 20_000).astype(np.uint64)
+    powers = 10.0 ** np.arange(-320, 309)
+    ordinary = np.random.default_rng(2).lognormal(0.0, 8.0, 20_000)
+    numbers = np.concatenate([bits.view(float), powers, np.nextafter(powers, 0.0), ordinary])
+    numbers = np.concatenate([numbers, -numbers, np.round(ordinary, 3), np.round(ordinary)])
+    table = pd.DataFrame({"number": numbers, "row": np.arange(len(numbers))})
+    path = write_table(tmp_path, "table", table)
+    assert path.read_text(encoding="utf-8") == table.to_csv(index=False, lineterminator="\n")
