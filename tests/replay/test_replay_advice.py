@@ -82,3 +82,15 @@ def test_without_errors_the_fixes_advise():
     found = advice.from_record(rows("fix_residual", 1), ["MKF", "HME1"], "position", "settled")
     assert (found["source"], found["criterion"]) == ("fixes", "fix_residual")
     assert "from a fix" in advice.sentence(found)
+
+
+def test_large_margins_are_told_in_times():
+    row = {
+        "source": "record", "criterion": "position", "best": "HME1", "same_as": "",
+        "runner_up": "MKF", "value_best": 0.01, "margin": 4.0, "ci_low": 0.03, "ci_high": 0.05,
+        "matters": True,
+    }  # fmt: skip
+    assert "MKF has 5 times as much (95 %: 4 to 6 times)" in advice.sentence(row)
+    assert "MKF has 5 times as much" in advice.sentence({**row, "source": "map"})
+    near = {**row, "margin": 0.5, "ci_low": 0.004, "ci_high": 0.006}
+    assert "MKF has 50 % more (95 %: 40 to 60 %)" in advice.sentence(near)

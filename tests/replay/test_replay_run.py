@@ -154,6 +154,7 @@ BAD = {
     "describe a key": (["good.csv", "--describe", "foo=1"], "foo"),
     "describe a channel": (["good.csv", "--describe", "columns.position_x=no"], "no channel 'no'"),
     "describe a unit": (["good.csv", "--describe", "units.position_x=g"], "units.position_x: 'g'"),
+    "another table": (["good.csv", "replay.table=other.csv"], "names none of the records"),
     "a row without file": (["replay.table=blank.csv"], "row 2 names no file"),
     "a band": (["good.csv", "replay.band=[0.4,0.2]"], "replay.band"),
 }
@@ -163,6 +164,7 @@ BAD = {
 def test_bad_input_is_one_line_and_writes_nothing(case, capsys):
     motion_file(Path("good.csv"), duration=30.0)
     Path("empty.csv").write_text("")
+    Path("other.csv").write_text("file,Hs\nempty.csv,1\n")
     Path("blank.csv").write_text("file,Hs\ngood.csv,1\n,2\n")
     Path("broken.outb").write_bytes(b"\x02\x00not a FAST file")
     times = [*range(40), 12, *range(41, 60)]

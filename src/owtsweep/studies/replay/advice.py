@@ -17,6 +17,8 @@ from owtsweep.studies.hub.cube import mean_and_error, t_quantile
 if TYPE_CHECKING:
     import pandas as pd
 
+#: From this relative margin on it is told in times, not in per cent.
+MARGIN_IN_TIMES = 2.0
 #: A smaller relative margin does not decide what to run on board.
 LEAST_MARGIN = 0.05
 #: Values that agree to this are those of one and the same estimator.
@@ -147,10 +149,21 @@ def sentence(row: Any) -> str:
         size += f" {row['criterion']} MSE (root {root:.2g} {unit})"
     if not row["runner_up"]:
         return f"by {where}: {best}, {size}; there is nothing to compare it with"
-    margin = f"{row['runner_up']} has {100.0 * row['margin']:.3g} % more"
-    if row["source"] != "map" and np.isfinite(row["ci_low"]):
-        low, high = (100.0 * row[key] / row["value_best"] for key in ("ci_low", "ci_high"))
-        margin += f" (95 %: {low:.3g} to {high:.3g} %)"
+    margin = f"{row['runner_up']} has {_more(row)}"
     if not row["matters"]:
         return f"by {where}: no difference that matters; {best}, {size}; {margin}"
     return f"by {where}: run {best}, {size}; {margin}"
+
+
+def _more(row: Any) -> str:
+    """How much more error the runner-up has, in per cent, or in times where these grow long."""
+    parts = [row["margin"]]
+    if row["source"] != "map" and np.isfinite(row["ci_low"]):
+        parts += [row[key] / row["value_best"] for key in ("ci_low", "ci_high")]
+    if row["margin"] >= MARGIN_IN_TIMES:
+        told = [f"{1.0 + part:.3g}" for part in parts]
+        interval = f" (95 %: {told[1]} to {told[2]} times)" if len(told) > 1 else ""
+        return f"{told[0]} times as much{interval}"
+    told = [f"{100.0 * part:.3g}" for part in parts]
+    interval = f" (95 %: {told[1]} to {told[2]} %)" if len(told) > 1 else ""
+    return f"{told[0]} % more{interval}"

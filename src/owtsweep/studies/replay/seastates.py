@@ -59,12 +59,23 @@ def files_of(path: str) -> list[str]:
 
 
 def sea_states(config: ReplayConfig) -> pd.DataFrame | None:
-    """The table with labels in place of files; rows of other files are left out."""
+    """The table with labels in place of files; rows of other files are left out.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or none of its rows is of a record.
+    """
     if config.replay.table is None:
         return None
     table = read_table(config.replay.table)
     names = {_real(file): label for label, file in labels(config.grid.files).items()}
     table["file"] = [names.get(_real(file)) for file in table["file"]]
+    require(
+        bool(table["file"].notna().any()),
+        f"replay.table: {config.replay.table}: it names none of the records; leave FILE out, or "
+        "name files of the table",
+    )
     kept = table.dropna(subset=["file"]).drop_duplicates("file").reset_index(drop=True)
     return kept[["file", *[c for c in table.columns if c != "file"]]]
 

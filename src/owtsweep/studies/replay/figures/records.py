@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 HATCH = "////"
 
+#: A table's axis with more values than this has ticks of its own.
+MOST_TICKS = 12
+
 
 def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> Figure:
     """One mark per record: its best scheme, the next and by how much; hatched where it is all one.
@@ -46,6 +49,10 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             _mark(axes, line, (first, second), (width, height), names)
         axes.set_xlim(shown[first].min() - width, shown[first].max() + width)
         axes.set_ylim(shown[second].min() - height, shown[second].max() + height)
+        if config.replay.table is not None:  # a table's own values, where there are few
+            for axis, name in ((axes.xaxis, first), (axes.yaxis, second)):
+                if shown[name].nunique() <= MOST_TICKS:
+                    axis.set_ticks(sorted(shown[name].unique()))
         axes.set_xlabel(_LABELS.get(first, first))
         axes.set_ylabel(_LABELS.get(second, second))
         axes.grid(visible=False)
