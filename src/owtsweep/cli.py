@@ -159,7 +159,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         # A sweep says what it has stored.
         told = str(error) or "interrupted; finished blocks are kept"
         print(f"owtsweep: {told}; the same command goes on from there", file=sys.stderr)
-        if arguments[:1] == ["sweep"]:
+        if arguments[:1] in (["sweep"], ["replay"]):
             print(f"  {same_command(arguments)}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:  # `owtsweep list | head`

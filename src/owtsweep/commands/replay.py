@@ -6,7 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from owtsweep.cli import BAD_INPUT, DONE, FAILED
+from owtsweep.cli import BAD_INPUT, DONE, FAILED, same_command
 from owtsweep.config import dump, require
 
 
@@ -47,6 +47,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         )
     for failure in outcome.failed:
         print(f"failed: {failure.label}: {failure.reason}", file=sys.stderr)
+    if outcome.failed:
+        print(f"the same command tries again:\n  {same_command(argv)}", file=sys.stderr)
     reused = f", {outcome.reused} were there" if outcome.reused else ""
     print(
         f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: "

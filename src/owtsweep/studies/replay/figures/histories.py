@@ -48,9 +48,8 @@ def draw(
     """
     lines = _lines(config, session, quantity)
     if not lines:
-        raise InputError(
-            f"{quantity}: no scheme here gives one (compiled schemes do if no fix is missing)"
-        )
+        hint = "" if quantity in ("position", "velocity") else "; kernels give one with every fix"
+        raise InputError(f"there is no estimate of {quantity} here{hint}")
     time = session.record.time
     start, end = _window(session, quantity, zoom=zoom)
     shown = (time >= start) & (time <= end)
