@@ -26,5 +26,6 @@ def check(config: HubConfig) -> None:
         require(
             scheme.linear and hasattr(scheme, "kernel"),
             f"schemes: {scheme.name} has no kernel (linear, with gains that no data change), from "
-            "which engine=expected computes; use engine=batch for it",
+            "which engine=expected computes; use engine=batch for it, or set hme.mhe.constraints "
+            "to null if it has any",
         )
