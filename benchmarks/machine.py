@@ -42,16 +42,17 @@ def _compiled() -> tuple[Any, Any, Any]:
     from numba.extending import intrinsic
 
     from owtsweep.compiled import njit
-    from owtsweep.studies.hub.kernels.vector import VECTOR, WIDTH, load, store
+    from owtsweep.studies.hub.kernels.vector import VECTOR, WIDTH, borrowed, load, store
 
     @intrinsic
     def fused(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
         def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            kind = args[0].type
+            kind = args[0].type.elements[0]
             function = cgutils.get_or_insert_function(
                 builder.module, ir.FunctionType(kind, [kind] * 3), f"llvm.fma.v{WIDTH}f64"
             )
-            return builder.call(function, args)
+            parts = [builder.extract_value(value, 0) for value in args]
+            return builder.insert_value(args[0], builder.call(function, parts), 0)
 
         return VECTOR(VECTOR, VECTOR, VECTOR), codegen
 
@@ -61,7 +62,8 @@ def _compiled() -> tuple[Any, Any, Any]:
             a[i] = b[i] + factor * c[i]
 
     @njit
-    def separate(values, count):
+    def separate(array, count):
+        values = borrowed((array,))
         m, s = load(values, 0), load(values, 1)
         a, b, c, d = load(values, 2), load(values, 3), load(values, 4), load(values, 5)
         e, f, g, h = load(values, 6), load(values, 7), load(values, 8), load(values, 9)
@@ -71,7 +73,8 @@ def _compiled() -> tuple[Any, Any, Any]:
         store(values, 2, a + b + c + d + e + f + g + h)
 
     @njit
-    def contracted(values, count):
+    def contracted(array, count):
+        values = borrowed((array,))
         m, s = load(values, 0), load(values, 1)
         a, b, c, d = load(values, 2), load(values, 3), load(values, 4), load(values, 5)
         e, f, g, h = load(values, 6), load(values, 7), load(values, 8), load(values, 9)

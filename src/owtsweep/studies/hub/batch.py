@@ -17,6 +17,7 @@ from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
     ChainArrays,
     Output,
+    Registers,
     Scratch,
     Weights,
     new_output,
@@ -134,7 +135,7 @@ class Run:
         self.chunk, self.lead = chunk_of(chain)
         self.registers = new_registers(feed.groups, chain.filter.window, chain.mhe.horizon)
         self.scratch, self.output = scratch, output
-        self.fixes = feed.fixes
+        self.fixes = tuple(feed.fixes)
         self.sums = np.zeros((36, WIDTH))
         self.squared = np.empty((self.steps if keep else 0, WIDTH))
         self.done = 0
@@ -145,7 +146,7 @@ class Run:
 
         ready = span.stop if span.stop == self.steps else span.stop // self.chunk * self.chunk
         common: tuple[Any, ...] = (
-            self.done, ready, self.chunk, self.settled, span.force, span.base, self.fixes,
+            self.done, ready, self.chunk, self.settled, tuple(span.force), span.base, self.fixes,
             span.position, span.velocity,
         )  # fmt: skip
         own = (
@@ -164,7 +165,7 @@ def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output
     chunk = max(chunk_of(chain)[0] for chain in chains)
     window = max(chain.filter.window for chain in chains)
     prediction = max(chain.predictor.steps for chain in chains)
-    return new_scratch(chunk, window, prediction), new_output(groups, chunk)
+    return new_scratch(groups, chunk, window, prediction), new_output(groups, chunk)
 
 
 def _sums(runs: Sequence[Run], chain: Chain, replicates: int) -> Sums:
@@ -197,6 +198,14 @@ def chunk_of(chain: Chain) -> tuple[int, int]:
     return chunk, chunk + max(prediction, delay + 1)
 
 
+class Estimates(NamedTuple):
+    """A chunk's estimates side by side: position, velocity, innovation, (steps, lanes) each."""
+
+    position: Array
+    velocity: Array
+    innovation: Array
+
+
 def trajectories(
     chain: Chain, sensors: Sensors, force: Array, fixes: Array
 ) -> tuple[Array, Array, Array]:
@@ -214,31 +223,22 @@ def trajectories(
     return result
 
 
-def chunks(chain: Chain, force: Array, fixes: Array) -> Iterator[tuple[int, int, Output]]:
+def chunks(chain: Chain, force: Array, fixes: Array) -> Iterator[tuple[int, int, Estimates]]:
     """Run a chain over lanes chunk by chunk: first step, number of steps, the estimates.
 
-    The output's arrays (steps, lanes) hold the chunk until the next is asked for. Rows of `force`
-    are read when their chunk is run and not before, so a caller may fill them as they are needed.
+    Their arrays hold the chunk until the next is asked for.
     """
     from owtsweep.studies.hub.kernels import runs
 
-    steps, width = force.shape
-    chunk, _ = chunk_of(chain)
-    positions, lead = _in_groups(fixes, 0, len(fixes)), lead_of(chain)
-    groups = len(positions)
-    registers = new_registers(groups, chain.filter.window, chain.mhe.horizon)
-    scratch = new_scratch(chunk, chain.filter.window, chain.predictor.steps)
-    output = new_output(groups, chunk)
-    flat = Output(*(np.zeros((chunk, width)) for _ in Output._fields))
-    for k0 in range(0, steps, chunk):
-        n = min(chunk, steps - k0)
-        runs.run_groups(
-            k0, n, _in_groups(force, k0 - lead, k0 + n), k0 - lead, positions, arrays_of(chain),
-            registers, scratch, output,
-        )  # fmt: skip
-        for out, source in zip(flat, output, strict=True):
-            out[:] = _side_by_side(source, width)
-        yield k0, n, flat
+    width = force.shape[1]
+    chunk, memory = chunk_of(chain)[0], shared_memory([chain], 1)
+    flat = Estimates(*(np.zeros((chunk, width)) for _ in Estimates._fields))
+    for k0, n, lanes, group in _one_by_one(chain, force, fixes, chunk):
+        runs.estimates(k0, n, *group, *memory)
+        for out, source in zip(flat, memory[1], strict=True):
+            out[:, lanes] = source[0][:, : lanes.stop - lanes.start]
+        if lanes.stop == width:
+            yield k0, n, flat
 
 
 def states(chain: Chain, force: Array, fixes: Array) -> Array:
@@ -255,23 +255,28 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
     from owtsweep.studies.hub.kernels import runs
 
     steps, width = force.shape
-    chunk, _ = chunk_of(chain)
-    positions, lead = _in_groups(fixes, 0, len(fixes)), lead_of(chain)
-    groups = len(positions)
-    registers = new_registers(groups, chain.filter.window, chain.mhe.horizon)
-    scratch = new_scratch(chunk, chain.filter.window, chain.predictor.steps)
-    output = new_output(groups, chunk)
-    found = np.empty((groups, chunk, 4, WIDTH))
+    chunk, memory = chunk_of(chain)[0], shared_memory([chain], 1)
+    found = np.empty((chunk, 4, WIDTH))
     result = np.empty((steps, 4, width))
+    for k0, n, lanes, group in _one_by_one(chain, force, fixes, chunk):
+        runs.states(k0, n, *group, *memory, (found.reshape(-1, WIDTH),))
+        result[k0 : k0 + n, :, lanes] = found[:n, :, : lanes.stop - lanes.start]
+    return result
+
+
+def _one_by_one(
+    chain: Chain, force: Array, fixes: Array, chunk: int
+) -> Iterator[tuple[int, int, slice, tuple[Any, ...]]]:
+    """Chunk by chunk and group by group: first step, steps, lanes, and what the kernels take."""
+    (steps, width), lead = force.shape, lead_of(chain)
+    positions = _in_groups(fixes, 0, len(fixes))
+    registers = [new_registers(1, chain.filter.window, chain.mhe.horizon) for _ in positions]
+    arrays = arrays_of(chain)
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
-        runs.states(
-            k0, n, _in_groups(force, k0 - lead, k0 + n), k0 - lead, positions, arrays_of(chain),
-            registers, scratch, output, found.reshape(groups, 4 * chunk, WIDTH),
-        )  # fmt: skip
-        for state in range(4):
-            result[k0 : k0 + n, state] = _side_by_side(found[:, :n, state], width)
-    return result
+        for g, rows in enumerate(_in_groups(force, k0 - lead, k0 + n)):
+            lanes = slice(g * WIDTH, min((g + 1) * WIDTH, width))
+            yield k0, n, lanes, ((rows,), k0 - lead, (positions[g],), arrays, registers[g])
 
 
 def lead_of(chain: Chain) -> int:
@@ -286,8 +291,3 @@ def _in_groups(values: Array, first: int, stop: int) -> Array:
     padded = np.zeros((stop - first, groups * WIDTH))
     padded[max(-first, 0) :, :lanes] = values[max(first, 0) : stop]
     return np.ascontiguousarray(padded.reshape(-1, groups, WIDTH).transpose(1, 0, 2))
-
-
-def _side_by_side(values: Array, lanes: int) -> Array:
-    """(groups, steps, 8) as (steps, lanes)."""
-    return values.transpose(1, 0, 2).reshape(values.shape[1], -1)[:, :lanes]

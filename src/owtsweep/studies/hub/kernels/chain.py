@@ -1,69 +1,95 @@
-"""The whole chain of a scheme over a chunk of eight lanes: filter, smoother, predictor."""
+"""The whole chain of a scheme over a chunk: filter, smoother, predictor.
+
+In two parts: `prepare` takes a whole chunk through filter and smoother; `finish` makes the
+estimates of some of its steps, few enough that they are still in a near cache when they are
+judged. A chain that is a filter alone has nothing to prepare.
+"""
 
 from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import filter_steps
 from owtsweep.studies.hub.kernels.horizon import horizon_fix, horizon_steps
-from owtsweep.studies.hub.kernels.lagging import keep, predict_chunk, recall, smooth_chunk
-from owtsweep.studies.hub.kernels.vector import load, store
+from owtsweep.studies.hub.kernels.lagging import (
+    carry_states,
+    keep,
+    predict_steps,
+    recall,
+    smooth_chunk,
+)
+from owtsweep.studies.hub.kernels.vector import groups, load, store
 
 
 @njit
-def filter_chunk(k0, count, force, base, fixes, chain, registers, scratch, output, final):
-    """The filter over a chunk, fed by the fixes or, interval by interval, by the MHE."""
+def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, shift,
+                final):  # fmt: skip
+    """The filter over a chunk's steps, fed by the fixes or, interval by interval, by the MHE."""
     arrays, mhe, x = chain.filter, chain.mhe, registers.x
     M = arrays.fix_interval
     source = k0 - arrays.input_delay - base
-    q = k0 // M
     if not mhe.active:
-        filter_steps(k0, 0, count, force, source, fixes, q, k0 - q * M, M, arrays, x, scratch,
-                     output, final)  # fmt: skip
+        q = (k0 + first) // M
+        filter_steps(k0, first, stop, force, source, fixes, q, k0 + first - q * M, M, arrays, x,
+                     scratch, output, shift, final)  # fmt: skip
         return
     positions = scratch.positions
-    first = 0
-    while first < count:
+    while first < stop:
         q = (k0 + first) // M
-        stop = min((q + 1) * M - k0, count)
+        end = min((q + 1) * M - k0, stop)
         at_fix = q * M == k0 + first
         if at_fix:
             horizon_fix(q, fixes, mhe, registers)
-        horizon_steps(k0, first, stop, force, source, q, fixes, mhe, M, registers, positions)
+        horizon_steps(k0, first, end, force, source, q, fixes, mhe, M, registers, positions)
         if at_fix and mhe.arrival:  # register 3 takes the state that this fix has corrected
             filter_steps(k0, first, first + 1, force, source, positions, first, 0, 1, arrays, x,
-                         scratch, output, final)  # fmt: skip
+                         scratch, output, shift, final)  # fmt: skip
             oldest = 3 * (q % (mhe.horizon + 1))
             store(registers.arrival, oldest, load(x, 0))
             store(registers.arrival, oldest + 1, load(x, 1))
             store(registers.arrival, oldest + 2, load(x, 3))
             first += 1
-        filter_steps(k0, first, stop, force, source, positions, first, 0, 1, arrays, x, scratch,
-                     output, final)  # fmt: skip
-        first = stop
+        filter_steps(k0, first, end, force, source, positions, first, 0, 1, arrays, x, scratch,
+                     output, shift, final)  # fmt: skip
+        first = end
 
 
 @njit
-def states_chunk(k0, count, force, base, fixes, chain, registers, scratch, output):
-    """Leave filtered or smoothed states in scratch.X, `window` steps late, four rows per step."""
+def is_filter(chain):
+    """Whether the filter's states are the estimates."""
+    return chain.filter.window == 0 and chain.predictor.steps == 0
+
+
+@njit
+def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, whole):
+    """Leave filtered or smoothed states in scratch.X, `window` steps late, four rows per step.
+
+    Unless they are wanted `whole`, of the four only what the predictor takes is left, in two.
+    """
     window = chain.filter.window
     recall(window, registers, scratch)
-    filter_chunk(k0, count, force, base, fixes, chain, registers, scratch, output, False)
+    filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, False)
     keep(count, window, registers, scratch)
-    if window > 0:
-        smooth_chunk(k0, count, chain.filter, scratch)
+    predictor, whole = chain.predictor, whole or chain.predictor.steps == 0
+    if window > 0:  # group by group: there is enough to do while a step waits, and it all fits
+        X, r, s = groups(scratch.X), groups(scratch.r), groups(scratch.s)
+        for g in range(len(X)):
+            smooth_chunk(k0, count, chain.filter, predictor, whole, X[g], r[g], s[g])
+    elif not whole:
+        carry_states(count, predictor, scratch.X)
 
 
 @njit
-def chain_chunk(k0, count, force, base, fixes, chain, registers, scratch, output):
-    """Estimates of steps k0 ... k0 + count - 1; `force` holds step k in row k - base."""
-    position, velocity = output.position, output.velocity
-    if chain.filter.window == 0 and chain.predictor.steps == 0:
-        filter_chunk(k0, count, force, base, fixes, chain, registers, scratch, output, True)
-        return
-    states_chunk(k0, count, force, base, fixes, chain, registers, scratch, output)
-    if chain.predictor.steps > 0:
-        predict_chunk(k0, count, force, base, chain.predictor, scratch, position, velocity)
+def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, output):
+    """Estimates of the chunk's steps first ... stop - 1, from row 0 of the output on.
+
+    `force` holds step k in row k - base. Innovations stay in the row of their step.
+    """
+    if is_filter(chain):
+        filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, first,
+                    True)  # fmt: skip
+    elif chain.predictor.steps > 0:
+        predict_steps(k0, first, stop, force, base, chain.predictor, scratch, output, first)
     else:
-        for i in range(count):
-            store(position, i, load(scratch.X, 4 * i))
-            store(velocity, i, load(scratch.X, 4 * i + 1))
+        for i in range(first, stop):
+            store(output.position, i - first, load(scratch.X, 4 * i))
+            store(output.velocity, i - first, load(scratch.X, 4 * i + 1))

@@ -1,4 +1,4 @@
-"""The multirate Kalman filter over a run of steps of eight lanes."""
+"""The multirate Kalman filter over a run of steps, eight lanes or groups of them at a time."""
 
 from __future__ import annotations
 
@@ -18,14 +18,23 @@ def schedule_row(k, rows, cycle):
 
 
 @njit
+def row_before(k, row, rows, cycle):
+    """The stored row that serves step k - 1, if `row` serves step k."""
+    if row == rows - cycle and k > row:
+        return rows - 1
+    return row - 1
+
+
+@njit
 def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, scratch, output,
-                 final):  # fmt: skip
+                 shift, final):  # fmt: skip
     """Algorithm 6 over steps k0 + first ... k0 + stop - 1.
 
     The specific force of step k0 + i is row source + i. The position that the first step may take
     is row q of `fixes`; the next is due after M - phase steps, then every M. Filtered states and
-    corrections go behind the window in the scratch; where they are `final`, with neither smoother
-    nor predictor to come, position and velocity go to the output.
+    innovations go behind the window in the scratch (of step k0 + i, the position's only where there
+    is one); where they are `final`, with neither smoother nor predictor to come, position and
+    velocity go to row i - shift of the output.
     """
     A, B, h, K = arrays.A, arrays.B, arrays.h, arrays.K
     a01, a02, a03, a12, a13, a22 = A[0, 1], A[0, 2], A[0, 3], A[1, 2], A[1, 3], A[2, 2]
@@ -36,7 +45,9 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
     before = load(force, source + first - 1)
     row = schedule_row(k0 + first, rows, cycle)
     applied = arrays.applied
-    X, e = scratch.X, scratch.e
+    # fields are named once: a tuple of arrays fetched in a loop is counted in and out each time
+    X, r_rows, s_rows = scratch.X, scratch.r, scratch.s
+    position, velocity, innovation = output.position, output.velocity, output.innovation
     for i in range(first, stop):
         now = load(force, source + i)
         prefetch(force, source + i + AHEAD)
@@ -47,15 +58,17 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
         e0, e1, e2, e3 = K[row, 0, 1] * r, K[row, 1, 1] * r, K[row, 2, 1] * r, K[row, 3, 1] * r
         if applied[row]:
             s = load(fixes, q) - m0
-            store(output.innovation, i, s)
+            store(innovation, i, s)
+            if window > 0:
+                store(s_rows, window + i, s)
             e0 = e0 + K[row, 0, 0] * s
             e1 = e1 + K[row, 1, 0] * s
             e2 = e2 + K[row, 2, 0] * s
             e3 = e3 + K[row, 3, 0] * s
         x0, x1, x2, x3 = m0 + e0, m1 + e1, m2 + e2, x3 + e3
         if final:
-            store(output.position, i, x0)
-            store(output.velocity, i, x1)
+            store(position, i - shift, x0)
+            store(velocity, i - shift, x1)
         else:
             at = 4 * (window + i)
             store(X, at, x0)
@@ -63,10 +76,7 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
             store(X, at + 2, x2)
             store(X, at + 3, x3)
             if window > 0:
-                store(e, at, e0)
-                store(e, at + 1, e1)
-                store(e, at + 2, e2)
-                store(e, at + 3, e3)
+                store(r_rows, window + i, r)
         before = now
         phase += 1
         if phase == M:

@@ -1,4 +1,4 @@
-"""The moving horizon estimator in front of the filter, for eight lanes: its registers and maps."""
+"""The moving horizon estimator in front of the filter: its registers and maps."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def horizon_fix(q, fixes, mhe, registers):
     if q > 0:
         store(ip, (q - 1) % nm, load(running, 0))
         store(iv, (q - 1) % nm, load(running, 1))
-    store(running, 0, zero())
-    store(running, 1, zero())
+    store(running, 0, zero(running))
+    store(running, 1, zero(running))
     store(z, q % (nm + 1), load(fixes, q))
     if q < mhe.first:
         return
@@ -25,7 +25,7 @@ def horizon_fix(q, fixes, mhe, registers):
     G = mhe.maps[min(q, mhe.maps.shape[0] - 1)]
     oldest_fix, oldest_input = (q - n) % (nm + 1), (q - n) % nm
     for i in range(3):
-        node = zero()
+        node = zero(running)
         at = oldest_fix
         for j in range(n + 1):
             node = node + G[i, j] * load(z, at)
@@ -78,7 +78,7 @@ def horizon_steps(
                     mean = gathered / float(interval)
                 else:
                     mean = u
-                gathered = zero()
+                gathered = zero(running)
             u = mean
         p = p + (T * v + half * u)
         v = v + T * u

@@ -1,31 +1,47 @@
-"""Fixed-lag smoothing in O(1) per step, and open-loop prediction, over a chunk of eight lanes."""
+"""Fixed-lag smoothing in O(1) per step, and open-loop prediction, over a chunk."""
 
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.filtering import schedule_row
+from owtsweep.studies.hub.kernels.filtering import row_before, schedule_row
 from owtsweep.studies.hub.kernels.vector import load, store, zero
 
 
 @njit
-def smooth_chunk(k0, count, arrays, scratch):
+def smooth_chunk(k0, count, arrays, predictor, whole, X, r, s):
     """Replace X of the steps k0 - window ... by their smoothed states (Algorithm 8).
 
     With e_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed state is x_{k|k} + S_k, where
     S_k = C_k (e_{k+1} + S_{k+1} - W_{k+1} e_{k+1+window}). The recursion is stable backwards in
-    time only, so each chunk starts it anew at its end with the window as run-up.
+    time only, so each chunk starts it anew at its end with the window as run-up. e = K (s, r) is
+    made again of the innovations, by the filter's operations: that is cheaper than to fetch it.
+    Unless the states are wanted `whole`, what the predictor takes of them is left in two rows.
     """
     window, C, W = arrays.window, arrays.C, arrays.W
     rows, cycle = C.shape[0], arrays.cycle
-    e, X = scratch.e, scratch.X
-    s0, s1, s2, s3 = zero(), zero(), zero(), zero()
+    K, applied = arrays.K, arrays.applied
+    pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
+    nothing = zero(X)
+    s0, s1, s2, s3 = nothing, nothing, nothing, nothing
     first = max(window - k0, 0)
+    end = k0 + count  # one more than the newest step, which leaves the window first
+    late = schedule_row(end, rows, cycle)
+    next_row = schedule_row(end - 1, rows, cycle)
     for j in range(window + count - 2, first - 1, -1):
         k = k0 - window + j
         if j + 1 < count:
-            row = schedule_row(k + 1, rows, cycle)
-            at = 4 * (j + 1 + window)
-            l0, l1, l2, l3 = load(e, at), load(e, at + 1), load(e, at + 2), load(e, at + 3)
+            late = row_before(k + 2 + window, late, rows, cycle)
+            at = j + 1 + window
+            seen = load(r, at)
+            l0, l1 = K[late, 0, 1] * seen, K[late, 1, 1] * seen
+            l2, l3 = K[late, 2, 1] * seen, K[late, 3, 1] * seen
+            if applied[late]:
+                seen = load(s, at)
+                l0 = l0 + K[late, 0, 0] * seen
+                l1 = l1 + K[late, 1, 0] * seen
+                l2 = l2 + K[late, 2, 0] * seen
+                l3 = l3 + K[late, 3, 0] * seen
+            row = next_row
             s0 = s0 - (
                 W[row, 0, 0] * l0 + W[row, 0, 1] * l1 + W[row, 0, 2] * l2 + W[row, 0, 3] * l3
             )
@@ -38,62 +54,105 @@ def smooth_chunk(k0, count, arrays, scratch):
             s3 = s3 - (
                 W[row, 3, 0] * l0 + W[row, 3, 1] * l1 + W[row, 3, 2] * l2 + W[row, 3, 3] * l3
             )
-        row = schedule_row(k, rows, cycle)
-        at = 4 * (j + 1)
-        y0, y1 = load(e, at) + s0, load(e, at + 1) + s1
-        y2, y3 = load(e, at + 2) + s2, load(e, at + 3) + s3
+        at = j + 1
+        seen = load(r, at)
+        e0, e1 = K[next_row, 0, 1] * seen, K[next_row, 1, 1] * seen
+        e2, e3 = K[next_row, 2, 1] * seen, K[next_row, 3, 1] * seen
+        if applied[next_row]:
+            seen = load(s, at)
+            e0 = e0 + K[next_row, 0, 0] * seen
+            e1 = e1 + K[next_row, 1, 0] * seen
+            e2 = e2 + K[next_row, 2, 0] * seen
+            e3 = e3 + K[next_row, 3, 0] * seen
+        y0, y1, y2, y3 = e0 + s0, e1 + s1, e2 + s2, e3 + s3
+        row = row_before(k + 1, next_row, rows, cycle)
         s0 = C[row, 0, 0] * y0 + C[row, 0, 1] * y1 + C[row, 0, 2] * y2 + C[row, 0, 3] * y3
         s1 = C[row, 1, 0] * y0 + C[row, 1, 1] * y1 + C[row, 1, 2] * y2 + C[row, 1, 3] * y3
         s2 = C[row, 2, 0] * y0 + C[row, 2, 1] * y1 + C[row, 2, 2] * y2 + C[row, 2, 3] * y3
         s3 = C[row, 3, 0] * y0 + C[row, 3, 1] * y1 + C[row, 3, 2] * y2 + C[row, 3, 3] * y3
+        next_row = row
         if j < count:
             at = 4 * j
-            store(X, at, load(X, at) + s0)
-            store(X, at + 1, load(X, at + 1) + s1)
-            store(X, at + 2, load(X, at + 2) + s2)
-            store(X, at + 3, load(X, at + 3) + s3)
+            x0, x1, x3 = load(X, at) + s0, load(X, at + 1) + s1, load(X, at + 3) + s3
+            if whole:
+                store(X, at, x0)
+                store(X, at + 1, x1)
+                store(X, at + 2, load(X, at + 2) + s2)
+                store(X, at + 3, x3)
+            else:
+                store(X, at, x0 + pv * x1 + pb * x3)
+                store(X, at + 1, x1 + vb * x3)
+
+
+@njit
+def carry_states(count, predictor, X):
+    """Leave what the predictor takes of unsmoothed states in two of their four rows."""
+    pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
+    for at in range(0, 4 * count, 4):
+        x0, x1, x3 = load(X, at), load(X, at + 1), load(X, at + 3)
+        store(X, at, x0 + pv * x1 + pb * x3)
+        store(X, at + 1, x1 + vb * x3)
 
 
 @njit
 def recall(window, registers, scratch):
     """Put the window that the last chunk left in front of this one's."""
+    for row in range(window):
+        store(scratch.r, row, load(registers.r, row))
+        store(scratch.s, row, load(registers.s, row))
     for row in range(4 * window):
-        store(scratch.e, row, load(registers.e, row))
         store(scratch.X, row, load(registers.X, row))
 
 
 @njit
 def keep(count, window, registers, scratch):
-    """Keep the newest `window` filtered states and corrections for the next chunk."""
+    """Keep the newest `window` filtered states and innovations for the next chunk."""
+    for row in range(window):
+        store(registers.r, row, load(scratch.r, count + row))
+        store(registers.s, row, load(scratch.s, count + row))
     for row in range(4 * window):
-        store(registers.e, row, load(scratch.e, 4 * count + row))
         store(registers.X, row, load(scratch.X, 4 * count + row))
 
 
 @njit
-def predict_chunk(k0, count, force, base, predictor, scratch, position, velocity):
-    """Algorithm 9 for all steps of the chunk by differences of running sums of the inputs.
+def predict_steps(k0, first, stop, force, base, predictor, scratch, output, shift):
+    """Algorithm 9 for the chunk's steps first ... stop - 1, into the output's row i - shift.
 
-    The sums start anew in every chunk, so they never grow large against what they differ by.
+    The states' part lies in X, two of four rows. The inputs' is a difference of running sums, which
+    a ring of predictor.steps + 1 rows holds; they start anew in every chunk, so they never grow
+    large against what they differ by.
     """
     n, T, half = predictor.steps, predictor.step, predictor.half
-    pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
     V, P, X = scratch.V, scratch.P, scratch.X
-    v, p = zero(), zero()
-    store(V, 0, v)
-    store(P, 0, p)
+    position, velocity = output.position, output.velocity
     source = k0 - n - base
-    for i in range(count + n - 1):
-        u = load(force, source + i)
+    size = n + 1
+    if first == 0:
+        v, p = zero(force), zero(force)
+        store(V, 0, v)
+        store(P, 0, p)
+        for i in range(n - 1):
+            u = load(force, source + i)
+            p = p + T * v + half * u
+            v = v + T * u
+            store(P, i + 1, p)
+            store(V, i + 1, v)
+        newest = n - 1
+    else:
+        newest = (first + n - 1) % size
+        v, p = load(V, newest), load(P, newest)
+    oldest = first % size
+    span = n * T
+    for i in range(first, stop):
+        u = load(force, source + i + n - 1)
         p = p + T * v + half * u
         v = v + T * u
-        store(P, i + 1, p)
-        store(V, i + 1, v)
-    span = n * T
-    for i in range(count):
-        x0, x1, x3 = load(X, 4 * i), load(X, 4 * i + 1), load(X, 4 * i + 3)
-        v = load(V, i)
-        dv = load(V, i + n) - v
-        dp = load(P, i + n) - load(P, i) - span * v
-        store(position, i, x0 + pv * x1 + pb * x3 + dp)
-        store(velocity, i, x1 + vb * x3 + dv)
+        newest = newest + 1 if newest < n else 0
+        v0, p0 = load(V, oldest), load(P, oldest)
+        store(P, newest, p)
+        store(V, newest, v)
+        oldest = oldest + 1 if oldest < n else 0
+        dv = v - v0
+        dp = p - p0 - span * v0
+        store(position, i - shift, load(X, 4 * i) + dp)
+        store(velocity, i - shift, load(X, 4 * i + 1) + dv)

@@ -13,6 +13,10 @@ from owtsweep.arrays import Array
 WIDTH = 8
 
 
+#: An array per group of eight lanes; compiled code works on all of them side by side.
+Groups = tuple[Array, ...]
+
+
 class FilterArrays(NamedTuple):
     """One axis of the Kalman filter: states (p, v, a, b).
 
@@ -74,65 +78,74 @@ class ChainArrays(NamedTuple):
 
 
 class Registers(NamedTuple):
-    """What eight lanes carry from chunk to chunk; every array is (rows, 8).
+    """What lanes carry from chunk to chunk; each field has an array (rows, 8) per group of eight.
 
-    x (4) the filter's state; e and X (4 window) the newest corrections and filtered states; the
-    MHE's registers: z (horizon + 1) fixes, ip and iv (horizon) effects of the inputs per interval,
-    arrival (3 (horizon + 1)) past states, running (4) the present interval's inputs, node (3) the
-    newest node, fix (1) the position that the filter takes.
+    x (4) the filter's state; r, s (window) and X (4 window) the newest innovations, of specific
+    force and position, and filtered states; the MHE's registers: z (horizon + 1) fixes, ip and iv
+    (horizon) effects of the inputs per interval, arrival (3 (horizon + 1)) past states, running (4)
+    the present interval's inputs, node (3) the newest node, fix (1) the position that the filter
+    takes.
     """
 
-    x: Array
-    e: Array
-    X: Array
-    z: Array
-    ip: Array
-    iv: Array
-    arrival: Array
-    running: Array
-    node: Array
-    fix: Array
+    x: Groups
+    r: Groups
+    s: Groups
+    X: Groups
+    z: Groups
+    ip: Groups
+    iv: Groups
+    arrival: Groups
+    running: Groups
+    node: Groups
+    fix: Groups
 
 
 class Scratch(NamedTuple):
-    """What a chunk needs and leaves to nobody: shared by all lanes, so that it stays in the cache.
+    """What a chunk needs and leaves to nobody: shared by all runs, so that it stays in the cache.
 
-    e and X (4 (window + chunk), 8) corrections and states, four rows per step; V and P (chunk +
-    prediction + 1, 8) sums of inputs; positions (chunk, 8) what the MHE gives the filter.
+    Each field has an array per group of lanes.
+    r and s (window + chunk, 8) innovations; X (4 (window + chunk), 8) states, four rows per step;
+    V and P (prediction + 1, 8) sums of inputs; positions (chunk, 8) what the MHE gives the filter.
     """
 
-    e: Array
-    X: Array
-    V: Array
-    P: Array
-    positions: Array
+    r: Groups
+    s: Groups
+    X: Groups
+    V: Groups
+    P: Groups
+    positions: Groups
 
 
 class Output(NamedTuple):
-    """A chunk's estimates: position, velocity, innovation, (steps, lanes) each."""
+    """A chunk's estimates, of each group of lanes an array (steps, 8)."""
 
-    position: Array
-    velocity: Array
-    innovation: Array
+    position: Groups
+    velocity: Groups
+    innovation: Groups
 
 
 def new_registers(groups: int, window: int, horizon: int) -> Registers:
-    """Registers of some groups of lanes, (groups, rows, 8): zero, as all of the paper starts."""
+    """Registers of some groups of lanes: zero, as all of the paper starts."""
     rows = (
-        4, 4 * window, 4 * window, horizon + 1, horizon, horizon, 3 * (horizon + 1), 4, 3, 1,
+        4, window, window, 4 * window, horizon + 1, horizon, horizon, 3 * (horizon + 1), 4, 3, 1,
     )  # fmt: skip
-    return Registers(*(np.zeros((groups, max(n, 1), WIDTH)) for n in rows))
+    return Registers(*(_zeros(groups, max(n, 1)) for n in rows))
 
 
-def new_scratch(chunk: int, window: int, prediction: int) -> Scratch:
+def new_scratch(groups: int, chunk: int, window: int, prediction: int) -> Scratch:
     """Working memory for chunks of that many steps."""
-    rows = (4 * (window + chunk), 4 * (window + chunk), *[chunk + prediction + 1] * 2, chunk)
-    return Scratch(*(np.zeros((n, WIDTH)) for n in rows))
+    steps = window + chunk
+    rows = (steps, steps, 4 * steps, prediction + 1, prediction + 1, chunk)
+    return Scratch(*(_zeros(groups, n) for n in rows))
 
 
 def new_output(groups: int, chunk: int) -> Output:
-    """Room for a chunk's estimates, (groups, chunk, 8)."""
-    return Output(*(np.zeros((groups, chunk, WIDTH)) for _ in Output._fields))
+    """Room for a chunk's estimates."""
+    return Output(*(_zeros(groups, chunk) for _ in Output._fields))
+
+
+def _zeros(groups: int, rows: int) -> Groups:
+    return tuple(np.zeros((rows, WIDTH)) for _ in range(groups))
 
 
 class Weights(NamedTuple):

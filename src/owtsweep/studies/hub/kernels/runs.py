@@ -1,52 +1,55 @@
 """Whole records through a chain, chunk by chunk, with their errors summed on the fly.
 
 One call works through many chunks without coming back to Python. Everything a chunk leaves between
-its stages stays in the second cache.
+its stages stays in the second cache, and so do estimates until they are judged. `force`,
+`fixes` and all fields of registers, scratch and output are tuples, an array per group of lanes; the
+groups go through each stage side by side.
 """
 
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.chain import chain_chunk, states_chunk
-from owtsweep.studies.hub.kernels.layout import Output, Registers
+from owtsweep.studies.hub.kernels.chain import finish, is_filter, prepare
 from owtsweep.studies.hub.kernels.sums import direct_span, superposed_span
-from owtsweep.studies.hub.kernels.vector import load, store
+from owtsweep.studies.hub.kernels.vector import borrowed, load, store
+
+#: Steps whose estimates are made before they are judged: few enough for the near caches, enough
+#: that calls do not count.
+PIECE = 250
 
 
 @njit
-def group_of(registers, g):
-    """The registers of one group of lanes."""
-    return Registers(
-        registers.x[g], registers.e[g], registers.X[g], registers.z[g], registers.ip[g],
-        registers.iv[g], registers.arrival[g], registers.running[g], registers.node[g],
-        registers.fix[g],
-    )  # fmt: skip
-
-
-@njit
-def run_groups(k0, count, force, base, fixes, chain, registers, scratch, output):
-    """One chunk of all groups: force (groups, rows, 8), fixes (groups, fixes, 8)."""
-    for g in range(force.shape[0]):
-        out = Output(output.position[g], output.velocity[g], output.innovation[g])
-        chain_chunk(
-            k0, count, force[g], base, fixes[g], chain, group_of(registers, g), scratch, out
-        )
+def estimates(k0, count, force, base, fixes, chain, registers, scratch, output):
+    """One chunk's estimates."""
+    u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
+    own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
+    if not is_filter(c):
+        prepare(k0, count, u, base, z, c, own, memory, out, False)
+    finish(k0, 0, count, u, base, z, c, own, memory, out)
 
 
 @njit
 def superposed(k0, stop, chunk, settled, force, base, fixes, position, velocity, direction, chain,
                weights, registers, scratch, output, sums):  # fmt: skip
     """Steps k0 ... stop - 1 of eight replicates in the groups motion, noise x, noise y."""
+    u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
+    own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
+    p, v, w = borrowed((position,)), borrowed((velocity,)), borrowed(weights)
+    cosines, total = borrowed(direction), borrowed((sums,))
     while k0 < stop:
         count = min(chunk, stop - k0)
-        run_groups(k0, count, force, base, fixes, chain, registers, scratch, output)
-        early = min(max(settled - k0, 0), count)
-        if early > 0:
-            superposed_span(k0, 0, early, 0, position, velocity, base, output, direction, chain,
-                            weights, sums)  # fmt: skip
-        if early < count:
-            superposed_span(k0, early, count, 18, position, velocity, base, output, direction,
-                            chain, weights, sums)  # fmt: skip
+        if not is_filter(c):
+            prepare(k0, count, u, base, z, c, own, memory, out, False)
+        for first in range(0, count, PIECE):
+            end = min(first + PIECE, count)
+            finish(k0, first, end, u, base, z, c, own, memory, out)
+            early = min(max(settled - k0, first), end)
+            if early > first:
+                superposed_span(k0, first, early, first, 0, p, v, base, out, cosines, c, w,
+                                total)  # fmt: skip
+            if early < end:
+                superposed_span(k0, early, end, first, 18, p, v, base, out, cosines, c, w,
+                                total)  # fmt: skip
         k0 += count
 
 
@@ -54,26 +57,35 @@ def superposed(k0, stop, chunk, settled, force, base, fixes, position, velocity,
 def direct(k0, stop, chunk, settled, force, base, fixes, position, velocity, direction, chain,
            weights, registers, scratch, output, sums, squared):  # fmt: skip
     """Steps k0 ... stop - 1 of eight replicates in the groups x and y of whole series."""
+    u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
+    own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
+    p, v, w = borrowed((position,)), borrowed((velocity,)), borrowed(weights)
+    cosines, total = borrowed(direction), borrowed((sums,))
+    keep = squared.shape[0] > 0
+    kept = borrowed((squared,))
     while k0 < stop:
         count = min(chunk, stop - k0)
-        run_groups(k0, count, force, base, fixes, chain, registers, scratch, output)
-        early = min(max(settled - k0, 0), count)
-        if early > 0:
-            direct_span(k0, 0, early, 0, position, velocity, base, output, direction, chain,
-                        weights, sums, squared)  # fmt: skip
-        if early < count:
-            direct_span(k0, early, count, 18, position, velocity, base, output, direction,
-                        chain, weights, sums, squared)  # fmt: skip
+        if not is_filter(c):
+            prepare(k0, count, u, base, z, c, own, memory, out, False)
+        for first in range(0, count, PIECE):
+            end = min(first + PIECE, count)
+            finish(k0, first, end, u, base, z, c, own, memory, out)
+            early = min(max(settled - k0, first), end)
+            if early > first:
+                direct_span(k0, first, early, first, 0, p, v, base, out, cosines, c, w,
+                            total, keep, kept)  # fmt: skip
+            if early < end:
+                direct_span(k0, early, end, first, 18, p, v, base, out, cosines, c, w,
+                            total, keep, kept)  # fmt: skip
         k0 += count
 
 
 @njit
 def states(k0, count, force, base, fixes, chain, registers, scratch, output, found):
-    """Filtered or smoothed states of one chunk of all groups, found (groups, 4 rows, 8)."""
-    for g in range(force.shape[0]):
-        out = Output(output.position[g], output.velocity[g], output.innovation[g])
-        states_chunk(
-            k0, count, force[g], base, fixes[g], chain, group_of(registers, g), scratch, out
-        )
-        for row in range(4 * count):
-            store(found[g], row, load(scratch.X, row))
+    """Filtered or smoothed states of one chunk, found (4 count, 8) of each group."""
+    u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
+    own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
+    target = borrowed(found)
+    prepare(k0, count, u, base, z, c, own, memory, out, True)
+    for row in range(4 * count):
+        store(target, row, load(memory.X, row))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import schedule_row
-from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, store
+from owtsweep.studies.hub.kernels.vector import AHEAD, groups, load, prefetch, store
 
 
 @njit
@@ -28,32 +28,30 @@ def superposed_innovations(k0, first, stop, top, output, direction, chain, weigh
     cx, cy = direction[0], direction[1]
     weight, fresh = weights.innovation, weights.fresh
     rows = fresh.shape[0]
+    sm, sx, sy = groups(output.innovation)
     for i in range(first, stop):
         row = schedule_row(k0 + i, rows, chain.filter.cycle)
         if fresh[row]:
             w = weight[row]
-            s, x, y = (
-                load(output.innovation[0], i),
-                load(output.innovation[1], i),
-                load(output.innovation[2], i),
-            )
+            s, x, y = load(sm, i), load(sx, i), load(sy, i)
             add(sums, top, w * s * s)
             add(sums, top + 1, w * s * (cx * x + cy * y))
             add(sums, top + 2, w * (x * x + y * y))
 
 
 @njit
-def superposed_span(k0, first, stop, top, position, velocity, base, output, direction, chain,
-                    weights, sums):  # fmt: skip
+def superposed_span(k0, first, stop, shift, top, position, velocity, base, output, direction,
+                    chain, weights, sums):  # fmt: skip
     """Add the products of the chunk's steps first ... stop - 1 to the rows from `top`.
 
-    `position` and `velocity` (rows, 8) hold the truth of step k in row k - base.
+    `position` and `velocity` (rows, 8) hold the truth of step k in row k - base; the output holds
+    the estimates of the chunk's step i in row i - shift.
     """
     cx, cy = direction[0], direction[1]
     precision, cycle = weights.precision, chain.filter.cycle
     rows = precision.shape[0]
-    m, nx, ny = output.position[0], output.position[1], output.position[2]
-    mv, nvx, nvy = output.velocity[0], output.velocity[1], output.velocity[2]
+    m, nx, ny = groups(output.position)
+    mv, nvx, nvy = groups(output.velocity)
     t0, t1, t2 = load(sums, top), load(sums, top + 1), load(sums, top + 2)
     t3, t4, t5 = load(sums, top + 3), load(sums, top + 4), load(sums, top + 5)
     t6, t7, t8 = load(sums, top + 6), load(sums, top + 7), load(sums, top + 8)
@@ -63,9 +61,10 @@ def superposed_span(k0, first, stop, top, position, velocity, base, output, dire
     for i in range(first, stop):
         k = k0 + i
         pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
-        p = load(m, i) - load(position, k - base)
-        v = load(mv, i) - load(velocity, k - base)
-        px, py, vx, vy = load(nx, i), load(ny, i), load(nvx, i), load(nvy, i)
+        at = i - shift
+        p = load(m, at) - load(position, k - base)
+        v = load(mv, at) - load(velocity, k - base)
+        px, py, vx, vy = load(nx, at), load(ny, at), load(nvx, at), load(nvy, at)
         pn, vn = cx * px + cy * py, cx * vx + cy * vy
         t0 = t0 + cx * cx * p * p
         t1 = t1 + cx * p * px
@@ -106,20 +105,22 @@ def superposed_span(k0, first, stop, top, position, velocity, base, output, dire
 
 
 @njit
-def direct_span(k0, first, stop, top, position, velocity, base, output, direction, chain,
-                weights, sums, squared):  # fmt: skip
+def direct_span(k0, first, stop, shift, top, position, velocity, base, output, direction,
+                chain, weights, sums, keep, squared):  # fmt: skip
     """Add the squared errors (product 2) of the chunk's steps first ... stop - 1.
 
-    `squared` (steps or 0, 8) keeps those of the position.
+    Truth and estimates lie as in `superposed_span`; where they are to
+    be kept, `squared` (steps, 8) takes those of the position.
     """
     cx, cy = direction[0], direction[1]
     precision, cycle, fresh = weights.precision, chain.filter.cycle, weights.fresh
     rows = precision.shape[0]
-    ex, ey = output.position[0], output.position[1]
-    evx, evy = output.velocity[0], output.velocity[1]
+    ex, ey = groups(output.position)
+    evx, evy = groups(output.velocity)
+    sx, sy = groups(output.innovation)
+    weight = weights.innovation
     t2, t5, t8 = load(sums, top + 2), load(sums, top + 5), load(sums, top + 8)
     t11, t14, t17 = load(sums, top + 11), load(sums, top + 14), load(sums, top + 17)
-    keep = squared.shape[0] > 0
     row = schedule_row(k0 + first, rows, cycle)
     for i in range(first, stop):
         at = k0 + i - base
@@ -127,8 +128,8 @@ def direct_span(k0, first, stop, top, position, velocity, base, output, directio
         p, v = load(position, at), load(velocity, at)
         prefetch(position, at + AHEAD)
         prefetch(velocity, at + AHEAD)
-        px, py = load(ex, i) - cx * p, load(ey, i) - cy * p
-        vx, vy = load(evx, i) - cx * v, load(evy, i) - cy * v
+        px, py = load(ex, i - shift) - cx * p, load(ey, i - shift) - cy * p
+        vx, vy = load(evx, i - shift) - cx * v, load(evy, i - shift) - cy * v
         t2 = t2 + px * px
         t5 = t5 + py * py
         t8 = t8 + vx * vx
@@ -139,8 +140,8 @@ def direct_span(k0, first, stop, top, position, velocity, base, output, directio
         if keep:
             store(squared, k0 + i, px * px + py * py)
         if fresh[row]:
-            x, y = load(output.innovation[0], i), load(output.innovation[1], i)
-            t17 = t17 + weights.innovation[row] * (x * x + y * y)
+            x, y = load(sx, i), load(sy, i)
+            t17 = t17 + weight[row] * (x * x + y * y)
         row += 1
         if row == rows:
             row = rows - cycle

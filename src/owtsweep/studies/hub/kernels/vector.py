@@ -5,9 +5,13 @@ not overlap, and keeps the state in memory between steps. A `Vector` is one LLVM
 doubles: it stays in registers, and every operation on it is packed. Lanes never meet, and each
 operation is the IEEE operation of its lane, so the bits are those of a loop over lanes.
 
-Inside kernels: `load(rows, i)` and `store(rows, i, vector)` move row i of a C-contiguous (n, 8)
-array, unchecked; `prefetch(rows, i)` asks for one early; `zero()` is eight zeros; `+ - * /` take
-vectors and floats.
+A filter's step waits for the step before it. A vector may hold several groups of lanes side by
+side, one instruction each: the processor works on one group while the other waits, and the gains
+are read once for all.
+
+Inside kernels: `borrowed` makes rows of tuples of C-contiguous (n, 8) arrays, one array per group;
+`load(rows, i)` and `store(rows, i, vector)` move row i, unchecked; `prefetch(rows, i)` asks for one
+early; `zero(rows)` is as many zeros; `groups` takes rows apart; `+ - * /` take vectors and floats.
 """
 
 from __future__ import annotations
@@ -18,6 +22,7 @@ from typing import Any
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.datamodel import models
+from numba.core.types import containers
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, register_model
 
@@ -27,57 +32,145 @@ WIDTH = 8
 #: Rows ahead of their use that streams from memory are asked for.
 AHEAD = 32
 
+#: Most groups of lanes that one vector holds side by side.
+PARTS = 3
+
 _DOUBLE = ir.DoubleType()
 _LLVM = ir.VectorType(_DOUBLE, WIDTH)
 
 
 class _VectorType(types.Type):
-    def __init__(self) -> None:
-        super().__init__(name="Vector8")
+    def __init__(self, parts: int) -> None:
+        self.parts = parts
+        super().__init__(name=f"Vector8x{parts}")
 
 
-VECTOR = _VectorType()
+VECTORS = {parts: _VectorType(parts) for parts in range(1, PARTS + 1)}
+VECTOR = VECTORS[1]
 
 
 @register_model(_VectorType)
 class _VectorModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, _LLVM)
+        super().__init__(manager, kind, ir.LiteralStructType([_LLVM] * kind.parts))
 
 
-def _address(context: Any, builder: Any, array_type: Any, array: Any, row: Any) -> Any:
-    data = context.make_array(array_type)(context, builder, array).data
-    first = builder.mul(row, ir.Constant(row.type, WIDTH))
-    return builder.bitcast(builder.gep(data, [first]), _LLVM.as_pointer())
+def _join(builder: Any, parts: Any) -> Any:
+    """Registers, or addresses, as one value."""
+    value = ir.Constant(ir.LiteralStructType([part.type for part in parts]), ir.Undefined)
+    for i, part in enumerate(parts):
+        value = builder.insert_value(value, part, i)
+    return value
 
 
-def _check(array: Any) -> None:
-    whole = isinstance(array, types.Array) and array.ndim == 2 and array.layout == "C"
-    if not whole or array.dtype != types.float64:
-        raise TypeError(f"rows of lanes are C-contiguous (n, {WIDTH}) doubles, not {array}")
+def _split(builder: Any, kind: Any, value: Any) -> list[Any]:
+    """The registers of a value."""
+    return [builder.extract_value(value, i) for i in range(kind.parts)]
+
+
+class _RowsType(types.Type):
+    """Where rows of lanes begin, for each of some groups: addresses, which nobody counts."""
+
+    def __init__(self, parts: int) -> None:
+        self.parts = parts
+        super().__init__(name=f"Rows8x{parts}")
+
+
+ROWS = {parts: _RowsType(parts) for parts in range(1, PARTS + 1)}
+
+
+@register_model(_RowsType)
+class _RowsModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        address = _LLVM.as_pointer()
+        super().__init__(manager, kind, ir.LiteralStructType([address] * kind.parts))
+
+
+def _holds_rows(kind: Any) -> bool:
+    whole = isinstance(kind, types.Array) and kind.ndim == 2 and kind.layout == "C"
+    return whole and kind.dtype == types.float64
+
+
+def _borrowed_type(kind: Any) -> Any:
+    if isinstance(kind, containers.UniTuple) and _holds_rows(kind.dtype):
+        return ROWS[len(kind)]
+    if isinstance(kind, containers.BaseNamedTuple):
+        return containers.NamedTuple([_borrowed_type(field) for field in kind], kind.instance_class)
+    return kind
+
+
+def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    if isinstance(kind, types.Array):
+        array = context.make_array(kind)(context, builder, value)
+        array.meminfo = cgutils.get_null_value(array.meminfo.type)
+        array.parent = cgutils.get_null_value(array.parent.type)
+        return array._getvalue()
+    if not isinstance(kind, containers.BaseTuple):
+        return value
+    parts = list(zip(kind, cgutils.unpack_tuple(builder, value, len(kind)), strict=True))
+    target = _borrowed_type(kind)
+    if isinstance(target, _RowsType):
+        arrays = [context.make_array(one)(context, builder, part) for one, part in parts]
+        lanes = [builder.bitcast(array.data, _LLVM.as_pointer()) for array in arrays]
+        return _join(builder, lanes)
+    found = [_borrow(context, builder, one, part) for one, part in parts]
+    return context.make_tuple(builder, target, found)
+
+
+@intrinsic
+def borrowed(typingctx: Any, value: Any) -> Any:
+    """Data as kernels take it, with nothing to be counted; the caller must keep the originals.
+
+    Tuples of arrays (n, 8), one for each group of lanes, become rows; other arrays, also in named
+    tuples, have no owner. numba counts who holds an array at every call and access, in memory that
+    all threads share: with many short calls that is as much work as the filter itself.
+    """
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _borrow(context, builder, sig.args[0], args[0])
+
+    return _borrowed_type(value)(value), codegen
+
+
+@intrinsic
+def groups(typingctx: Any, rows: Any) -> Any:
+    """The rows of each group alone."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        parts = [_join(builder, [one]) for one in _split(builder, rows, args[0])]
+        return context.make_tuple(builder, sig.return_type, parts)
+
+    return containers.UniTuple(ROWS[1], rows.parts)(rows), codegen
+
+
+def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
+    """Where the row lies, in each of the groups."""
+    return [builder.gep(first, [row]) for first in _split(builder, kind, rows)]
 
 
 @intrinsic
 def load(typingctx: Any, rows: Any, i: Any) -> Any:
-    """Row i of an (n, 8) array."""
-    _check(rows)
+    """Row i of each group of lanes."""
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return builder.load(_address(context, builder, sig.args[0], *args), align=8)
+        found = _addresses(builder, rows, *args)
+        return _join(builder, [builder.load(address, align=8) for address in found])
 
-    return VECTOR(rows, types.intp), codegen
+    return VECTORS[rows.parts](rows, types.intp), codegen
 
 
 @intrinsic
 def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
-    """Write a vector to row i of an (n, 8) array."""
-    _check(rows)
+    """Write a vector to row i of each group of lanes."""
+    kind = VECTORS[rows.parts]
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        builder.store(args[2], _address(context, builder, sig.args[0], *args[:2]), align=8)
+        found = _addresses(builder, rows, *args[:2])
+        for part, address in zip(_split(builder, kind, args[2]), found, strict=True):
+            builder.store(part, address, align=8)
         return context.get_dummy_value()
 
-    return types.void(rows, types.intp, VECTOR), codegen
+    return types.void(rows, types.intp, kind), codegen
 
 
 @intrinsic
@@ -86,52 +179,61 @@ def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
 
     The hardware foresees the next rows of a stream but stops at each page, every 64 rows.
     """
-    _check(rows)
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        address = _address(context, builder, sig.args[0], *args)
-        address = builder.bitcast(address, ir.IntType(8).as_pointer())
         flag = ir.IntType(32)
-        kind = ir.FunctionType(ir.VoidType(), [address.type, flag, flag, flag])
-        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
-        builder.call(function, [address, flag(0), flag(3), flag(1)])
+        for address in _addresses(builder, rows, *args):
+            at = builder.bitcast(address, ir.IntType(8).as_pointer())
+            kind = ir.FunctionType(ir.VoidType(), [at.type, flag, flag, flag])
+            function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+            builder.call(function, [at, flag(0), flag(3), flag(1)])
         return context.get_dummy_value()
 
     return types.void(rows, types.intp), codegen
 
 
 @intrinsic
-def zero(typingctx: Any) -> Any:
-    """Eight zeros."""
+def zero(typingctx: Any, rows: Any) -> Any:
+    """Zeros, as many as a row of these has."""
+    kind = VECTORS[rows.parts]
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return ir.Constant(_LLVM, [0.0] * WIDTH)
+        return _join(builder, [ir.Constant(_LLVM, [0.0] * WIDTH)] * kind.parts)
 
-    return VECTOR(), codegen
+    return kind(rows), codegen
 
 
-def _spread(builder: Any, value: Any) -> Any:
+def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
     """A float in all lanes; a vector as it is."""
-    if value.type == _LLVM:
-        return value
+    if isinstance(kind, _VectorType):
+        return _split(builder, kind, value)
     undefined = ir.Constant(_LLVM, ir.Undefined)
     lanes = ir.VectorType(ir.IntType(32), WIDTH)
     first = builder.insert_element(undefined, value, ir.Constant(ir.IntType(32), 0))
-    return builder.shuffle_vector(first, undefined, ir.Constant(lanes, [0] * WIDTH))
+    return [builder.shuffle_vector(first, undefined, ir.Constant(lanes, [0] * WIDTH))] * parts
 
 
 def _define(function: Any, instruction: str) -> None:
-    pairs = ((VECTOR, VECTOR), (types.float64, VECTOR), (VECTOR, types.float64))
+    floating = types.float64
+    pairs = [
+        (vector, *pair)
+        for vector in VECTORS.values()
+        for pair in ((vector, vector), (floating, vector), (vector, floating))
+    ]
 
     @infer_global(function)
     class _Operator(ConcreteTemplate):
-        cases = [signature(VECTOR, *pair) for pair in pairs]  # noqa: RUF012
+        cases = [signature(*pair) for pair in pairs]  # noqa: RUF012
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        left, right = (_spread(builder, value) for value in args)
-        return getattr(builder, instruction)(left, right)
+        parts = sig.return_type.parts
+        left, right = (
+            _spread(builder, kind, value, parts) for kind, value in zip(sig.args, args, strict=True)
+        )
+        operation = getattr(builder, instruction)
+        return _join(builder, [operation(a, b) for a, b in zip(left, right, strict=True)])
 
-    for pair in pairs:
+    for _, *pair in pairs:
         lower_builtin(function, *pair)(codegen)
 
 
