@@ -17,7 +17,6 @@ from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
     ChainArrays,
     Output,
-    Registers,
     Scratch,
     Weights,
     new_output,
