@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from benchmarks.kernels import reasons
 from benchmarks.reference import CELLS, per_cell
 
 #: Least share of the machine's limit, and most ns per step and series on one thread.
@@ -117,7 +118,8 @@ def _kernels(found: dict[str, Any]) -> Iterator[Goal]:
                 f"({kind})",
                 row["share"] >= SHARE,
                 f"one thread reaches {100 * single['share']:.0f} % of its own limit and {threads} "
-                f"threads are {single['ns_median'] / row['ns_median']:.2f} times as fast as one",
+                f"threads are {single['ns_median'] / row['ns_median']:.2f} times as fast as one. "
+                + " ".join(reasons([row], SHARE)),
             )
 
 
