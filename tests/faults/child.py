@@ -5,6 +5,7 @@ Every block takes SECONDS. Ends as the command line does.
 
 from __future__ import annotations
 
+import signal
 import sys
 from types import SimpleNamespace
 
@@ -15,6 +16,8 @@ from owtsweep.commands import sweep as command
 from owtsweep.sweep import progress
 
 if __name__ == "__main__":
+    # Whoever starts the tests in the background leaves Ctrl-C ignored to all that they start.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     results, backend, seconds, levels, *scheduler = sys.argv[1:]
     c = make_config(
         results, backend=backend, workers=2, level=[float(i + 1) for i in range(int(levels))]
