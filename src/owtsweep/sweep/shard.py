@@ -43,7 +43,8 @@ def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
     metadata
         Further entries for the file's metadata, e.g. versions; stored under `owtsweep.<name>`.
     """
-    table = pa.Table.from_pandas(rows, preserve_index=False)
+    # Column by column: `Table.from_pandas` takes longer than all the rest of this.
+    table = pa.table({str(name): pa.array(rows[name].array, from_pandas=True) for name in rows})
     entries = {**metadata, "key": key}
     buffer = io.BytesIO()
     # Uncompressed: pages of a hundred rows do not get smaller, and it halves the time of a read.

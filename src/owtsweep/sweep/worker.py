@@ -270,6 +270,8 @@ def _failures(block: Block, rows: pd.DataFrame) -> list[Failure]:
     """The failed cases of a block by reason."""
     if "status" not in rows.columns or "reason" not in rows.columns:
         return []  # sealing refuses them
+    if not (rows["status"].to_numpy() == FAILED).any():
+        return []  # pandas takes longer to count nothing than a shard takes to be written
     reasons = rows.loc[rows["status"] == FAILED, "reason"].fillna("no reason given").value_counts()
     each = block.cases_per_row
     return [Failure(block.label, str(reason), each * int(n)) for reason, n in reasons.items()]
