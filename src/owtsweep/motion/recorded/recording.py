@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.columns import QUANTITIES
 
 
 @dataclass(frozen=True)
@@ -41,11 +40,6 @@ class Recording:
     def has(self, quantity: str) -> bool:
         """Whether at least one axis of a quantity, such as "fix", is there."""
         return any(f"{quantity}_{axis}" in self.channels for axis in "xy")
-
-    @property
-    def quantities(self) -> tuple[str, ...]:
-        """The quantities that are there, of either axis."""
-        return tuple(name for name in QUANTITIES if self.has(name))
 
     def series(self, role: str) -> tuple[Array, Array]:
         """Times (s) and values of a channel where it has one: (m,), (m,)."""

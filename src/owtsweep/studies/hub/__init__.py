@@ -48,7 +48,7 @@ class HubStudy:
         """Threads for kernels, which release the GIL; processes as soon as one scheme is Python."""
         if config.engine == "expected":
             return "threading"
-        from owtsweep.studies.hub.blocks import uses_kernels
+        from owtsweep.studies.hub import blocks
         from owtsweep.studies.hub.schemes import resolve_all
 
         schemes = resolve_all(config.schemes, config)
@@ -59,8 +59,7 @@ class HubStudy:
                     "by step, amplitude by amplitude",
                     scheme.name,
                 )
-        compiled = all(uses_kernels(config, scheme) for scheme in schemes)
-        return "threading" if compiled else "loky"
+        return blocks.backend(config, schemes)
 
     def run(
         self, config: HubConfig, blocks: Sequence[Block]

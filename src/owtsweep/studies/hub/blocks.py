@@ -104,6 +104,12 @@ def _source_hash(scheme: Scheme) -> str:
     return hashlib.blake2b(source.encode(), digest_size=8).hexdigest()
 
 
+def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
+    """Threads for kernels, which release the GIL; processes as soon as one scheme is Python."""
+    compiled = all(uses_kernels(config, scheme) for scheme in schemes)
+    return "threading" if compiled else "loky"
+
+
 def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
     """Whether the batch engine runs the scheme's own kernel."""
     return config.engine == "batch" and hasattr(scheme, "kernel")

@@ -38,13 +38,10 @@ class ReplayStudy:
 
     def backend(self, config: ReplayConfig) -> str:
         """Threads for kernels; processes as soon as one scheme is Python."""
-        from owtsweep.studies.hub.blocks import uses_kernels
+        from owtsweep.studies.hub.blocks import backend
         from owtsweep.studies.hub.schemes import resolve_all
 
-        compiled = all(
-            uses_kernels(config, scheme) for scheme in resolve_all(config.schemes, config)
-        )
-        return "threading" if compiled else "loky"
+        return backend(config, resolve_all(config.schemes, config))
 
     def run(
         self, config: ReplayConfig, blocks: Sequence[Block]

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.errors import InputError
 from owtsweep.studies.base import FAILED
+from owtsweep.studies.hub.figures.drawings import Drawing, draw_each
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from owtsweep.studies.hub.config import HubConfig
 
-logger = logging.getLogger(__name__)
-
-#: What draws a figure of a name into a folder.
-Drawing = Callable[[Path, str], list[Path]]
 
 #: Natural periods (s) whose MSE over amplitude the paper shows, and the figure's number.
 PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
@@ -58,19 +53,7 @@ def draw_all(
         **_drawings(config, tables, rows, metadata),
         **_illustrations(config, rows, metadata),
     }
-    if only is not None and only not in drawings:
-        raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")
-    files: list[Path] = []
-    for name, draw in drawings.items():
-        if only not in (None, name):
-            continue
-        try:
-            files += draw(folder, name)
-        except InputError as error:
-            if only is not None:
-                raise
-            logger.warning("%s is left out: %s", name, error)
-    return files
+    return draw_each(drawings, folder, only)
 
 
 def _drawings(

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep.errors import InputError
 from owtsweep.studies.replay.config import ReplayConfig
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-logger = logging.getLogger(__name__)
 
 #: Figure -> what of the time histories it shows, and whether zoomed in.
 HISTORIES = {
@@ -48,25 +45,21 @@ def draw_all(
         If there is no figure of that name, or the run cannot have it.
     """
     from owtsweep.studies.hub.figures import style
+    from owtsweep.studies.hub.figures.drawings import Drawing, draw_each
 
     single = len(config.grid.files) == 1
     drawings = _of_one(config, tables) if single else _of_many(config, tables)
     if only == OVERVIEW:
         only = "position_zoom" if single else "best_scheme_by_record"
-    if only is not None and only not in drawings:
-        raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")
-    files: list[Path] = []
-    for name, draw in drawings.items():
-        if only not in (None, name):
-            continue
-        try:
+
+    def saved(draw: Callable[[], Figure]) -> Drawing:
+        def save(target: Path, name: str) -> list[Path]:
             with style.context():
-                files += style.save(draw(), folder, name, metadata)
-        except InputError as error:
-            if only is not None:
-                raise
-            logger.warning("%s is left out: %s", name, error)
-    return files
+                return style.save(draw(), target, name, metadata)
+
+        return save
+
+    return draw_each({name: saved(draw) for name, draw in drawings.items()}, folder, only)
 
 
 def _of_one(

@@ -1,0 +1,37 @@
+"""Drawing the figures of a run by name: all that it has the data for, or one."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from owtsweep.errors import InputError
+
+logger = logging.getLogger(__name__)
+
+#: Draws into a folder under a name, and returns the files.
+Drawing = Callable[[Path, str], list[Path]]
+
+
+def draw_each(drawings: Mapping[str, Drawing], folder: Path, only: str | None) -> list[Path]:
+    """Draw all, or the one called `only`; one of many that the run cannot have is left out.
+
+    Raises
+    ------
+    InputError
+        If there is no figure of that name, or the run cannot have it.
+    """
+    if only is not None and only not in drawings:
+        raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")
+    files: list[Path] = []
+    for name, draw in drawings.items():
+        if only not in (None, name):
+            continue
+        try:
+            files += draw(folder, name)
+        except InputError as error:
+            if only is not None:
+                raise
+            logger.warning("%s is left out: %s", name, error)
+    return files
