@@ -93,6 +93,11 @@ class Backend(_Base):  # type: ignore[misc]
     def __reduce__(self) -> Any:
         return (DaskDistributedBackend, ())
 
+    def effective_n_jobs(self, n_jobs: int = 1) -> int:
+        # What joblib has one job for it runs itself: here, not on the one worker that is left. And
+        # it raises where there is none at the moment, for which `_watch` has more patience.
+        return max(2, sum(self.client.ncores().values()))
+
     def start_call(self) -> None:
         super().start_call()
         self.client.loop.add_callback(self._watch)
