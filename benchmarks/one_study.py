@@ -17,6 +17,7 @@ from typing import Any
 from benchmarks.scale import peak_megabytes
 from benchmarks.timing import median_time, samples, timed
 from owtsweep.config import compose
+from owtsweep.memory import keep_freed_memory
 from owtsweep.studies import get_study
 from owtsweep.sweep.run import Outcome, sweep
 
@@ -75,4 +76,5 @@ def compute(config: Any, threads: int) -> None:
 
 
 if __name__ == "__main__":
+    keep_freed_memory()  # as the command does
     print(json.dumps(run(json.loads(sys.argv[1]), int(sys.argv[2]))))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from owtsweep.cli import BAD_INPUT, DONE, FAILED, same_command
 from owtsweep.config import Config, compose, dump
 from owtsweep.errors import InputError
+from owtsweep.memory import keep_freed_memory
 
 if TYPE_CHECKING:
     from owtsweep.sweep.run import Outcome
@@ -22,6 +23,7 @@ MOST_LABELS = 3
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Compose and check the configuration, then run it (or each of a multirun)."""
+    keep_freed_memory()
     if options.multirun:
         from owtsweep.commands.multirun import run_all
 

@@ -96,7 +96,8 @@ class Backend(_Base):  # type: ignore[misc]
     def effective_n_jobs(self, n_jobs: int = 1) -> int:
         # What joblib has one job for it runs itself: here, not on the one worker that is left. And
         # it raises where there is none at the moment, for which `_watch` has more patience.
-        return max(2, sum(self.client.ncores().values()))
+        cores: int = sum(self.client.ncores().values())
+        return max(2, cores)
 
     def start_call(self) -> None:
         super().start_call()

@@ -14,7 +14,7 @@ from statistics import median
 from typing import Any, Literal
 
 from owtsweep import __version__
-from owtsweep.config import Config, as_mapping, dump
+from owtsweep.config import Config, as_mapping
 from owtsweep.studies.base import Study
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.versions import package_version, shard_metadata
@@ -45,6 +45,7 @@ def start_manifest(
     study: Study,
     config: Config,
     *,
+    text: str,
     argv: Sequence[str] | None,
     backend: str,
     workers: int,
@@ -55,6 +56,8 @@ def start_manifest(
     ----------
     study, config
         What is run.
+    text
+        The configuration as config.yaml has it.
     argv
         The command line as given, or None when the run was started from Python.
     backend, workers
@@ -78,7 +81,7 @@ def start_manifest(
         },
         **shard_metadata(study),
         "config_hash": run_hash(config),
-        "config_digest": blake2b(dump(config).encode(), digest_size=16).hexdigest(),
+        "config_digest": blake2b(text.encode(), digest_size=16).hexdigest(),
         "config": _without_places(config),
         "seed": config.seed,
         "argv": None if argv is None else list(argv),

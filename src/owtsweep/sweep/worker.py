@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from owtsweep.config import Config
+from owtsweep.memory import keep_freed_memory
 from owtsweep.studies.base import FAILED, Block, Study
 from owtsweep.sweep.keys import block_key
 from owtsweep.sweep.log import Record, collected_records, working_on
@@ -140,6 +141,7 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
         return TaskResult(number, 0, failures)
     if work.place == "process":
         _leave_interrupts_to_the_coordinator()
+        keep_freed_memory()
     with collected_records(work.place != "thread") as records:
         task = _Task(work, number, blocks, local)
         try:

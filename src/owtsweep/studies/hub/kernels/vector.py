@@ -30,7 +30,7 @@ from numba.extending import intrinsic, lower_builtin, register_model
 WIDTH = 8
 
 #: Rows ahead of their use that streams from memory are asked for.
-AHEAD = 32
+AHEAD = 128
 
 #: Most groups of lanes that one vector holds side by side.
 PARTS = 3

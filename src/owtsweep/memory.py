@@ -1,0 +1,30 @@
+"""What the process does with memory that it has freed."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+
+#: glibc's names in malloc.h.
+_M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD, _M_ARENA_MAX = -1, -3, -8
+#: Arrays below this many bytes come from memory that the process keeps.
+_LARGEST_KEPT = 2**30
+
+
+def keep_freed_memory() -> None:
+    """Use freed memory again instead of giving it back to the system, where that is glibc's.
+
+    Every block of a sweep asks for the same arrays as the block before it. glibc returns large ones
+    at once, and the system clears each page anew when it is touched again: a tenth of the time of
+    a sweep on one thread, more on several. The peak does not grow: it is that of the largest block
+    anyway, and one arena for all threads holds less than one each. For processes that belong to a
+    sweep, since it holds for everything else in them too.
+    """
+    if sys.platform != "linux":
+        return
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
+    if mallopt is None:  # musl: another allocator
+        return
+    mallopt(_M_ARENA_MAX, 1)
+    mallopt(_M_MMAP_THRESHOLD, _LARGEST_KEPT)
+    mallopt(_M_TRIM_THRESHOLD, 2**31 - 1)
