@@ -126,7 +126,7 @@ def _study(found: dict[str, Any]) -> Any:
     from owtsweep.studies.hub.figures.style import new_figure
 
     figure = new_figure(11.0, 3.2)
-    axes = figure.subplots(1, 4)
+    axes = figure.subplots(1, 4, sharey=True)
     units = {"duration": "duration, s"}
     for ax, axis in zip(axes, found["study"]["axes"], strict=True):
         x = [point["value"] for point in axis["points"]]
@@ -139,12 +139,13 @@ def _study(found: dict[str, Any]) -> Any:
         ax.set(xscale="log", yscale="log", xlabel=units.get(axis["axis"], axis["axis"]))
         ax.set_xticks(x, [f"{value:g}" for value in x])
         ax.minorticks_off()
-        low, high = ax.get_ylim()
-        if high < 10 * low:  # at least a decade, or a flat line looks like a slope
-            middle = (low * high) ** 0.5
-            ax.set_ylim(middle / 10**0.5, middle * 10**0.5)
         slope = axis["exponent"]
         ax.set_title(f"{axis['axis']}: slope {slope:.2f}")
+    low, high = axes[0].get_ylim()
+    ticks = [n * 10.0**k for k in range(-2, 4) for n in (1, 2, 5)]
+    ticks = [tick for tick in ticks if low <= tick <= high]
+    axes[0].set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes[0].minorticks_off()
     axes[0].set_ylabel("seconds")
     axes[0].legend(loc="upper left")
     return figure
