@@ -103,10 +103,10 @@ def test_changed_cells_are_those_whose_best_scheme_differs(folder, compared):
         interval = stats.ttest_1samp(gaps[1] - gaps[0], 0.0).confidence_interval(0.95)
         assert (row.change_low, row.change_high) == pytest.approx(tuple(interval), rel=1e-6)
     overview = compared.overview
-    assert overview["changed"][1].startswith(f"{differs.sum()} (")
+    assert overview["cells changed"][1].startswith(f"{differs.sum()} (")
     for i, own in enumerate(best):
         for scheme in ("MKF", "HME1", "HME2"):
-            assert int(overview[scheme][i]) == (own.best == scheme).sum()
+            assert int(overview[f"cells {scheme}"][i]) == (own.best == scheme).sum()
 
 
 def test_boundaries_are_those_of_each_run(folder, compared):

@@ -27,11 +27,12 @@ def overview(
     first = label(runs[0])
     rows = []
     for index, run in enumerate(runs):
-        row = {name: str(int((best[index]["best"] == name).sum())) for name in shared.schemes}
+        wins = best[index]["best"]
+        row = {f"cells {name}": str(int((wins == name).sum())) for name in shared.schemes}
         row["boundary"] = _range(boundaries[boundaries["index"] == index])
         mine = changed[(changed["from_run"] == first) & (changed["to_run"] == label(run))]
         established = int(mine["established"].sum())
-        row["changed"] = "-" if index == 0 else f"{len(mine)} ({established} established)"
+        row["cells changed"] = "-" if index == 0 else f"{len(mine)} ({established} established)"
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -54,11 +55,11 @@ def sections(comparison: Comparison, shared: Common, tables: Mapping[str, pd.Dat
     return "\n\n".join(
         [
             "## What the columns say",
-            f"Compared are {len(shared.cells)} cells by {shared.criterion} MSE. Under a scheme's "
-            "name stands the number of cells in which it is best; `changed` counts the cells whose "
-            "best scheme is another one than in the first run. A change is *established* if the "
-            "old best scheme beats the new one in the first run, and loses to it in the second, "
-            "both told from zero (the larger p-value, Holm's correction over all cells).",
+            f"Compared are {len(shared.cells)} cells by {shared.criterion} MSE: "
+            "how many a scheme is best in, and in how many the best scheme is another one than in "
+            "the first run. A change is *established* if the old best scheme beats the new one in "
+            "the first run, and loses to it in the second, both told from zero (the larger "
+            "p-value, Holm's correction over all cells).",
             "## Cells that change their best scheme",
             _changes(changed),
             "## Boundary against the other run",
