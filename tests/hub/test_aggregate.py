@@ -11,6 +11,7 @@ from scipy import stats
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import aggregate
+from owtsweep.studies.hub.cube import mean_and_error
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 PERIODS = (3.0, 8.0)
@@ -339,3 +340,12 @@ def test_bad_input_is_named():
         aggregate.best_scheme(values, ["EKF"], "half", criteria=["position"])
     with pytest.raises(InputError, match=r"^rows: two values for one case"):
         aggregate.summary(pd.concat([values, values]), ["EKF"])
+
+
+def test_a_scheme_that_diverges_has_an_open_interval(recwarn):
+    mean, error, n = mean_and_error(np.array([[1e170, 2e170, 6e170], [1.0, 2.0, 3.0]]))
+    assert mean.tolist() == pytest.approx([3e170, 2.0])
+    assert error[0] == np.inf
+    assert error[1] == pytest.approx(3**-0.5)
+    assert n.tolist() == [3, 3]
+    assert not recwarn.list

@@ -232,7 +232,9 @@ def mean_and_error(samples: Floats) -> tuple[Floats, Floats, NDArray[np.intp]]:
     n = present.sum(axis=-1)
     mean = ordered_sum(np.where(present, samples, 0.0)) / n
     deviation = np.where(present, samples - mean[..., np.newaxis], 0.0)
-    error = np.sqrt(ordered_sum(deviation**2) / np.where(n > 1, n * (n - 1.0), np.nan))
+    with np.errstate(over="ignore"):  # a scheme that diverges: no end of its interval is known
+        spread = ordered_sum(deviation**2)
+    error = np.sqrt(spread / np.where(n > 1, n * (n - 1.0), np.nan))
     return mean, error, n
 
 

@@ -200,5 +200,7 @@ def _draw(
     files = style.save(figure, folder, "best_scheme_maps", metadata)
     if not (boundaries["wins"] == "").any():
         return files, [f"no run has an {'/'.join(SCHEMES)} boundary: see boundaries.csv"]
-    figure = boundary_figure.draw(boundaries, comparison, subtitle=subtitle)
+    figure = boundary_figure.draw(
+        boundaries, comparison, amplitudes=shared.amplitudes, subtitle=subtitle
+    )
     return files + style.save(figure, folder, "boundary", metadata), []

@@ -18,9 +18,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARKERS = "osD^vP*X"
+#: How far beyond the swept amplitudes the axis reaches: farther out a boundary is an extrapolation.
+BEYOND = 4.0
 
 
-def draw(boundaries: pd.DataFrame, comparison: Comparison, *, subtitle: str) -> Figure:
+def draw(
+    boundaries: pd.DataFrame,
+    comparison: Comparison,
+    *,
+    amplitudes: Sequence[float],
+    subtitle: str,
+) -> Figure:
     """Draw the boundary over the first key, one line per natural period, one panel per second key.
 
     Parameters
@@ -29,6 +37,8 @@ def draw(boundaries: pd.DataFrame, comparison: Comparison, *, subtitle: str) -> 
         The table of boundaries with the run's `index`; at least one exists.
     comparison
         The runs, told apart by one or two keys.
+    amplitudes
+        The swept ones, m: boundaries far outside of them are drawn at the edge, hollow.
     subtitle
         What is judged.
     """
@@ -49,11 +59,12 @@ def draw(boundaries: pd.DataFrame, comparison: Comparison, *, subtitle: str) -> 
         grid = figure.subplots(1, count, squeeze=False, sharey=True, sharex=True)[0]
         periods = sorted(set(boundaries["natural_period"]))
         ends = boundaries[["boundary", "ci_low", "ci_high"]].to_numpy(dtype=float)
-        ends = ends[np.isfinite(ends) & (ends > 0.0)]
+        edges = (min(amplitudes) / BEYOND, max(amplitudes) * BEYOND)
+        ends = np.clip(ends[np.isfinite(ends) & (ends > 0.0)], *edges)
         narrow = bool(ends.max() < 8.0 * ends.min())  # too few round values on a log scale
         numeric = all(isinstance(run.values[keys[0]], int | float) for run in comparison.runs)
         for axes, group in zip(grid, groups, strict=True):
-            _panel(axes, boundaries, {i: across[i] for i in group}, periods, joined=numeric)
+            _panel(axes, boundaries, {i: across[i] for i in group}, periods, edges, joined=numeric)
             axes.set_yscale("log")
             axes.yaxis.set_major_locator(
                 MaxNLocator(6) if narrow else LogLocator(subs=(1.0, 2.0, 5.0))
@@ -81,7 +92,7 @@ def draw(boundaries: pd.DataFrame, comparison: Comparison, *, subtitle: str) -> 
             ncols=min(len(names), 8),
             frameon=False,
         )
-        style.footnote(figure, _explanation(boundaries))
+        style.footnote(figure, _explanation(boundaries, edges))
     return figure
 
 
@@ -90,6 +101,7 @@ def _panel(
     boundaries: pd.DataFrame,
     places: dict[int, int],
     periods: Sequence[float],
+    edges: tuple[float, float],
     *,
     joined: bool,
 ) -> None:
@@ -113,13 +125,13 @@ def _panel(
             value, low, high = ends.get(index, (np.nan, np.nan, np.nan))
             line.append(value)
             if np.isfinite(low + high):
-                # A lower end of 0 has no place on a logarithmic axis: down to a hundredth.
-                axes.vlines(x[-1], max(low, 0.01 * value), high, linewidth=1.2, **look)
-        axes.plot(
-            x, line, linewidth=1.4, linestyle="-" if joined else "none",
-            marker=MARKERS[number % len(MARKERS)], markersize=5,
-            label=f"{period:g} s", **look,
-        )  # fmt: skip
+                axes.vlines(x[-1], *np.clip([low, high], *edges), linewidth=1.2, **look)
+        look |= {"marker": MARKERS[number % len(MARKERS)], "markersize": 5}
+        drawn = np.clip(line, *edges)
+        style_of_line = "-" if joined else "none"
+        axes.plot(x, drawn, linewidth=1.4, linestyle=style_of_line, label=f"{period:g} s", **look)
+        outside = np.where(drawn == line, np.nan, drawn)
+        axes.plot(x, outside, linestyle="none", markerfacecolor="white", **look)
 
 
 def _say_why_empty(axes: Axes, found: pd.DataFrame, places: dict[int, int]) -> None:
@@ -147,12 +159,18 @@ def _why(found: pd.DataFrame) -> str:
     return f"{winners[0]} is better at every amplitude"
 
 
-def _explanation(boundaries: pd.DataFrame) -> str:
+def _explanation(boundaries: pd.DataFrame, edges: tuple[float, float]) -> str:
     text = (
         f"Below the boundary {LOWER} has the smaller mean MSE of the two, above it {UPPER}; bars:"
         " 95 % interval (bootstrap over the records), left out where an end is infinite. Points of"
         " one value stand side by side."
     )
+    exists = boundaries.loc[boundaries["wins"] == "", "boundary"]
+    if not exists.between(*edges).all():
+        text += (
+            f" Hollow: beyond {edges[0]:.2g}-{edges[1]:.2g} m, far outside the swept amplitudes;"
+            " boundaries.csv has the value."
+        )
     missing = boundaries[boundaries["wins"] != ""]
     if len(missing):
         text += (
