@@ -1,7 +1,8 @@
 """How fast the batch kernels are, alone: ns per step and series, and share of the machine's peaks.
 
 A series is a two-axis record (8 states, two lanes), whole, run directly: filter, MHE, smoother,
-predictor and error sums, with sensors and truth made before and lying in memory. What is counted:
+predictor and error sums, with sensors and truth made before and lying in memory. A thread goes
+through its share of the series in one call, so Python is left out. What is counted:
 
 operations (additions, multiplications) per lane and step, as the algorithm needs them
     filter      27, and 9 more at steps with a position: prediction 15, innovation 4 of the specific
@@ -23,6 +24,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -61,8 +63,12 @@ def work(chain: Any, steps: int, series: int) -> Work:
     return Work(flops=2.0 * lane + 27.0 + 5.0 * fresh, bytes=32.0 + 16.0 / M + gains)
 
 
-def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, list[Any], Any]:
-    """A chain and, per eight series, what it is fed with; sensors and truth are random numbers."""
+def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, Any, Any]:
+    """A chain, what it is fed with, and its arrays; sensors and truth are random numbers.
+
+    Fed are specific force (x, y), fixes (x, y), true position and velocity, (tiles, rows, 8) each
+    with a tile for every eight series; before the first step there are rows of zeros.
+    """
     from owtsweep.config import compose
     from owtsweep.studies.hub import sensors as sensing
     from owtsweep.studies.hub.batch import arrays_of, chunk_of, weights_of
@@ -74,14 +80,35 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, li
     lead = chunk_of(chain)[1]
     draw = np.random.default_rng(1)
     fixes = -(-steps // sensors.fix_interval)
-    tiles = []
-    for _ in range(series // 8):
-        force = np.zeros((2, lead + steps, 8))
-        force[:, lead:] = draw.normal(size=(2, steps, 8))
-        truth = draw.normal(size=(2, lead + steps, 8))
-        positions = draw.normal(size=(2, fixes, 8))
-        tiles.append((tuple(force), -lead, tuple(positions), truth[0], truth[1]))
-    return chain, tiles, (arrays_of(chain), weights_of(chain))
+    tiles = series // 8
+    force = draw.normal(size=(2, tiles, lead + steps, 8))
+    force[:, :, :lead] = 0.0
+    positions = draw.normal(size=(2, tiles, fixes, 8))
+    truth = draw.normal(size=(2, tiles, lead + steps, 8))
+    return chain, (*force, *positions, *truth), (arrays_of(chain), weights_of(chain))
+
+
+@cache
+def _driver() -> Any:
+    """Compiled: some tiles through `runs.direct`, without Python between them.
+
+    Registers are those that the tile before has left: it does not matter for the time.
+    """
+    from owtsweep.compiled import njit
+    from owtsweep.studies.hub.kernels.runs import direct
+
+    @njit
+    def work_through(first, apart, steps, chunk, lead, fed, direction, arrays, weights, registers,
+                     scratch, output, sums, squared):  # fmt: skip
+        fx, fy, zx, zy, position, velocity = fed
+        for tile in range(first, fx.shape[0], apart):
+            direct(
+                0, steps, chunk, 2000, (fx[tile], fy[tile]), -lead, (zx[tile], zy[tile]),
+                position[tile], velocity[tile], direction, arrays, weights, registers, scratch,
+                output, sums, squared,
+            )  # fmt: skip
+
+    return work_through
 
 
 def run_scheme(
@@ -95,22 +122,22 @@ def run_scheme(
 ) -> tuple[list[float], Work]:
     """Seconds per series and step of each repeat, all threads at once, and the work in it."""
     from owtsweep.studies.hub.batch import chunk_of, shared_memory
-    from owtsweep.studies.hub.kernels import runs
     from owtsweep.studies.hub.kernels.layout import new_registers
 
-    chain, tiles, (arrays, weights) = prepared(scheme, series, steps, tuning)
+    chain, fed, own = prepared(scheme, series, steps, tuning)
     direction = np.array([0.8, 0.6])
-    chunk = chunk_of(chain)[0]
+    chunk, lead = chunk_of(chain)
+    registers = [new_registers(2, chain.filter.window, chain.mhe.horizon) for _ in range(threads)]
     memory = [shared_memory([chain], 2) for _ in range(threads)]
     squared = np.empty((0, 8))
 
+    driver = _driver()
+
     def work_through(thread: int) -> None:
-        for force, base, fixes, position, velocity in tiles[thread::threads]:
-            registers = new_registers(2, chain.filter.window, chain.mhe.horizon)
-            runs.direct(
-                0, steps, chunk, 2000, force, base, fixes, position, velocity, direction, arrays,
-                weights, registers, *memory[thread], np.zeros((36, 8)), squared,
-            )  # fmt: skip
+        driver(
+            thread, threads, steps, chunk, lead, fed, direction, *own, registers[thread],
+            *memory[thread], np.zeros((36, 8)), squared,
+        )  # fmt: skip
 
     times = on_threads(work_through, threads, repeats)
     return [t.wall / (steps * series) for t in times], work(chain, steps, series)
