@@ -12,10 +12,11 @@ from owtsweep.motion.recorded.gridding import (
     FULL_BAND,
     Grid,
     Gridded,
+    column,
     grid_of,
+    mark_gaps,
     to_grid,
     uniform_source,
-    without_gaps,
 )
 from owtsweep.motion.recorded.recording import Recording
 
@@ -29,6 +30,7 @@ def to_motion(
     rate: float,
     *,
     quantity: str = "position",
+    orders: int = 3,
     cutoff: float | None = None,
     grid: Grid | None = None,
     limits: Limits | None = None,
@@ -51,6 +53,8 @@ def to_motion(
         Of the grid, Hz.
     quantity
         "position", or "reference" (there, NaN in gaps).
+    orders
+        How many of position, velocity and acceleration, in that order.
     cutoff
         Hz; default the least of 5 Hz and 0.4 of either rate.
     grid, limits
@@ -59,7 +63,7 @@ def to_motion(
     Returns
     -------
     Gridded
-        position, velocity and acceleration with _x and _y.
+        position, velocity and acceleration with _x and _y, or the first `orders` of them.
 
     Raises
     ------
@@ -82,27 +86,30 @@ def to_motion(
             "the record's rate and the IMU's"
         )
     channels: dict[str, Array] = {}
+    pairs: dict[str, Array] = {}
     notes = [f"motion kept up to {chosen:.4g} Hz, nothing above {1.25 * chosen:.4g} Hz"]
     for axis in "xy":
         role = f"{quantity}_{axis}"
-        if role not in sources:
-            notes.append(f"no {role}: that axis is at rest")
-        for order, name in enumerate(("position", "velocity", "acceleration")):
-            if role not in sources:
-                channels[f"{name}_{axis}"] = np.zeros(grid.steps)
-                continue
-            source, step, holes = sources[role]
+        function, holes = None, []
+        if role in sources:
+            source, step, holes = sources.pop(role)
             function = BandLimited(source[1], source[0], step, chosen, grid.rate)
-            derived = function.on_grid(grid.start, grid.rate, grid.steps, order)
+        else:
+            notes.append(f"no {role}: that axis is at rest")
+        for order, name in enumerate(("position", "velocity", "acceleration")[:orders]):
             given = f"{name}_{axis}"
+            channels[given] = column(pairs, given, grid)
+            if function is None:
+                continue
+            derived = function.on_grid(grid.start, grid.rate, grid.steps, order)
             if quantity == "position" and order > 0 and given in recording.channels:
                 recorded = to_grid(recording, [given], rate, grid=grid, limits=limits)
                 notes.append(_mismatch(given, recorded.channels[given], derived))
                 derived = recorded.channels[given]
+            channels[given][:] = derived
             if quantity == "reference":
-                derived = without_gaps(derived, grid, holes)
-            channels[given] = derived
-    return Gridded(grid, channels, chosen, tuple(notes))
+                mark_gaps(channels[given], grid, holes)
+    return Gridded(grid, channels, pairs, chosen, tuple(notes))
 
 
 def _mismatch(role: str, recorded: Array, derived: Array) -> str:

@@ -44,6 +44,9 @@ class Gridded:
     channels
         role -> (steps,) in SI units. Fixes are NaN at steps without one, references NaN in gaps;
         nothing else is ever NaN.
+    pairs
+        quantity -> (steps, 2), x and y side by side, whose columns are channels; zeros along an
+        axis that was not asked for. Fixes are in none.
     cutoff
         Hz, up to where the motion is kept; None where no motion was derived.
     notes
@@ -52,6 +55,7 @@ class Gridded:
 
     grid: Grid
     channels: Mapping[str, Array]
+    pairs: Mapping[str, Array]
     cutoff: float | None
     notes: tuple[str, ...]
 
@@ -109,7 +113,9 @@ def to_grid(
     if grid is None:
         dense = [role for role in roles if not role.startswith(("fix", "reference"))]
         grid = grid_of(recording, dense or roles, rate)
-    channels, notes = {}, []
+    channels: dict[str, Array] = {}
+    pairs: dict[str, Array] = {}
+    notes: list[str] = []
     for role in roles:
         if role.startswith("fix"):
             channels[role], said = _nearest(recording, role, grid)
@@ -117,14 +123,26 @@ def to_grid(
             continue
         source, step, holes = uniform_source(recording, role, limits)
         cutoff = FULL_BAND * min(1.0 / step, grid.rate)
-        same = _same_comb(source, step, grid)
-        if same is None:
+        values = _same_comb(source, step, grid)
+        if values is None:
             function = BandLimited(source[1], source[0], step, cutoff, grid.rate)
             values = function.on_grid(grid.start, grid.rate, grid.steps)
-        else:
-            values = same
-        channels[role] = without_gaps(values, grid, holes) if role.startswith("ref") else values
-    return Gridded(grid, channels, None, tuple(dict.fromkeys(notes)))
+        channels[role] = column(pairs, role, grid)
+        channels[role][:] = values
+        if role.startswith("ref"):
+            mark_gaps(channels[role], grid, holes)
+    return Gridded(grid, channels, pairs, None, tuple(dict.fromkeys(notes)))
+
+
+def column(pairs: dict[str, Array], role: str, grid: Grid) -> Array:
+    """(steps,) the column of a role in its quantity's pair, which is made if need be.
+
+    A role that is no axis of a quantity has an array of its own.
+    """
+    quantity, _, axis = role.rpartition("_")
+    if axis not in ("x", "y"):
+        return np.zeros(grid.steps)
+    return pairs.setdefault(quantity, np.zeros((grid.steps, 2)))[:, "xy".index(axis)]
 
 
 def uniform_source(
@@ -157,7 +175,7 @@ def _same_comb(source: tuple[float, Array], step: float, grid: Grid) -> Array | 
     place = round(first)
     if abs(first - place) + drift > 1e-3 or place < 0 or place + grid.steps > len(values):
         return None
-    return values[place : place + grid.steps].copy()
+    return values[place : place + grid.steps]
 
 
 def _inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
@@ -168,8 +186,10 @@ def _inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
     return result
 
 
-def without_gaps(values: Array, grid: Grid, holes: list[tuple[float, float]]) -> Array:
-    return np.where(_inside(grid.time, holes), np.nan, values) if holes else values
+def mark_gaps(values: Array, grid: Grid, holes: list[tuple[float, float]]) -> None:
+    """Put NaN where values stand in a hole."""
+    if holes:
+        values[_inside(grid.time, holes)] = np.nan
 
 
 def _nearest(recording: Recording, role: str, grid: Grid) -> tuple[Array, list[str]]:

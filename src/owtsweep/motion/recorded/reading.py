@@ -53,21 +53,27 @@ def read(
     chosen = _roles(table, columns or {})
     factors, notes = _factors(table, chosen, units or {})
     loaded = table.load(list(dict.fromkeys(chosen.values())), None)
-    time = np.multiply(loaded[chosen["time"]], factors["time"])
+    channels = {role: _scaled(loaded, role, chosen, factors[role]) for role in chosen}
+    del loaded
+    time = channels.pop("time")
     check_time(table.path, chosen["time"], time)
-    channels: dict[str, Array] = {}
-    for role, name in chosen.items():
-        if role != "time":
-            values = loaded[name]
-            shared = list(chosen.values()).count(name) > 1  # one channel in two roles
-            if shared or not values.flags.writeable:
-                values = values.copy()
-            values *= factors[role]
-            values[~np.isfinite(values)] = np.nan
-            channels[role] = values
+    for values in channels.values():
+        values[~np.isfinite(values)] = np.nan
     bare = Recording(table.path, time, channels, chosen, ())
     notes += check_channels(bare, limits)
     return Recording(table.path, time, channels, chosen, tuple(notes))
+
+
+def _scaled(
+    loaded: Mapping[str, Array], role: str, chosen: Mapping[str, str], scale: float
+) -> Array:
+    """A role's own values in SI; the file's array becomes them where that does no harm."""
+    values = loaded[chosen[role]]
+    shared = list(chosen.values()).count(chosen[role]) > 1  # one channel in two roles
+    if shared or not values.flags.writeable:
+        values = values.copy()
+    values *= scale
+    return values
 
 
 def _roles(table: Table, columns: Mapping[str, str | None]) -> dict[str, str]:

@@ -33,13 +33,18 @@ class Recording:
 
     path: Path
     time: Array
-    channels: Mapping[str, Array]
+    channels: dict[str, Array]
     names: Mapping[str, str]
     notes: tuple[str, ...]
 
     def has(self, quantity: str) -> bool:
         """Whether at least one axis of a quantity, such as "fix", is there."""
         return any(f"{quantity}_{axis}" in self.channels for axis in "xy")
+
+    def let_go(self, quantity: str) -> None:
+        """Forget a quantity that has been taken over: a long record is not held twice."""
+        for axis in "xy":
+            self.channels.pop(f"{quantity}_{axis}", None)
 
     def series(self, role: str) -> tuple[Array, Array]:
         """Times (s) and values of a channel where it has one: (m,), (m,)."""
