@@ -12,8 +12,8 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.replay import measures
 from owtsweep.studies.replay.estimating import estimate
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import measure
-from owtsweep.studies.replay.record import load_record
 
 SMALL = (
     "sensors.imu.rate=20", "hme.mhe.horizon=5", "hme.mhe.smoother_window=6", "hme.mhe.interval=0.5",

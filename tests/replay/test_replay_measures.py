@@ -10,8 +10,8 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.replay import facts, measures, place
 from owtsweep.studies.replay.estimating import estimate
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import measure
-from owtsweep.studies.replay.record import load_record
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ from replay_tools import config_of, motion_file, sensor_file, write_csv
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.replay.fixes import align
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import measure, replicates
-from owtsweep.studies.replay.record import load_record
 
 
 def sine_file(path, rate=25.0, mean=2.0):

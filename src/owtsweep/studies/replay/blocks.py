@@ -17,8 +17,8 @@ from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import measure, replicates
-from owtsweep.studies.replay.record import load_record
 
 if TYPE_CHECKING:
     import pandas as pd

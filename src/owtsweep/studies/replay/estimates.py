@@ -17,8 +17,9 @@ import numpy as np
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import Estimated
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import measure
-from owtsweep.studies.replay.record import Record, load_record
+from owtsweep.studies.replay.record import Record
 from owtsweep.studies.replay.session import each
 
 STATES = ("x", "y", "vx", "vy")

@@ -46,7 +46,7 @@ def described(config: ReplayConfig, file: str) -> tuple[Displacement, float]:
     """The displacement of a file's record, as its facts were taken from, and the step (s)."""
     from owtsweep.studies.hub.schemes import resolve_all
     from owtsweep.studies.hub.sensors import sensors
-    from owtsweep.studies.replay.record import load_record
+    from owtsweep.studies.replay.loading import load_record
 
     known = sensors(config.sensors)
     scheme = resolve_all(config.schemes, config)[describer(config)]

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.record import Record, load_record
+from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.record import Record
 from owtsweep.studies.replay.terminal import cells, fit_warnings, sentences
 from owtsweep.sweep.files import write_atomically
 

@@ -99,7 +99,7 @@ def verify(config: ReplayConfig) -> None:
     InputError
         One line that names the file.
     """
-    from owtsweep.studies.replay.record import load_record
+    from owtsweep.studies.replay.loading import load_record
     from owtsweep.studies.replay.seastates import sea_states
 
     sea_states(config)

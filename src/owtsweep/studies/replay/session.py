@@ -11,8 +11,9 @@ from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.hub.sensors import Measurements
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import Estimated, estimate
+from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import measure
-from owtsweep.studies.replay.record import Record, load_record
+from owtsweep.studies.replay.record import Record
 
 
 @dataclass(frozen=True)

@@ -69,7 +69,7 @@ def notes(config: ReplayConfig) -> list[str]:
     """What the records' readers and resampling have to say, each once; of many with the file."""
     from pathlib import Path
 
-    from owtsweep.studies.replay.record import load_record
+    from owtsweep.studies.replay.loading import load_record
 
     found: dict[str, None] = {}
     for file in config.grid.files:

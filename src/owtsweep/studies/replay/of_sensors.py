@@ -1,0 +1,169 @@
+"""Recorded sensors as a record: specific force, fixes, and the reference if there is one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import require
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded import Grid, Limits, Recording, grid_of, to_grid
+from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.replay import fixes as fixing
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.of_motion import derived
+from owtsweep.studies.replay.record import Record
+
+#: Fixes further than this part of the GNSS interval from their moment make no grid.
+LARGEST_JITTER = 0.25
+
+
+def of_sensors(
+    config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits
+) -> Record:
+    """Specific force and fixes from the first moment at which one is due, and the reference.
+
+    What has been taken over is let go from the recording.
+
+    Raises
+    ------
+    InputError
+        If there are neither fixes nor a reference, or the fixes come at another rate.
+    """
+    rate = config.sensors.imu.rate
+    forces = [role for role in recording.channels if role.startswith("specific_force")]
+    whole = grid_of(recording, forces, rate)
+    gnss = _gnss(config, recording)
+    notes = [*recording.notes]
+    slow = min(recording.rate(role) for role in forces)
+    if slow < 0.999 * rate:
+        notes.append(
+            f"specific force comes at {slow:.4g} Hz and is run at {rate:g} Hz, its noise no longer "
+            "white; a lower sensors.imu.rate avoids that"
+        )
+    offset, values = sensors.delay, None
+    if gnss == "recorded":
+        aligned = _aligned(recording, whole, sensors)
+        offset, values = round(aligned.offset * rate), aligned.values
+        notes += _said(aligned, sensors)
+    recording.let_go("fix")
+    grid = Grid(whole.start + offset / rate, rate, whole.steps - offset)
+    gridded = to_grid(recording, forces, rate, grid=grid, limits=limits)
+    force = gridded.pairs["specific_force"]
+    recording.let_go("specific_force")
+    notes += gridded.notes
+    position = velocity = None
+    if recording.has("reference"):
+        position, velocity, said = _reference(config, recording, whole, limits)
+        notes += said
+    origin = np.zeros(2)
+    if config.replay.remove_mean:
+        known = values if position is None else position
+        origin = np.nanmean(np.asarray(known), axis=0)
+    if position is not None and velocity is not None:
+        position -= origin
+        if values is None:
+            values = fixing.from_reference(position, offset, grid.steps, sensors)
+        else:
+            values = values - origin
+        position, velocity = position[offset:], velocity[offset:]
+    elif values is not None:
+        values = values - origin
+    if values is None:
+        raise TypeError("neither fixes nor a reference")
+    return Record(
+        file=str(recording.path),
+        kind="sensors",
+        gnss=gnss,
+        begin=grid.start,
+        step=sensors.step,
+        steps=grid.steps,
+        origin=origin,
+        position=position,
+        velocity=velocity,
+        acceleration=None,
+        specific_force=force,
+        fixes=values,
+        truth="the reference" if position is not None else "",
+        notes=tuple(notes),
+    )
+
+
+def _gnss(config: ReplayConfig, recording: Recording) -> str:
+    """Where the fixes come from."""
+    wanted = config.replay.gnss
+    if wanted == "auto":
+        wanted = "recorded" if recording.has("fix") else "from_reference"
+    if wanted == "recorded" and not recording.has("fix"):
+        raise InputError(
+            f"{recording.path}: replay.gnss=recorded, but there are no fixes: set columns.fix_x "
+            "and columns.fix_y, or use replay.gnss=from_reference"
+        )
+    if wanted == "from_reference" and not recording.has("reference"):
+        raise InputError(
+            f"{recording.path}: there is a specific force, but neither fixes nor a reference: set "
+            "columns.fix_x and columns.fix_y, or columns.reference_x and columns.reference_y"
+        )
+    return wanted
+
+
+def _aligned(recording: Recording, grid: Grid, sensors: Sensors) -> fixing.Aligned:
+    time = recording.time - grid.start
+    axes = [recording.channels.get(f"fix_{axis}") for axis in "xy"]
+    values = np.stack([np.zeros(len(time)) if a is None else a for a in axes], axis=1)
+    inside = (time >= 0.0) & (time <= (grid.steps - 1) / grid.rate)
+    try:
+        aligned = fixing.align(time[inside], values[inside], (grid.steps - 1) / grid.rate, sensors)
+    except InputError as error:
+        raise InputError(f"{recording.path}: {error}") from None
+    if aligned.jitter > LARGEST_JITTER * sensors.fix_step:
+        own = np.diff(time[np.all(np.isfinite(values), axis=1)])
+        raise InputError(
+            f"{recording.path}: fixes come up to {aligned.jitter:.3g} s away from a grid of "
+            f"{1.0 / sensors.fix_step:g} Hz (their median interval is {np.median(own):.4g} s); "
+            "set sensors.gnss.rate to their rate"
+        )
+    return aligned
+
+
+def _said(aligned: fixing.Aligned, sensors: Sensors) -> list[str]:
+    notes = []
+    if aligned.jitter > 1e-6:
+        notes.append(
+            f"fixes: irregular by up to {aligned.jitter:.3g} s; each was moved to the nearest "
+            "moment at which one is due"
+        )
+    missing = int(np.count_nonzero(~np.isfinite(aligned.values[:, 0])))
+    if missing:
+        due = np.flatnonzero(np.isfinite(aligned.values[:, 0]))
+        often = float(np.median(np.diff(due))) if len(due) > 1 else 1.0
+        rate = 1.0 / (often * sensors.fix_step)
+        hint = f"; mostly they come at {rate:.4g} Hz: set sensors.gnss.rate" if often > 1 else ""
+        notes.append(
+            f"fixes: {missing} of {len(aligned.values)} are missing; the filters run through{hint}"
+        )
+    if aligned.dropped:
+        notes.append(f"fixes: {aligned.dropped} dropped, another stood for the same moment")
+    return notes
+
+
+def _reference(
+    config: ReplayConfig, recording: Recording, grid: Grid, limits: Limits
+) -> tuple[Array, Array, list[str]]:
+    """Position and velocity of the reference on the grid, NaN where it is not."""
+    found = derived(
+        recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
+        grid=grid, limits=limits,
+    )  # fmt: skip
+    position, velocity = found.pairs["position"], found.pairs["velocity"]
+    unknown = ~np.all(np.isfinite(position), axis=1)
+    for axis in "xy":
+        if f"reference_{axis}" in recording.channels:
+            span = recording.series(f"reference_{axis}")[0][[0, -1]]
+            unknown |= (grid.time < span[0] - 1e-9) | (grid.time > span[1] + 1e-9)
+    require(
+        not np.all(unknown),
+        f"{recording.path}: the reference and the specific force do not overlap",
+    )
+    position[unknown] = velocity[unknown] = np.nan
+    return position, velocity, list(found.notes)
