@@ -90,7 +90,7 @@ def to_motion(
     notes = [f"motion kept up to {chosen:.4g} Hz, nothing above {1.25 * chosen:.4g} Hz"]
     for axis in "xy":
         role = f"{quantity}_{axis}"
-        function, holes = None, []
+        function, holes = None, list[tuple[float, float]]()
         if role in sources:
             source, step, holes = sources.pop(role)
             function = BandLimited(source[1], source[0], step, chosen, grid.rate)

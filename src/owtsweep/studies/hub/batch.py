@@ -24,6 +24,7 @@ from owtsweep.studies.hub.kernels.layout import (
     new_scratch,
 )
 from owtsweep.studies.hub.records import Records
+from owtsweep.studies.hub.rows import Rows
 
 #: Steps that the kernels work through at once: the buffers of eight lanes fit the second cache.
 CHUNK = 500
@@ -222,7 +223,7 @@ def trajectories(
     return result
 
 
-def chunks(chain: Chain, force: Array, fixes: Array) -> Iterator[tuple[int, int, Estimates]]:
+def chunks(chain: Chain, force: Array | Rows, fixes: Array) -> Iterator[tuple[int, int, Estimates]]:
     """Run a chain over lanes chunk by chunk: first step, number of steps, the estimates.
 
     Their arrays hold the chunk until the next is asked for.
@@ -251,20 +252,30 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
     Array
         (steps, 4, lanes) in m, m/s, m/s^2, m/s^2; b is x4 of Eq. (6), -R b^b + g.
     """
-    from owtsweep.studies.hub.kernels import runs
-
-    steps, width = force.shape
-    chunk, memory = chunk_of(chain)[0], shared_memory([chain], 1)
-    found = np.empty((chunk, 4, WIDTH))
-    result = np.empty((steps, 4, width))
-    for k0, n, lanes, group in _one_by_one(chain, force, fixes, chunk):
-        runs.states(k0, n, *group, *memory, (found.reshape(-1, WIDTH),))
-        result[k0 : k0 + n, :, lanes] = found[:n, :, : lanes.stop - lanes.start]
+    result = np.empty((force.shape[0], 4, force.shape[1]))
+    for k0, n, found in state_chunks(chain, force, fixes):
+        result[k0 : k0 + n] = found[:n]
     return result
 
 
+def state_chunks(
+    chain: Chain, force: Array | Rows, fixes: Array
+) -> Iterator[tuple[int, int, Array]]:
+    """`states` chunk by chunk: first step, number of steps, (chunk, 4, lanes) until the next."""
+    from owtsweep.studies.hub.kernels import runs
+
+    width = force.shape[1]
+    chunk, memory = chunk_of(chain)[0], shared_memory([chain], 1)
+    found, flat = np.empty((chunk, 4, WIDTH)), np.empty((chunk, 4, width))
+    for k0, n, lanes, group in _one_by_one(chain, force, fixes, chunk):
+        runs.states(k0, n, *group, *memory, (found.reshape(-1, WIDTH),))
+        flat[:, :, lanes] = found[:, :, : lanes.stop - lanes.start]
+        if lanes.stop == width:
+            yield k0, n, flat
+
+
 def _one_by_one(
-    chain: Chain, force: Array, fixes: Array, chunk: int
+    chain: Chain, force: Array | Rows, fixes: Array, chunk: int
 ) -> Iterator[tuple[int, int, slice, tuple[Any, ...]]]:
     """Chunk by chunk and group by group: first step, steps, lanes, and what the kernels take."""
     (steps, width), lead = force.shape, lead_of(chain)
@@ -283,7 +294,7 @@ def lead_of(chain: Chain) -> int:
     return max(chain.predictor.steps, chain.filter.input_delay + 1)
 
 
-def _in_groups(values: Array, first: int, stop: int) -> Array:
+def _in_groups(values: Array | Rows, first: int, stop: int) -> Array:
     """Rows first ... stop - 1 in groups of eight lanes, (groups, rows, 8); zeros before row 0."""
     lanes = values.shape[1]
     groups = -(-lanes // WIDTH)

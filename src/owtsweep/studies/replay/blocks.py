@@ -8,17 +8,22 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from owtsweep.config import as_mapping
 from owtsweep.errors import InputError
 from owtsweep.studies.base import FAILED, OK, Block
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.blocks import scheme_content
+from owtsweep.studies.hub.contract import Scheme, Sensors
+from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
 from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.estimating import estimate
+from owtsweep.studies.replay.estimating import estimates
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import measure, replicates
+from owtsweep.studies.replay.measuring import listen, replicates
+from owtsweep.studies.replay.record import Record
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,6 +31,8 @@ if TYPE_CHECKING:
 COLUMNS = (
     "file", "scheme", "measure", "window", "replicate", "value", "n_samples", "status", "reason",
 )  # fmt: skip
+#: Steps of estimates that replicates hold at once, each of its own piece: some 50 bytes each.
+STEPS_AT_ONCE = 2_000_000
 #: Stands as the scheme of what belongs to the record, and of holding the last fix.
 RECORD, LAST_FIX = "", "last_fix"
 
@@ -117,30 +124,48 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
                 for found in facts.facts(config, record, sensors, scheme, settled)
             ]
             for replicate in range(replicates(config, record)):
-                fixes = measure(config, sensors, record, replicate).fixes
+                fixes = listen(config, sensors, record, replicate).fixes
                 rows += [
                     _row(label, LAST_FIX, replicate, found)
                     for found in measures.held(record, fixes, sensors, settled)
                 ]
             yield block, _frame(rows)
             continue
-        scheme = schemes[name]
-        rows = []
-        for replicate in range(replicates(config, record)):
-            try:
-                measured = measure(config, sensors, record, replicate)
-                estimated = estimate(config, scheme, sensors, measured)
-                rows += [
-                    _row(label, name, replicate, found)
-                    for found in measures.measure(
-                        record, measured.fixes, estimated, sensors, settled
-                    )
-                ]
-            except (Exception, SystemExit) as error:  # a user's scheme: the rest goes on
-                reason = " ".join(f"{type(error).__name__}: {error}".split())
-                rows = [_failed(label, name, replicate, reason)]
-                break
-        yield block, _frame(rows)
+        yield block, _frame(_of_scheme(config, record, label, schemes[name], sensors, settled))
+
+
+def _of_scheme(
+    config: ReplayConfig, record: Record, label: str, scheme: Scheme, sensors: Sensors, settled: int
+) -> list[dict[str, Any]]:
+    """A scheme's rows: all replicates, some of them side by side, or why one failed."""
+    rows: list[dict[str, Any]] = []
+    count = replicates(config, record)
+    parts = measures.edges(settled, record.steps)
+    together = side_by_side(config, scheme, int(np.max(np.diff(parts))))
+    for first in range(0, count, together):
+        some = range(first, min(first + together, count))
+        try:
+            several = [listen(config, sensors, record, replicate) for replicate in some]
+            tallies = [measures.Tally(record, s.fixes, sensors, settled) for s in several]
+            for piece in estimates(config, scheme, sensors, several, parts):
+                for tally, estimated in zip(tallies, piece, strict=True):
+                    tally.add(estimated)
+            for replicate, tally in zip(some, tallies, strict=True):
+                rows += [_row(label, scheme.name, replicate, m) for m in tally.measures()]
+        except (Exception, SystemExit) as error:  # a user's scheme: the rest goes on
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            return [_failed(label, scheme.name, first, reason)]
+    return rows
+
+
+def side_by_side(config: ReplayConfig, scheme: Scheme, longest: int) -> int:
+    """How many replicates to run at once, given the longest piece that each of them holds.
+
+    Kernels work on eight lanes whether they are used or not.
+    """
+    if config.engine != "batch" or not hasattr(scheme, "kernel"):
+        return 1
+    return max(1, min(LANES // 2, STEPS_AT_ONCE // max(longest, 1)))
 
 
 def _row(file: str, scheme: str, replicate: int, found: measures.Measured) -> dict[str, Any]:

@@ -12,9 +12,9 @@ from owtsweep.errors import InputError
 from owtsweep.motion.whittle import Fit, fit
 from owtsweep.studies.hub.contract import Scheme, Sensors
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.estimating import estimate
+from owtsweep.studies.replay.estimating import estimates
 from owtsweep.studies.replay.measures import Measured
-from owtsweep.studies.replay.measuring import measure
+from owtsweep.studies.replay.measuring import listen, pieces_of
 from owtsweep.studies.replay.record import Record
 
 
@@ -37,9 +37,21 @@ def displacement(
         begin = settled if config.measures.window == "settled" else 0
         xy, source = bridged(record.position)[begin:], record.truth
     else:
-        found = estimate(config, scheme, sensors, measure(config, sensors, record, 0))
-        xy, source = found.state[settled:, :2], f"the estimate of {scheme.name}"
+        xy = _estimated(config, record, sensors, scheme)[settled:]
+        source = f"the estimate of {scheme.name}"
     return Displacement(xy - xy.mean(axis=0), source)
+
+
+def _estimated(config: ReplayConfig, record: Record, sensors: Sensors, scheme: Scheme) -> Array:
+    """(steps, 2) a scheme's estimate of the position."""
+    signals = [listen(config, sensors, record, 0)]
+    pieces = estimates(config, scheme, sensors, signals, pieces_of(record.steps))
+    position, begin = np.empty((record.steps, 2)), 0
+    for (piece,) in pieces:
+        end = begin + len(piece.state)
+        position[begin:end] = piece.state[:, :2]
+        begin = end
+    return position
 
 
 def described(config: ReplayConfig, file: str) -> tuple[Displacement, float]:

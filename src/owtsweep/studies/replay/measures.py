@@ -8,9 +8,10 @@ is the MSE at those moments plus the variance of a fix, for every scheme alike.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.contract import Sensors
@@ -29,10 +30,10 @@ LAGS = 10
 Measured = tuple[str, str, float, int]
 
 
-def measure(
-    record: Record, fixes: Array, estimated: Estimated, sensors: Sensors, settled: int
-) -> Iterator[Measured]:
-    """All measures of one replicate.
+class Tally:
+    """All measures of one replicate, from its estimates piece by piece.
+
+    Sums are those over whole pieces, so that any way of making the estimates gives the same.
 
     Parameters
     ----------
@@ -43,14 +44,57 @@ def measure(
     settled
         First settled step.
     """
-    windows = {"full": 0, "settled": settled}
-    if record.position is not None:
-        yield from _errors(record, estimated, settled)
-    residual = _fix_residual(fixes, estimated, sensors)
-    for window, begin in windows.items():
-        yield from _mean("fix_residual", window, residual[begin:])
-        yield from _innovations(estimated, begin, window)
-    yield from _parts("fix_residual", residual, settled)
+
+    def __init__(self, record: Record, fixes: Array, sensors: Sensors, settled: int) -> None:
+        self.record, self.settled = record, settled
+        self.edges = edges(settled, record.steps)
+        self._sums: list[dict[str, tuple[float, int]]] = []
+        self._innovations: list[tuple[NDArray[np.int64], Array, Array]] = []
+        self._taken = 0
+        at = sensors.fix_interval * np.arange(len(fixes)) - sensors.delay
+        # Without a delay that fix has been seen; there is none to compare with.
+        told = (at >= 0) & (at < record.steps) & (sensors.delay > 0)
+        self._told, self._fixes = at[told], fixes[told]
+        self._residual = np.empty(len(self._told))
+
+    def add(self, estimated: Estimated) -> None:
+        """Take the next piece: the steps between two of `edges`."""
+        begin = self._taken
+        self._taken = end = begin + len(estimated.state)
+        if (begin, end) != (self.edges[len(self._sums)], self.edges[len(self._sums) + 1]):
+            raise ValueError(f"steps {begin} to {end} are no piece")
+        self._sums.append(_sums(self.record, estimated, begin))
+        own = slice(*np.searchsorted(self._told, [begin, end]))
+        position = estimated.state[self._told[own] - begin, :2]
+        self._residual[own] = np.sum((self._fixes[own] - position) ** 2, axis=1)
+        there = np.flatnonzero(np.all(np.isfinite(estimated.innovation), axis=1))
+        self._innovations.append(
+            (begin + there, estimated.innovation[there], estimated.innovation_variance[there])
+        )
+
+    def measures(self) -> Iterator[Measured]:
+        """All of them, once the last piece has been added."""
+        if self._taken != self.record.steps:
+            raise ValueError(f"{self._taken} of {self.record.steps} steps have been added")
+        yield from _errors(self._sums)
+        at, innovation, variance = map(np.concatenate, zip(*self._innovations, strict=True))
+        for window, begin in {"full": 0, "settled": self.settled}.items():
+            late = self._told >= begin
+            yield from _mean("fix_residual", window, self._residual[late])
+            yield from _innovations(innovation[at >= begin], variance[at >= begin], window)
+        for number, (begin, end) in enumerate(itertools.pairwise(self.edges[1:])):
+            inside = (self._told >= begin) & (self._told < end)
+            yield from _mean("fix_residual", f"part_{number:02d}", self._residual[inside])
+
+
+def measure(
+    record: Record, fixes: Array, estimated: Estimated, sensors: Sensors, settled: int
+) -> Iterator[Measured]:
+    """All measures of one replicate whose estimates are there as a whole; see `Tally`."""
+    tally = Tally(record, fixes, sensors, settled)
+    for begin, end in itertools.pairwise(tally.edges):
+        tally.add(estimated.part(slice(begin, end)))
+    yield from tally.measures()
 
 
 def held(record: Record, fixes: Array, sensors: Sensors, settled: int) -> Iterator[Measured]:
@@ -60,23 +104,20 @@ def held(record: Record, fixes: Array, sensors: Sensors, settled: int) -> Iterat
     last = np.where(np.isfinite(fixes[:, 0]), np.arange(len(fixes)), -1)
     last = np.maximum.accumulate(last)
     known = np.where(last[:, None] >= 0, fixes[np.maximum(last, 0)], 0.0)
-    error = np.repeat(known, sensors.fix_interval, axis=0)[: record.steps] - record.position
+    squared = []  # axis by axis and in place: a long record leaves little room
+    for axis in range(2):
+        error = np.repeat(known[:, axis], sensors.fix_interval)[: record.steps]
+        error -= record.position[:, axis]
+        squared.append(np.square(error, out=error))
+    both = squared[0] + squared[1]
     for window, begin in {"full": 0, "settled": settled}.items():
-        squared = error[begin:] ** 2
-        yield from _mean("x", window, squared[:, 0])
-        yield from _mean("y", window, squared[:, 1])
-        yield from _mean("position", window, squared.sum(axis=1))
+        yield from _mean("x", window, squared[0][begin:])
+        yield from _mean("y", window, squared[1][begin:])
+        yield from _mean("position", window, both[begin:])
 
 
-def _errors(record: Record, estimated: Estimated, settled: int) -> Iterator[Measured]:
-    """Errors and coverage over both windows and over the pieces of the settled one.
-
-    They are summed piece by piece, so that a long record needs little memory besides itself.
-    """
-    edges = [0, *_edges(settled, record.steps)]
-    pieces = [
-        _sums(record, estimated, slice(begin, end)) for begin, end in itertools.pairwise(edges)
-    ]
+def _errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured]:
+    """Errors and coverage over both windows and over the pieces of the settled one."""
     for window, chosen in (("full", pieces), ("settled", pieces[1:])):
         for name in pieces[0]:
             count = sum(piece[name][1] for piece in chosen)
@@ -84,26 +125,28 @@ def _errors(record: Record, estimated: Estimated, settled: int) -> Iterator[Meas
                 yield (name, window, sum(piece[name][0] for piece in chosen) / count, count)
     for number, piece in enumerate(pieces[1:]):
         for name in ("position", "velocity"):
-            total, count = piece[name]
+            total, count = piece.get(name, (0.0, 0))
             if count:
                 yield (name, f"part_{number:02d}", total / count, count)
 
 
-def _sums(record: Record, estimated: Estimated, part: slice) -> dict[str, tuple[float, int]]:
-    """Measure -> sum and number of its values where there is a truth."""
-    truth = np.concatenate([record.given("position")[part], record.given("velocity")[part]], axis=1)
-    error = estimated.state[part] - truth
+def _sums(record: Record, estimated: Estimated, begin: int) -> dict[str, tuple[float, int]]:
+    """Measure -> sum and number of its values where there is a truth; none without one."""
+    if record.position is None:
+        return {}
+    part = slice(begin, begin + len(estimated.state))
+    truth = np.concatenate([record.position[part], record.given("velocity")[part]], axis=1)
+    error = estimated.state - truth
     squared = error**2
     values = {name: squared[:, i] for i, name in enumerate(("x", "y", "vx", "vy"))}
     values["position"] = squared[:, 0] + squared[:, 1]
     values["velocity"] = squared[:, 2] + squared[:, 3]
-    if estimated.covariance is not None:
-        deviation = estimated.deviation_of(part)
-        known = np.isfinite(squared) & np.isfinite(deviation)
-        inside = np.where(known, squared <= (QUANTILE * deviation) ** 2, np.nan)
-        values["coverage_position"] = inside[:, :2].ravel()
-        values["coverage_velocity"] = inside[:, 2:].ravel()
-        values["nees"] = _nees(error, estimated.covariance[part])
+    deviation = estimated.deviation
+    known = np.isfinite(squared) & np.isfinite(deviation)
+    inside = np.where(known, squared <= (QUANTILE * deviation) ** 2, np.nan)
+    values["coverage_position"] = inside[:, :2].ravel()
+    values["coverage_velocity"] = inside[:, 2:].ravel()
+    values["nees"] = _nees(error, estimated.covariance)
     sums = {}
     for name, series in values.items():
         there = np.isfinite(series)
@@ -119,12 +162,8 @@ def _nees(error: Array, P: Array) -> Array:
     return np.asarray(np.sum(weighted / (pp * vv - pv**2), axis=1))
 
 
-def _innovations(estimated: Estimated, begin: int, window: str) -> Iterator[Measured]:
-    if estimated.innovation is None or estimated.innovation_variance is None:
-        return
-    there = np.all(np.isfinite(estimated.innovation[begin:]), axis=1)
-    innovation = estimated.innovation[begin:][there]
-    variance = estimated.innovation_variance[begin:][there]
+def _innovations(innovation: Array, variance: Array, window: str) -> Iterator[Measured]:
+    """NIS, size and whiteness of (n, 2) innovations."""
     if len(innovation) == 0:
         return
     yield from _mean("nis", window, np.sum(innovation**2 / variance, axis=1))
@@ -158,25 +197,9 @@ def whiteness(innovation: Array) -> tuple[float, float]:
     return float(np.mean(r[0])), float(gammaincc(0.5 * LAGS * axes, 0.5 * Q))
 
 
-def _fix_residual(fixes: Array, estimated: Estimated, sensors: Sensors) -> Array:
-    """(steps,) squared distance of the estimate from the fix that later tells of that moment."""
-    steps, M = len(estimated.state), sensors.fix_interval
-    residual = np.full(steps, np.nan)
-    at = M * np.arange(len(fixes)) - sensors.delay
-    there = (at >= 0) & (at < steps)
-    if sensors.delay == 0:  # that fix has been seen; there is none to compare with
-        return residual
-    residual[at[there]] = np.sum((fixes[there] - estimated.state[at[there], :2]) ** 2, axis=1)
-    return residual
-
-
-def _edges(settled: int, steps: int) -> list[int]:
-    return [int(edge) for edge in np.linspace(settled, steps, PARTS + 1)]
-
-
-def _parts(name: str, values: Array, settled: int) -> Iterator[Measured]:
-    for number, (begin, end) in enumerate(itertools.pairwise(_edges(settled, len(values)))):
-        yield from _mean(name, f"part_{number:02d}", values[begin:end])
+def edges(settled: int, steps: int) -> list[int]:
+    """Where the pieces begin that are summed by themselves: the start, and `PARTS` settled ones."""
+    return [0, *(int(edge) for edge in np.linspace(settled, steps, PARTS + 1))]
 
 
 def _mean(name: str, window: str, values: Array) -> Iterator[Measured]:

@@ -67,14 +67,18 @@ def _of_one(
 ) -> dict[str, Callable[[], Figure]]:
     from owtsweep.studies.replay.figures import histories, place, spectrum
     from owtsweep.studies.replay.session import session
+    from owtsweep.studies.replay.states import NONE, filter_states
 
     known = cache(lambda: session(config, config.grid.files[0]))
+    states = cache(lambda: filter_states(config, known()))
 
     def history(name: str) -> Callable[[], Figure]:
         quantity, zoom = HISTORIES[name]
+        filtered = quantity in ("acceleration", "bias")
         return lambda: histories.draw(
-            config, known(), quantity, zoom=zoom, advised=_advised(tables)
-        )
+            config, known(), states() if filtered else NONE, quantity, zoom=zoom,
+            advised=_advised(tables),
+        )  # fmt: skip
 
     return {
         **{name: history(name) for name in HISTORIES},

@@ -1,0 +1,30 @@
+"""Which of several series are one and the same, told piece by piece."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from owtsweep.arrays import Array
+
+
+class Alike:
+    """Series by name; two are alike as long as all their pieces are."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = names
+        self._pairs = set(combinations(range(len(names)), 2))
+
+    def add(self, pieces: Sequence[Array]) -> None:
+        """Take the next piece of every series."""
+        self._pairs = {
+            (i, j)
+            for i, j in self._pairs
+            if np.allclose(pieces[i], pieces[j], rtol=1e-9, atol=1e-12, equal_nan=True)
+        }
+
+    def repeated(self) -> frozenset[str]:
+        """Names of those that a later one repeats."""
+        return frozenset(self.names[i] for i, _ in self._pairs)

@@ -1,0 +1,60 @@
+"""A long series as few points, told piece by piece: `decimate` of a series that never is whole."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.arrays import Array
+
+#: Points of a series over the width of a figure.
+POINTS = 1200
+
+
+class Envelope:
+    """The least and the greatest value of each of some spans, and the ends, as `decimate` has them.
+
+    Parameters
+    ----------
+    steps
+        How many values there will be, all finite; those beyond are left out.
+    points
+        A series of no more than that many values is kept as it is.
+    """
+
+    def __init__(self, steps: int, points: int = POINTS) -> None:
+        self.steps = steps
+        spans = steps if steps <= points else max(points // 2, 1)
+        self._edges = np.linspace(0, steps, spans + 1).astype(int)
+        self._least = np.full(spans, np.inf)
+        self._greatest = np.full(spans, -np.inf)
+        self._at = np.zeros((2, spans), dtype=np.int64)
+        self._ends = np.zeros(2)
+        self._taken = 0
+
+    def add(self, values: Array) -> None:
+        """Take the next values, (n,)."""
+        begin = self._taken
+        values = values[: max(self.steps - begin, 0)]
+        self._taken = end = begin + len(values)
+        if begin == end:
+            return
+        first = int(np.searchsorted(self._edges, begin, "right")) - 1
+        last = int(np.searchsorted(self._edges, end - 1, "right"))
+        for span in range(first, last):
+            low = max(int(self._edges[span]), begin)
+            part = values[low - begin : int(self._edges[span + 1]) - begin]
+            i, j = int(np.argmin(part)), int(np.argmax(part))
+            if part[i] < self._least[span]:
+                self._least[span], self._at[0, span] = part[i], low + i
+            if part[j] > self._greatest[span]:
+                self._greatest[span], self._at[1, span] = part[j], low + j
+        if begin == 0:
+            self._ends[0] = values[0]
+        self._ends[1] = values[-1]
+
+    def points(self) -> tuple[Array, Array]:
+        """Steps and values, (n,) each, in their order in time."""
+        steps = np.concatenate([[0, self.steps - 1], *self._at]).astype(int)
+        values = np.concatenate([self._ends, self._least, self._greatest])
+        steps, kept = np.unique(steps, return_index=True)
+        return steps, values[kept]

@@ -1,0 +1,185 @@
+"""The lines that a figure of a record in time consists of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.studies.hub.figures.decimate import decimate
+from owtsweep.studies.replay.envelope import POINTS, Envelope
+from owtsweep.studies.replay.estimating import north_east
+from owtsweep.studies.replay.session import COLUMNS, Session
+from owtsweep.studies.replay.states import FilterStates
+
+#: Pieces without a gap: times (s) and values, few enough to be drawn.
+Line = list[tuple[Array, Array]]
+Pair = tuple[Line, Line]
+
+
+@dataclass(frozen=True)
+class Traces:
+    """What a figure of one quantity shows.
+
+    Attributes
+    ----------
+    start, end
+        Of the view, s.
+    lines, errors
+        Scheme -> its x and y; scheme -> the error of its x. Schemes that repeat another are left
+        out.
+    bound
+        The largest error of x after a fifth of the record: how far its axis has to reach.
+    truth, imu
+        x and y.
+    fixes
+        Times at which they come (n,), values (n, 2).
+    deviations, innovations
+        Scheme -> times and standard deviations of x; times and innovations of x over their own.
+    limits
+        What the axes of x and of y have to hold, where that is not all there is.
+    """
+
+    start: float
+    end: float
+    lines: Mapping[str, Pair]
+    errors: Mapping[str, Line]
+    bound: float
+    truth: Pair | None = None
+    imu: Pair | None = None
+    fixes: tuple[Array, Array] | None = None
+    deviations: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
+    innovations: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
+    limits: Array | None = None
+
+
+def traces(session: Session, states: FilterStates, quantity: str, *, zoom: bool) -> Traces:
+    """The lines of "position", "velocity", "acceleration" (zoomed in) or "bias" (whole)."""
+    if quantity == "bias":
+        return _of_bias(session, states)
+    if quantity == "acceleration":
+        return _of_acceleration(session, states)
+    return _of_state(session, quantity, "zoom" if zoom else "whole")
+
+
+def _of_state(session: Session, quantity: str, name: str) -> Traces:
+    record, window, columns = session.record, session.windows[name], COLUMNS[quantity]
+    time = record.time_at(window)
+    seen = {
+        scheme: estimated
+        for scheme, estimated in session.seen[name].items()
+        if scheme not in session.repeated[quantity]
+    }
+    series: Array | None = getattr(record, quantity)
+    truth = None if series is None else series[window]
+    errors, deviations = {}, {}
+    for scheme, estimated in seen.items():
+        if truth is not None:
+            errors[scheme] = line(time, estimated.state[:, columns.start] - truth[:, 0])
+            deviations[scheme] = time, estimated.deviation[:, columns.start]
+    innovations = {}
+    for scheme, estimated in session.seen[name].items():
+        scaled = estimated.innovation[:, 0] / np.sqrt(estimated.innovation_variance[:, 0])
+        there = np.isfinite(scaled)
+        if np.any(there):
+            innovations[scheme] = time[there], scaled[there]
+    return Traces(
+        *_view(time),
+        {scheme: pair(time, estimated.state[:, columns]) for scheme, estimated in seen.items()},
+        errors,
+        max((session.bounds[quantity][scheme] for scheme in seen), default=0.0),
+        truth=None if truth is None else pair(time, truth),
+        fixes=_fixes(session, window) if quantity == "position" else None,
+        deviations=deviations,
+        innovations=innovations,
+    )
+
+
+def _fixes(session: Session, window: slice) -> tuple[Array, Array]:
+    M = session.sensors.fix_interval
+    number = slice(-(-window.start // M), -(-window.stop // M))
+    due = M * np.arange(number.start, number.stop)
+    return session.record.time_at(window)[due - window.start], session.signals.fixes[number]
+
+
+def _of_acceleration(session: Session, states: FilterStates) -> Traces:
+    record, window = session.record, session.windows["acceleration"]
+    time = record.time_at(window)
+    found = {
+        name: state
+        for name, state in states.of.items()
+        if state.acceleration is not None and name not in states.repeated["acceleration"]
+    }
+    truth = None if record.acceleration is None else record.acceleration[window]
+    lines, errors = {}, {}
+    for name, state in found.items():
+        if state.acceleration is not None:
+            lines[name] = pair(time, state.acceleration)
+            if truth is not None:
+                errors[name] = line(time, state.acceleration[:, 0] - truth[:, 0])
+    measured = _force(session, window) + np.array(session.sensors.gravity)
+    return Traces(
+        *_view(time),
+        lines,
+        errors,
+        max((state.acceleration_bound for state in found.values()), default=0.0),
+        truth=None if truth is None else pair(time, truth),
+        imu=pair(time, measured),
+    )
+
+
+def _force(session: Session, window: slice) -> Array:
+    """(n, 2) the specific force in NED in a window."""
+    parts, begin = [], 0
+    for piece in north_east(session.signals, session.sensors):
+        parts.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0)])
+        begin += len(piece)
+        if begin >= window.stop:
+            break
+    return np.concatenate(parts)
+
+
+def _of_bias(session: Session, states: FilterStates) -> Traces:
+    record = session.record
+    found = {n: state for n, state in states.of.items() if n not in states.repeated["bias"]}
+    limits = np.array([state.bias_range for state in found.values()] + [states.true_range])
+
+    def drawn(envelope: Envelope) -> Line:
+        steps, values = envelope.points()
+        return [(record.begin + record.step * steps, values)]
+
+    truth = states.true_bias
+    last = record.time_at(slice(record.steps - 1, record.steps))[0]
+    return Traces(
+        record.begin,
+        float(last),
+        {name: (drawn(state.bias[0]), drawn(state.bias[1])) for name, state in found.items()},
+        {} if truth is None else {n: drawn(state.bias_error) for n, state in found.items()},
+        max((state.bias_bound for state in found.values()), default=0.0),
+        truth=None if truth is None else (drawn(truth[0]), drawn(truth[1])),
+        limits=np.stack([limits[..., 0].min(axis=0), limits[..., 1].max(axis=0)], axis=1),
+    )
+
+
+def _view(time: Array) -> tuple[float, float]:
+    return float(time[0]), float(time[-1])
+
+
+def pair(time: Array, values: Array) -> Pair:
+    """Lines of the two columns of (n, 2) values."""
+    return line(time, values[:, 0]), line(time, values[:, 1])
+
+
+def line(time: Array, values: Array) -> Line:
+    """A line, decimated, in as many pieces as its gaps leave."""
+    there = np.isfinite(values)
+    if np.all(there):
+        return [decimate(time, values, POINTS)]
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
+    pieces = []
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        share = max(int(POINTS * (end - begin) / len(values)), 8)
+        pieces.append(decimate(time[begin:end], values[begin:end], share))
+    return pieces
