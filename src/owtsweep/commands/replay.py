@@ -31,11 +31,14 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         print("owtsweep: nothing was deleted, nothing was run", file=sys.stderr)
         return BAD_INPUT
     progress = make_progress(quiet=False)
-    outcome = execute(config, fresh=options.fresh, progress=progress, argv=list(argv))
+    outcome = execute(
+        config, fresh=options.fresh, progress=progress, argv=list(argv),
+        say=lambda text: print(text, file=sys.stderr, flush=True),
+    )  # fmt: skip
     from owtsweep.studies.replay import report
-    from owtsweep.studies.replay.terminal import notes
+    from owtsweep.studies.replay.terminal import spectrum_notes
 
-    for note in notes(config):
+    for note in spectrum_notes(config):
         print(f"note: {note}", file=sys.stderr)
     tables = outcome.run.tables()
     if tables:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from functools import lru_cache
 from pathlib import Path
+from threading import BoundedSemaphore
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +16,7 @@ from owtsweep.config import as_mapping
 from owtsweep.errors import InputError
 from owtsweep.studies.base import FAILED, OK, Block
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.blocks import scheme_content
+from owtsweep.studies.hub.blocks import backend, scheme_content
 from owtsweep.studies.hub.contract import Scheme, Sensors
 from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
 from owtsweep.studies.hub.schemes import resolve_all
@@ -33,6 +35,9 @@ COLUMNS = (
 )  # fmt: skip
 #: Steps of estimates that replicates hold at once, each of its own piece: some 50 bytes each.
 STEPS_AT_ONCE = 2_000_000
+#: Of longer records two schemes run at once, however many workers there are: memory is bounded.
+LONG = 1_000_000
+_ROOM = BoundedSemaphore(2)
 #: Stands as the scheme of what belongs to the record, and of holding the last fix.
 RECORD, LAST_FIX = "", "last_fix"
 
@@ -81,6 +86,8 @@ def _digest(states: tuple[tuple[str, int, int], ...]) -> str:
 def plan(config: ReplayConfig) -> list[Block]:
     """The record's own block, then one per scheme, for every file."""
     shared = _shared_content(config)
+    # Threads share a record that was read once; processes would each read it.
+    apart = backend(config, resolve_all(config.schemes, config)) == "threading"
     schemes = resolve_all(config.schemes, config)
     blocks = []
     for label, file in labels(config.grid.files).items():
@@ -95,7 +102,8 @@ def plan(config: ReplayConfig) -> list[Block]:
         }
         blocks.append(Block(label, f"{label}, the record", first, 1))
         for scheme, entry in zip(schemes, own, strict=True):
-            blocks.append(Block(label, f"{label}, {scheme.name}", {**content, **entry}, 1))
+            group = f"{label}, {scheme.name}" if apart else label
+            blocks.append(Block(group, f"{label}, {scheme.name}", {**content, **entry}, 1))
     return blocks
 
 
@@ -147,9 +155,10 @@ def _of_scheme(
         try:
             several = [listen(config, sensors, record, replicate) for replicate in some]
             tallies = [measures.Tally(record, s.fixes, sensors, settled) for s in several]
-            for piece in estimates(config, scheme, sensors, several, parts):
-                for tally, estimated in zip(tallies, piece, strict=True):
-                    tally.add(estimated)
+            with _ROOM if record.steps > LONG else nullcontext():
+                for piece in estimates(config, scheme, sensors, several, parts):
+                    for tally, estimated in zip(tallies, piece, strict=True):
+                        tally.add(estimated)
             for replicate, tally in zip(some, tallies, strict=True):
                 rows += [_row(label, scheme.name, replicate, m) for m in tally.measures()]
         except (Exception, SystemExit) as error:  # a user's scheme: the rest goes on

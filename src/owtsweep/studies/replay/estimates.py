@@ -16,6 +16,7 @@ import numpy as np
 
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.replay.blocks import LONG
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import Estimated
 from owtsweep.studies.replay.loading import load_record
@@ -27,8 +28,6 @@ STATES = ("x", "y", "vx", "vy")
 COLUMNS = ("time", "scheme", *STATES, *(f"{name}_std" for name in STATES))
 #: Rows of a piece.
 PIECE = 500_000
-#: Beyond so many steps a record is worth a word about what takes its time.
-LONG = 1_000_000
 #: Bytes of a row in CSV and in Parquet, roughly.
 ROW = (160, 60)
 

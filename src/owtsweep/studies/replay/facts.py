@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Iterator
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.whittle import Fit, fit
+from owtsweep.motion.whittle import Fit, fit_lines, periodogram
 from owtsweep.studies.hub.contract import Scheme, Sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimates
 from owtsweep.studies.replay.measures import Measured
 from owtsweep.studies.replay.measuring import listen, pieces_of
 from owtsweep.studies.replay.record import Record
+
+#: Upper end of the spectrum that is kept over the upper edge of the band.
+BEYOND = 2.0
 
 
 class Displacement(NamedTuple):
@@ -54,16 +59,71 @@ def _estimated(config: ReplayConfig, record: Record, sensors: Sensors, scheme: S
     return position
 
 
-def described(config: ReplayConfig, file: str) -> tuple[Displacement, float]:
-    """The displacement of a file's record, as its facts were taken from, and the step (s)."""
+@dataclass(frozen=True)
+class Description:
+    """What is kept of a record's spectrum.
+
+    Attributes
+    ----------
+    source
+        What the displacement was taken from.
+    moves
+        Whether there is any.
+    frequency, power
+        Periodogram of the displacement, Hz and m^2/Hz, up to `BEYOND` times the band.
+    fit
+        Eq. (1) fitted inside the band, or why it cannot be.
+    """
+
+    source: str
+    moves: bool
+    frequency: Array
+    power: Array
+    fit: Fit | str
+
+
+_KEPT = 4
+_KNOWN: OrderedDict[Any, Description] = OrderedDict()
+
+
+def described(config: ReplayConfig, file: str) -> Description:
+    """The spectrum of a file's record, as its facts have it; that of the last few is kept."""
     from owtsweep.studies.hub.schemes import resolve_all
     from owtsweep.studies.hub.sensors import sensors
     from owtsweep.studies.replay.loading import load_record
 
+    kept = _KNOWN.get(_key(config, file))
+    if kept is not None:
+        return kept
     known = sensors(config.sensors)
     scheme = resolve_all(config.schemes, config)[describer(config)]
     settled = round(config.measures.settling_time / known.step)
-    return displacement(config, load_record(config, file), known, scheme, settled), known.step
+    found = displacement(config, load_record(config, file), known, scheme, settled)
+    return _describe(config, file, found, known.step)
+
+
+def _key(config: ReplayConfig, file: str) -> tuple[str, ...]:
+    from owtsweep.studies.replay.blocks import digest
+
+    return file, digest(file), repr(config)
+
+
+def _describe(config: ReplayConfig, file: str, found: Displacement, step: float) -> Description:
+    """Fit a record's spectrum and keep what comes of it."""
+    frequency, power = periodogram(found.values.T, step)
+    shown = np.searchsorted(frequency, 1.1 * BEYOND * config.fit_band[1], "right")
+    try:
+        shape: Fit | str = fit_lines(frequency, power, band=config.fit_band)
+    except InputError as error:
+        shape = str(error)
+    result = Description(
+        found.source, bool(np.any(found.values)), frequency[:shown].copy(), power[:shown].copy(),
+        shape,
+    )  # fmt: skip
+    _KNOWN[_key(config, file)] = result
+    while len(_KNOWN) > _KEPT:
+        _KNOWN.popitem(last=False)
+    return result
 
 
 def describer(config: ReplayConfig) -> int:
@@ -93,19 +153,12 @@ def main_direction(xy: Array) -> tuple[float, float]:
     return angle, float(variance[1] / total) if total > 0.0 else 1.0
 
 
-def fitted(xy: Array, step: float, config: ReplayConfig) -> Fit | str:
-    """Eq. (1) fitted to the sum of both axes' spectra inside the band, or why it cannot be."""
-    try:
-        return fit(xy.T, step, band=config.fit_band)
-    except InputError as error:
-        return str(error)
-
-
 def facts(
     config: ReplayConfig, record: Record, sensors: Sensors, scheme: Scheme, settled: int
 ) -> Iterator[Measured]:
     """Facts as measures: duration (s), rms and peak (m), direction (deg), the fit of Eq. (1)."""
-    xy = displacement(config, record, sensors, scheme, settled).values
+    found_xy = displacement(config, record, sensors, scheme, settled)
+    xy = found_xy.values
     n = len(xy)
     angle, share = main_direction(xy)
     found = {
@@ -115,7 +168,7 @@ def facts(
         "direction": angle,
         "direction_share": share,
     }
-    shape = fitted(xy, sensors.step, config)
+    shape = _describe(config, record.file, found_xy, sensors.step).fit
     if not isinstance(shape, str):
         found |= {
             "natural_period": shape.natural_period,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import glob
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -113,8 +113,14 @@ def execute(
     fresh: bool = False,
     progress: Progress | None = None,
     argv: Sequence[str] | None = None,
+    say: Callable[[str], None] = lambda text: None,
 ) -> Outcome:
     """Run what is missing, then write the estimates; figures and report are `report.write`'s.
+
+    Parameters
+    ----------
+    say
+        Is told the notes of the records before anything runs, and what takes its time.
 
     Raises
     ------
@@ -123,12 +129,15 @@ def execute(
     """
     from owtsweep.studies import get_study
     from owtsweep.studies.replay import estimates
+    from owtsweep.studies.replay.terminal import notes
     from owtsweep.sweep.run import sweep
 
     verify(config)
+    for note in notes(config):
+        say(f"note: {note}")
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
     for label, folder in folders(config, outcome.run.folder).items():
-        estimates.write(config, _file(config, label), folder)
+        estimates.write(config, _file(config, label), folder, say)
     return outcome
 
 

@@ -66,7 +66,10 @@ def sentences(advised: pd.DataFrame) -> list[str]:
 
 
 def notes(config: ReplayConfig) -> list[str]:
-    """What the records' readers and resampling have to say, each once; of many with the file."""
+    """What the records' readers and resampling have to say, each once; of many with the file.
+
+    It is known before anything has run; what the spectrum says is `spectrum_notes`.
+    """
     from pathlib import Path
 
     from owtsweep.studies.replay.loading import load_record
@@ -76,19 +79,21 @@ def notes(config: ReplayConfig) -> list[str]:
         for note in load_record(config, file).notes:
             name = f"{Path(file).name}: " if len(config.grid.files) > 1 else ""
             found[f"{name}{note}"] = None
-    if len(config.grid.files) == 1:
-        found |= {
-            f"spectrum: {warning}": None for warning in fit_warnings(config, config.grid.files[0])
-        }
     return list(found)
+
+
+def spectrum_notes(config: ReplayConfig) -> list[str]:
+    """What is doubtful about the fit of a single record's spectrum."""
+    if len(config.grid.files) > 1:
+        return []
+    return [f"spectrum: {warning}" for warning in fit_warnings(config, config.grid.files[0])]
 
 
 def fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
     """What is doubtful about the spectrum fitted to a record, or why there is none."""
-    from owtsweep.studies.replay.facts import described, fitted
+    from owtsweep.studies.replay.facts import described
 
-    found, step = described(config, file)
-    shape = fitted(found.values, step, config)
+    shape = described(config, file).fit
     return (shape,) if isinstance(shape, str) else shape.warnings
 
 

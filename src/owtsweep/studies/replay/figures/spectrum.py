@@ -9,19 +9,18 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.whittle import periodogram
 from owtsweep.studies.hub.figures import style
+from owtsweep.studies.hub.figures.decimate import decimate
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.facts import described
+from owtsweep.studies.replay.facts import BEYOND, described
 from owtsweep.studies.replay.place import fitted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Upper end of the figure over the upper edge of the band.
-BEYOND = 2.0
-#: Lines of the periodogram that a point of its smooth form takes in.
-SMOOTHED = 7
+#: Lines of the periodogram that a point of its smooth form takes in, and the part of the band that
+#: it may take in where there are many.
+SMOOTHED, SHARE = 7, 500
 
 
 def draw(config: ReplayConfig, record: Any) -> Figure:
@@ -37,22 +36,23 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     InputError
         If the record does not move.
     """
-    found, step = described(config, config.grid.files[0])
-    if not np.any(found.values):
+    found = described(config, config.grid.files[0])
+    if not found.moves:
         raise InputError("the record does not move, so it has no spectrum")
-    frequency, power = periodogram(found.values.T, step)
+    frequency, power = found.frequency, found.power
     low, high = config.fit_band
     shown = (frequency >= low / 2.0) & (frequency <= BEYOND * high)
     with style.context():
         figure = style.new_figure(9.0, 4.8)
         axes = figure.add_subplot()
         axes.axvspan(low, high, color="0.95", zorder=0)
-        axes.plot(frequency[shown], power[shown], color="0.7", linewidth=0.8, label="periodogram")
-        if np.count_nonzero((frequency >= low) & (frequency <= high)) > 20 * SMOOTHED:
-            label = f"mean of {SMOOTHED} lines"
-            axes.plot(
-                frequency[shown], _smooth(power)[shown], color="black", linewidth=1.2, label=label
-            )
+        drawn = decimate(frequency[shown], power[shown])
+        axes.plot(*drawn, color="0.7", linewidth=0.8, label="periodogram")
+        lines = int(np.count_nonzero((frequency >= low) & (frequency <= high)))
+        if lines > 20 * SMOOTHED:
+            count = max(SMOOTHED, lines // SHARE // 2 * 2 + 1)
+            smooth = decimate(frequency[shown], _smooth(power, count)[shown])
+            axes.plot(*smooth, color="black", linewidth=1.2, label=f"mean of {count} lines")
         shape = fitted(record)
         if shape is not None:
             f = np.linspace(low, high, 2000)
@@ -79,8 +79,8 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     return figure
 
 
-def _smooth(power: Array) -> Array:
-    return np.convolve(power, np.full(SMOOTHED, 1.0 / SMOOTHED), mode="same")
+def _smooth(power: Array, count: int) -> Array:
+    return np.convolve(power, np.full(count, 1.0 / count), mode="same")
 
 
 def _said(record: Any, has_fit: bool) -> str:
