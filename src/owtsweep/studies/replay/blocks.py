@@ -86,9 +86,11 @@ def _digest(states: tuple[tuple[str, int, int], ...]) -> str:
 def plan(config: ReplayConfig) -> list[Block]:
     """The record's own block, then one per scheme, for every file."""
     shared = _shared_content(config)
-    # Threads share a record that was read once; processes would each read it.
-    apart = backend(config, resolve_all(config.schemes, config)) == "threading"
     schemes = resolve_all(config.schemes, config)
+    # Threads share a record that was read once; processes would each read it.
+    apart = (
+        config.compute.backend in ("auto", "threading") and backend(config, schemes) == "threading"
+    )
     blocks = []
     for label, file in labels(config.grid.files).items():
         content = {**shared, "file": label, "digest": digest(file)}

@@ -131,35 +131,52 @@ def _errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured
 
 
 def _sums(record: Record, estimated: Estimated, begin: int) -> dict[str, tuple[float, int]]:
-    """Measure -> sum and number of its values where there is a truth; none without one."""
+    """Measure -> sum and number of its values where there is a truth; none without one.
+
+    Axis by axis, in arrays that lie close together: this is where a replay spends its time.
+    """
     if record.position is None:
         return {}
     part = slice(begin, begin + len(estimated.state))
-    truth = np.concatenate([record.position[part], record.given("velocity")[part]], axis=1)
-    error = estimated.state - truth
-    squared = error**2
-    values = {name: squared[:, i] for i, name in enumerate(("x", "y", "vx", "vy"))}
-    values["position"] = squared[:, 0] + squared[:, 1]
-    values["velocity"] = squared[:, 2] + squared[:, 3]
-    deviation = estimated.deviation
-    known = np.isfinite(squared) & np.isfinite(deviation)
-    inside = np.where(known, squared <= (QUANTILE * deviation) ** 2, np.nan)
-    values["coverage_position"] = inside[:, :2].ravel()
-    values["coverage_velocity"] = inside[:, 2:].ravel()
-    values["nees"] = _nees(error, estimated.covariance)
-    sums = {}
-    for name, series in values.items():
-        there = np.isfinite(series)
-        sums[name] = (float(np.sum(series[there])), int(np.count_nonzero(there)))
-    return sums
+    position, velocity = record.position[part], record.given("velocity")[part]
+    squared: list[tuple[Array, Array]] = []
+    nees: list[Array] = []
+    inside = np.zeros((2, 2), dtype=np.int64)  # of position and of velocity: how many, of how many
+    for axis in range(2):
+        p = estimated.state[:, axis] - position[:, axis]
+        v = estimated.state[:, 2 + axis] - velocity[:, axis]
+        P = estimated.covariance[:, axis]
+        pp, pv, vv = P[:, 0, 0], P[:, 0, 1], P[:, 1, 1]
+        squared.append((p**2, v**2))
+        nees.append(_nees(p, v, pp, pv, vv))
+        for which, variance in enumerate((pp, vv)):
+            limit = (QUANTILE * np.sqrt(variance)) ** 2
+            known = np.isfinite(squared[axis][which]) & np.isfinite(limit)
+            inside[which] += (
+                np.count_nonzero((squared[axis][which] <= limit) & known),
+                np.count_nonzero(known),
+            )
+    (x, vx), (y, vy) = squared
+    series = {"x": x, "y": y, "vx": vx, "vy": vy, "position": x + y, "velocity": vx + vy}
+    return {
+        **{name: _total(values) for name, values in series.items()},
+        "coverage_position": (float(inside[0, 0]), int(inside[0, 1])),
+        "coverage_velocity": (float(inside[1, 0]), int(inside[1, 1])),
+        "nees": _total(nees[0] + nees[1]),
+    }
 
 
-def _nees(error: Array, P: Array) -> Array:
-    """(n,) squared error in the metric of the covariance, both axes; error (n, 4)."""
-    position, velocity = error[:, :2], error[:, 2:]
-    pp, pv, vv = P[..., 0, 0], P[..., 0, 1], P[..., 1, 1]
-    weighted = vv * position**2 - 2.0 * pv * position * velocity + pp * velocity**2
-    return np.asarray(np.sum(weighted / (pp * vv - pv**2), axis=1))
+def _total(values: Array) -> tuple[float, int]:
+    """Sum and number of what is finite."""
+    there = np.isfinite(values)
+    count = int(np.count_nonzero(there))
+    return float(np.sum(values if count == len(values) else values[there])), count
+
+
+def _nees(p: Array, v: Array, pp: Array, pv: Array, vv: Array) -> Array:
+    """(n,) squared error of one axis in the metric of its covariance."""
+    weighted = vv * p**2 - 2.0 * pv * p * v + pp * v**2
+    return np.asarray(weighted / (pp * vv - pv**2))
 
 
 def _innovations(innovation: Array, variance: Array, window: str) -> Iterator[Measured]:

@@ -91,8 +91,10 @@ def expand(words: Sequence[str]) -> list[str]:
     return list(found)
 
 
-def verify(config: ReplayConfig) -> None:
+def verify(config: ReplayConfig) -> list[str]:
     """Read every record once, so that a bad one is refused before anything is written.
+
+    Returns what readers and resampling have to say, each once; of many records with the file.
 
     Raises
     ------
@@ -103,8 +105,11 @@ def verify(config: ReplayConfig) -> None:
     from owtsweep.studies.replay.seastates import sea_states
 
     sea_states(config)
+    found: dict[str, None] = {}
     for file in config.grid.files:
-        load_record(config, file)
+        name = f"{Path(file).name}: " if len(config.grid.files) > 1 else ""
+        found |= {f"{name}{note}": None for note in load_record(config, file).notes}
+    return list(found)
 
 
 def execute(
@@ -129,11 +134,9 @@ def execute(
     """
     from owtsweep.studies import get_study
     from owtsweep.studies.replay import estimates
-    from owtsweep.studies.replay.terminal import notes
     from owtsweep.sweep.run import sweep
 
-    verify(config)
-    for note in notes(config):
+    for note in verify(config):
         say(f"note: {note}")
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
     for label, folder in folders(config, outcome.run.folder).items():

@@ -65,23 +65,6 @@ def sentences(advised: pd.DataFrame) -> list[str]:
     ]
 
 
-def notes(config: ReplayConfig) -> list[str]:
-    """What the records' readers and resampling have to say, each once; of many with the file.
-
-    It is known before anything has run; what the spectrum says is `spectrum_notes`.
-    """
-    from pathlib import Path
-
-    from owtsweep.studies.replay.loading import load_record
-
-    found: dict[str, None] = {}
-    for file in config.grid.files:
-        for note in load_record(config, file).notes:
-            name = f"{Path(file).name}: " if len(config.grid.files) > 1 else ""
-            found[f"{name}{note}"] = None
-    return list(found)
-
-
 def spectrum_notes(config: ReplayConfig) -> list[str]:
     """What is doubtful about the fit of a single record's spectrum."""
     if len(config.grid.files) > 1:
