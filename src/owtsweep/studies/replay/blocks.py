@@ -25,6 +25,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimates
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import listen, replicates
+from owtsweep.studies.replay.memory import LONG, give_back
 from owtsweep.studies.replay.record import Record
 
 if TYPE_CHECKING:
@@ -35,8 +36,7 @@ COLUMNS = (
 )  # fmt: skip
 #: Steps of estimates that replicates hold at once, each of its own piece: some 50 bytes each.
 STEPS_AT_ONCE = 2_000_000
-#: Of longer records two schemes run at once, however many workers there are: memory is bounded.
-LONG = 1_000_000
+#: Of long records two schemes run at once, however many workers there are: memory is bounded.
 _ROOM = BoundedSemaphore(2)
 #: Stands as the scheme of what belongs to the record, and of holding the last fix.
 RECORD, LAST_FIX = "", "last_fix"
@@ -139,9 +139,12 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
                     _row(label, LAST_FIX, replicate, found)
                     for found in measures.held(record, fixes, sensors, settled)
                 ]
+            give_back(record)
             yield block, _frame(rows)
             continue
-        yield block, _frame(_of_scheme(config, record, label, schemes[name], sensors, settled))
+        rows = _of_scheme(config, record, label, schemes[name], sensors, settled)
+        give_back(record)
+        yield block, _frame(rows)
 
 
 def _of_scheme(
@@ -161,6 +164,7 @@ def _of_scheme(
                 for piece in estimates(config, scheme, sensors, several, parts):
                     for tally, estimated in zip(tallies, piece, strict=True):
                         tally.add(estimated)
+                    del piece, estimated  # before the next is made: they may be large
             for replicate, tally in zip(some, tallies, strict=True):
                 rows += [_row(label, scheme.name, replicate, m) for m in tally.measures()]
         except (Exception, SystemExit) as error:  # a user's scheme: the rest goes on

@@ -16,11 +16,11 @@ import numpy as np
 
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve_all
-from owtsweep.studies.replay.blocks import LONG
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import Estimated
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import listen, pieces_of
+from owtsweep.studies.replay.memory import LONG, give_back
 from owtsweep.studies.replay.record import Record
 from owtsweep.studies.replay.session import SchemeFailed, each
 
@@ -63,7 +63,9 @@ def write(
             for name, scheme in schemes.items()
         }
         try:
-            return _written(record, pieces, folder)
+            files = _written(record, pieces, folder)
+            give_back(record)
+            return files
         except SchemeFailed as error:  # what it had given is not left among the others'
             del schemes[error.name]
 

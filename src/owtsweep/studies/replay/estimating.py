@@ -160,10 +160,12 @@ def _by_kernel(
         variance = np.where(fresh, chain.gains.innovation_variance[row], np.nan)
         covariance = _of_both_axes(chain.covariance[row])
         both = np.broadcast_to(variance[:, None], (end - begin, 2))
-        yield tuple(
+        made = [
             Estimated(*own, both)
             for own in zip(state, itertools.repeat(covariance), innovation, strict=False)
-        )
+        ]
+        del state, innovation, covariance, variance, both, row  # not two pieces of a long record
+        yield tuple(made.pop(0) for _ in several)
 
 
 def _of_both_axes(covariance: Array) -> Array:

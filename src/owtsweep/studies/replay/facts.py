@@ -17,6 +17,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimates
 from owtsweep.studies.replay.measures import Measured
 from owtsweep.studies.replay.measuring import listen, pieces_of
+from owtsweep.studies.replay.memory import give_back
 from owtsweep.studies.replay.record import Record
 
 #: Upper end of the spectrum that is kept over the upper edge of the band.
@@ -163,12 +164,13 @@ def facts(
     angle, share = main_direction(xy)
     found = {
         "duration": record.steps * sensors.step,
-        "rms": float(np.sqrt(np.mean(np.sum(xy**2, axis=1)))),
+        "rms": float(np.sqrt(np.mean(xy[:, 0] ** 2 + xy[:, 1] ** 2))),
         "peak": float(np.max(np.hypot(xy[:, 0], xy[:, 1]))),
         "direction": angle,
         "direction_share": share,
     }
     shape = _describe(config, record.file, found_xy, sensors.step).fit
+    give_back(record)
     if not isinstance(shape, str):
         found |= {
             "natural_period": shape.natural_period,

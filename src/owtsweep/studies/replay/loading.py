@@ -12,6 +12,7 @@ from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Limits, Recording, read
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.memory import give_back
 from owtsweep.studies.replay.of_motion import of_motion
 from owtsweep.studies.replay.of_sensors import of_sensors
 from owtsweep.studies.replay.record import Record
@@ -41,6 +42,7 @@ def load_record(config: ReplayConfig, file: str) -> Record:
             ):
                 _RECORDS.popitem(last=False)
             _RECORDS[key] = _load(config, file)
+            give_back(_RECORDS[key])
         return _RECORDS[key]
 
 
