@@ -8,6 +8,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize
 
 from owtsweep.errors import InputError
+from owtsweep.motion import whittle
 from owtsweep.motion.spectra import Spectrum, translated
 from owtsweep.motion.synthesis import synthesise
 from owtsweep.motion.whittle import fit, periodogram
@@ -126,3 +127,17 @@ def test_what_cannot_be_fitted_is_refused() -> None:
         fit(np.zeros(STEPS), STEP)
     with pytest.raises(InputError, match="missing values"):
         fit(np.full(STEPS, np.nan), STEP)
+
+
+@pytest.mark.parametrize("steps", [8000, 7999, 7997])  # 7999 = 19 x 421; 7997 = 11 x 727
+def test_a_long_record_has_the_same_lines(monkeypatch: pytest.MonkeyPatch, steps: int) -> None:
+    series = np.stack([gaussian(translated(5.0, 1e-3), seed)[:steps] for seed in range(2)])
+    series += np.outer([3.0, -1.0], np.linspace(0.0, 4.0, steps)) + 7.0
+    kept = {8000: 8000, 7999: 7986, 7997: 7986}[steps]  # 7986 = 2 x 3 x 11^3
+    frequency, power = periodogram(series[:, :kept], STEP)
+    monkeypatch.setattr(whittle, "LONG", 100)
+    before = series.copy()
+    found = periodogram(series, STEP)
+    assert np.array_equal(series, before)
+    np.testing.assert_allclose(found[0], frequency, rtol=1e-12)
+    np.testing.assert_allclose(found[1], power, rtol=1e-7, atol=1e-12 * power.max())

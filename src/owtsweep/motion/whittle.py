@@ -109,14 +109,14 @@ def periodogram(position: Array, step: float) -> tuple[Array, Array]:
 
 
 def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
-    """`periodogram` of long series; fewer than one in a thousand of the last samples are left out.
+    """`periodogram` of long series; the last samples, at most 4 in 1000, are left out
 
     A line t over [-1, 1] has no mean, so mean and slope are two separate projections.
     """
     from scipy.fft import next_fast_len, rfft
 
     n = series.shape[1]
-    while next_fast_len(n, real=True) != n:
+    while next_fast_len(n) != n:
         n -= 1
     power = np.zeros(n // 2 + 1)
     for axis in series:

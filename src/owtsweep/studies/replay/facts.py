@@ -157,7 +157,10 @@ def main_direction(xy: Array) -> tuple[float, float]:
 def facts(
     config: ReplayConfig, record: Record, sensors: Sensors, scheme: Scheme, settled: int
 ) -> Iterator[Measured]:
-    """Facts as measures: duration (s), rms and peak (m), direction (deg), the fit of Eq. (1)."""
+    """Facts as measures: duration (s), rms and peak (m), direction (deg), the fit of Eq. (1).
+
+    Its `..._error` are standard errors; a report's ± is 1.96 of them.
+    """
     found_xy = displacement(config, record, sensors, scheme, settled)
     xy = found_xy.values
     n = len(xy)

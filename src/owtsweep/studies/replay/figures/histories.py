@@ -90,7 +90,14 @@ def _part(session: Session, shown: Traces, *, zoom: bool) -> str:
         return ", zoomed in"
     length = session.record.steps * session.record.step
     part = shown.end - shown.start
-    return f", the first {part:.3g} s of {length:.4g} s" if part < 0.99 * length else ""
+    return f", the first {part:.3g} s of {_duration(length)}" if part < 0.99 * length else ""
+
+
+def _duration(seconds: float) -> str:
+    for unit, size in (("h", 3600.0), ("min", 60.0)):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"
 
 
 def _plot(axes: Axes, line: Line, **look: object) -> None:
@@ -180,6 +187,9 @@ def _explanations(session: Session, quantity: str, shown: Traces) -> str:
             sentences.append(f"The mean position ({x:.3g}, {y:.3g}) m is taken off.")
     if quantity in ("acceleration", "bias"):
         sentences.append("Each value of the filter stands at the moment that it is about.")
+    if quantity == "bias" and session.record.steps > POINTS:
+        every = 2.0 * session.record.steps / POINTS * session.record.step
+        sentences.append(f"Drawn are the least and the greatest value of every {every:.2g} s.")
     if quantity == "bias" and shown.truth is None:
         sentences.append("It holds whatever the IMU reports besides motion: leaks of gravity too.")
     sentences += [f"{name} is left out: {why}." for name, why in session.failed.items()]
