@@ -149,6 +149,10 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
         for name, estimated in schemes.items():
             assert len(estimated.state) == steps.stop - steps.start
             assert same(estimated, other.seen[window][name])
+    if one.record.position is not None:
+        whole = estimate(config, resolve("HME1"), one.sensors, one.signals.whole())
+        error = np.abs(whole.state[:, 0] - one.record.position[:, 0])[one.record.steps // 5 :]
+        assert other.bounds["position"]["HME1"] == np.nanmax(error)
     assert one_states.repeated == other_states.repeated
     for name, state in one_states.of.items():
         twin = other_states.of[name]
