@@ -66,7 +66,7 @@ def _of_one(config: ReplayConfig, tables: Mapping[str, pd.DataFrame], record: Re
         "## The record\n",
         f"- {Path(record.file).name}: {KINDS[record.gnss].format(n=count)}",
         f"- {record.steps} IMU steps at {1.0 / record.step:g} Hz "
-        f"({record.steps * record.step:.4g} s), fixes at {config.sensors.gnss.rate:g} Hz, "
+        f"({record.steps * record.step:.6g} s), fixes at {config.sensors.gnss.rate:g} Hz, "
         f"{config.sensors.gnss.delay:g} s late; tuning {config.tuning}",
         *(f"- {line}" for line in _facts(config, tables["records"])),
         *(f"- {note}" for note in record.notes),

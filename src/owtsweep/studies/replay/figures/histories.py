@@ -189,7 +189,7 @@ def _explanations(session: Session, quantity: str, shown: Traces) -> str:
         sentences.append("Each value of the filter stands at the moment that it is about.")
     if quantity == "bias" and session.record.steps > POINTS:
         every = 2.0 * session.record.steps / POINTS * session.record.step
-        sentences.append(f"Drawn are the least and the greatest value of every {every:.2g} s.")
+        sentences.append(f"Drawn are the least and the greatest value of every {every:.3g} s.")
     if quantity == "bias" and shown.truth is None:
         sentences.append("It holds whatever the IMU reports besides motion: leaks of gravity too.")
     sentences += [f"{name} is left out: {why}." for name, why in session.failed.items()]
