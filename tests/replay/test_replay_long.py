@@ -238,6 +238,10 @@ def replay_long(folder: Path, rows: int, *overrides: str) -> tuple[float, Path]:
 
 def test_memory_grows_by_the_record_alone(tmp_path, kernels):
     """Position, velocity and acceleration are 48 bytes a row; reading and resampling need more."""
+    small = motion_file(tmp_path / "small.csv", duration=30.0)
+    config = config_of([small], "replay.replicates=1")
+    list(blocks.run(config, blocks.plan(config)))  # compiling takes memory of its own
+    states.filter_states(config, session.session(config, str(small)))
     rows = 400_000
     peak, run = replay_long(tmp_path, rows, "replay.replicates=1", "schemes=[MKF,HME1,HME2]")
     import pyarrow.parquet as pq
