@@ -109,7 +109,7 @@ def periodogram(position: Array, step: float) -> tuple[Array, Array]:
 
 
 def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
-    """`periodogram` of long series; the last samples, at most 4 in 1000, are left out
+    """`periodogram` of long series; the last samples, at most 4 in 1000, are left out.
 
     A line t over [-1, 1] has no mean, so mean and slope are two separate projections.
     """
