@@ -1,9 +1,10 @@
-"""What the process does with memory that it has freed."""
+"""What the process does with memory that it has freed; other C libraries than glibc are left alone."""
 
 from __future__ import annotations
 
 import ctypes
 import sys
+from typing import Any
 
 #: glibc's names in malloc.h.
 _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD, _M_ARENA_MAX = -1, -3, -8
@@ -20,11 +21,23 @@ def keep_freed_memory() -> None:
     anyway, and one arena for all threads holds less than one each. For processes that belong to a
     sweep, since it holds for everything else in them too.
     """
-    if sys.platform != "linux":
-        return
-    mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
-    if mallopt is None:  # musl: another allocator
+    mallopt = _glibc("mallopt")
+    if mallopt is None:
         return
     mallopt(_M_ARENA_MAX, 1)
     mallopt(_M_MMAP_THRESHOLD, _LARGEST_KEPT)
     mallopt(_M_TRIM_THRESHOLD, 2**31 - 1)
+
+
+def give_back_freed_memory() -> None:
+    """Return to the system what glibc keeps for later: some hundred MB per thread."""
+    trim = _glibc("malloc_trim")
+    if trim is not None:
+        trim(0)
+
+
+def _glibc(name: str) -> Any:
+    """A function of glibc's, or None where the C library is another one."""
+    if sys.platform != "linux":
+        return None
+    return getattr(ctypes.CDLL(None), name, None)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import ctypes
-import sys
-
+from owtsweep.memory import give_back_freed_memory
 from owtsweep.studies.replay.record import Record
 
 #: Steps beyond which a record is long: its memory is watched, and what takes its time is told.
@@ -12,12 +10,6 @@ LONG = 1_000_000
 
 
 def give_back(record: Record) -> None:
-    """After work on a long record: let glibc return what it keeps for later; others do it anyway.
-
-    Arrays of some MB, which a piece of a record needs by the dozen, otherwise stay with the process
-    when they are freed: some hundred MB per thread.
-    """
-    if record.steps > LONG and sys.platform == "linux":
-        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
-        if trim is not None:
-            trim(0)
+    """After work on a long record, whose pieces need arrays of some MB by the dozen."""
+    if record.steps > LONG:
+        give_back_freed_memory()
