@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum
+from owtsweep.paging import release
 
 NORMALISATIONS = ("peak", "rms")
 
@@ -47,9 +47,9 @@ class Motion:
             raise ValueError(
                 f"the record holds {len(self.before)} steps before t = 0, not {-first}"
             )
-        whole = np.concatenate([self.before, self.position])
-        start = first + len(self.before)
-        return whole[start : start + stride * count : stride][:count].copy()
+        earlier = min(max(-(first // stride), 0), count)  # how many of them lie in the past
+        past = self.before[first + len(self.before) :: stride][:earlier]
+        return np.concatenate([past, self.position[first + earlier * stride :: stride]])[:count]
 
 
 def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], Array]:
@@ -80,6 +80,7 @@ def synthesise(
     band: tuple[float, float],
     normalise: str = "peak",
     history: int = 0,
+    out: Array | None = None,
 ) -> Motion:
     """Draw one record of a spectrum.
 
@@ -103,22 +104,23 @@ def synthesise(
         "peak": the largest |d| of the record is 1 m; "rms": its standard deviation is 1 m.
     history
         How many steps before t = 0 to keep.
+    out
+        (3, steps) to put position, velocity and acceleration into.
     """
-    from scipy.fft import irfft
-
     period = 2 * steps * step
     numbers, frequency = lines(band, period)
     amplitude = np.sqrt(2.0 * spectrum.density(frequency) / period)
     phases = 2.0 * np.pi * phase.random(numbers[-1] + 1)[numbers]
     line = amplitude * np.exp(1j * phases) * steps  # irfft divides by 2 steps, a cosine is half
 
-    def series(factor: NDArray[np.complexfloating[Any, Any]] | float) -> Array:
-        bins = np.zeros(steps + 1, dtype=complex)
-        bins[numbers] = line * factor
-        return np.asarray(irfft(bins, n=2 * steps), dtype=float)
-
+    result = np.empty((3, steps)) if out is None else out
     omega = 2.0 * np.pi * frequency
-    position = series(1.0)
+    bins = np.zeros((3, numbers[-1] + 1), dtype=complex)
+    for row, factor in zip(bins, (1.0, 1j * omega, -(omega**2) + 0j), strict=True):
+        row[numbers] = line * factor
+    # numpy's, not scipy's: it takes the bins beyond the last line for zero without a longer copy
+    series = (np.fft.irfft(row, n=2 * steps) for row in bins)
+    position = next(series)
     record = position[:steps]
     if normalise == "peak":
         scale = 1.0 / np.max(np.abs(record))
@@ -126,10 +128,11 @@ def synthesise(
         scale = 1.0 / np.std(record)
     else:
         raise InputError(f"normalise: {normalise!r} is none of {', '.join(NORMALISATIONS)}")
-    return Motion(
-        step=step,
-        position=scale * record,
-        velocity=scale * series(1j * omega)[:steps],
-        acceleration=scale * series(-(omega**2) + 0j)[:steps],
-        before=scale * position[2 * steps - history :],
-    )
+    before = scale * position[2 * steps - history :]
+    np.multiply(scale, record, out=result[0])
+    release(result[0])
+    del position, record  # one transform at a time
+    for row in (1, 2):
+        np.multiply(scale, next(series)[:steps], out=result[row])
+        release(result[row])
+    return Motion(step, result[0], result[1], result[2], before)

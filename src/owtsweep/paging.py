@@ -1,0 +1,113 @@
+"""Long arrays outside the process' memory: in nameless temporary files that are mapped.
+
+Such an array is used like any other. What has been worked through is given back by `release`: it
+stays in the file, for which the system keeps what memory it can spare, and comes back unchanged
+when it is next read. Where there is no such file (no room, no such system) arrays lie in memory.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+import tempfile
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+
+#: Arrays of no more rows stay in memory: those of records of 500 s at 100 Hz.
+KEPT_ROWS = 50_000
+#: Pieces of memory that are made in every block are smaller (the Fourier transform of 4000 s).
+REUSED = 2**24
+
+
+class _Mapping(mmap.mmap):
+    """A mapped file that knows the file."""
+
+    file: IO[bytes]
+
+
+def room(*shape: int) -> Array:
+    """An array (*shape) of floats, zero or not, outside the process' memory if it is long."""
+    possible = hasattr(mmap, "MADV_DONTNEED") and hasattr(os, "posix_fallocate")
+    if shape[0] > KEPT_ROWS and possible:
+        size = 8 * int(np.prod(shape))
+        try:
+            file = tempfile.TemporaryFile()  # noqa: SIM115 (it lives as long as the array)
+            # room on the disk now: to run out of it at a later write would end the process
+            os.posix_fallocate(file.fileno(), 0, size)
+            mapping = _Mapping(file.fileno(), size)
+        except OSError:
+            return np.empty(shape)
+        mapping.file = file
+        return np.ndarray(shape, buffer=mapping)
+    return np.empty(shape)
+
+
+def release(array: NDArray[Any], first: int = 0, stop: int | None = None) -> None:
+    """Give back the memory of rows first ... stop - 1, if the array is one of `room` or a part.
+
+    Whole pages only, so a row or two at either end may be read from the file again.
+    """
+    mapping = _mapping(array)
+    if mapping is None or len(array) == 0:
+        return
+    stop = len(array) if stop is None else min(stop, len(array))
+    before, row = _offset(array, mapping), array.strides[0]
+    start = (before + first * row) // mmap.PAGESIZE * mmap.PAGESIZE
+    end = before + stop * row
+    if stop < len(array):
+        end = end // mmap.PAGESIZE * mmap.PAGESIZE
+    if end > start:
+        mapping.madvise(mmap.MADV_DONTNEED, start, end - start)
+
+
+def reuse_freed_memory() -> None:
+    """Let pieces of up to `REUSED` bytes be handed out again once they are freed.
+
+    The C library of Linux gives a large piece back to the system when it is freed, and takes a
+    quarter of a block's time to get it again, page by page; unless one as large has been freed
+    before. Such a one, never written to, is made and freed here.
+    """
+    np.empty(REUSED, dtype=np.uint8)
+
+
+class Reader:
+    """Copies rows of an array past its mapping: so nothing has to be released.
+
+    Parameters
+    ----------
+    array
+        Contiguous; one of `room`, the first rows of one, or any other.
+    """
+
+    def __init__(self, array: Array) -> None:
+        self.array, self.mapping = array, _mapping(array)
+        self.before = 0 if self.mapping is None else _offset(array, self.mapping)
+
+    def read(self, first: int, stop: int, target: Array) -> None:
+        """Copy rows first ... stop - 1 into the first rows of the contiguous `target`."""
+        part = target[: stop - first]
+        if self.mapping is None:
+            part[:] = self.array[first:stop]
+            return
+        left: memoryview = memoryview(part.data).cast("B")
+        at = self.before + first * self.array.strides[0]
+        while len(left):
+            count = os.preadv(self.mapping.file.fileno(), [left], at)
+            left, at = left[count:], at + count
+
+
+def _mapping(array: NDArray[Any]) -> _Mapping | None:
+    owner: Any = array
+    while isinstance(owner, np.ndarray):
+        owner = owner.base
+    return owner if isinstance(owner, _Mapping) else None
+
+
+def _offset(array: NDArray[Any], mapping: _Mapping) -> int:
+    """Bytes from the mapping's start to the array's."""
+    start = np.frombuffer(mapping, np.uint8).__array_interface__["data"][0]
+    return int(array.__array_interface__["data"][0] - start)
