@@ -27,7 +27,7 @@ def test_what_is_released_leaves_memory_and_comes_back_unchanged():
         stop = first + 10_000
         array[first:stop] = np.arange(4 * first, 4 * stop).reshape(-1, 4)
         paging.release(array[:stop], first, stop)
-        assert _resident() - before < 4_000_000
+        assert _resident() - before < 4_000_000, first
     paging.release(array)
     assert np.array_equal(array.ravel(), np.arange(4 * rows))
 
@@ -54,3 +54,14 @@ def test_without_a_file_there_is_memory(missing, monkeypatch):
     array[:] = 3.0
     paging.release(array)
     assert np.all(array == 3.0)
+
+
+@pytest.mark.parametrize("rows", [1000, 500_000])
+def test_a_reader_copies_rows_of_any_array(rows):
+    array = paging.room(rows, 3)
+    array[:] = np.arange(3 * rows).reshape(rows, 3)
+    for whole in (array, array[: rows - 10]):
+        target = np.full((150, 3), -1.0)
+        paging.Reader(whole).read(700, 800, target)
+        assert np.array_equal(target[:100], array[700:800])
+        assert np.all(target[100:] == -1.0)

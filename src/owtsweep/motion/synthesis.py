@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,9 @@ from owtsweep.motion.spectra import Spectrum
 from owtsweep.paging import release
 
 NORMALISATIONS = ("peak", "rms")
+#: Longest records (2621 s at 100 Hz) whose three series are transformed side by side: that takes
+#: two thirds of the time and three times the memory, for the same bits.
+MOST_TOGETHER = 2**18
 
 
 @dataclass(frozen=True)
@@ -118,8 +122,7 @@ def synthesise(
     bins = np.zeros((3, numbers[-1] + 1), dtype=complex)
     for row, factor in zip(bins, (1.0, 1j * omega, -(omega**2) + 0j), strict=True):
         row[numbers] = line * factor
-    # numpy's, not scipy's: it takes the bins beyond the last line for zero without a longer copy
-    series = (np.fft.irfft(row, n=2 * steps) for row in bins)
+    series = _transformed(bins, 2 * steps)
     position = next(series)
     record = position[:steps]
     if normalise == "peak":
@@ -131,8 +134,22 @@ def synthesise(
     before = scale * position[2 * steps - history :]
     np.multiply(scale, record, out=result[0])
     release(result[0])
-    del position, record  # one transform at a time
+    del position, record
     for row in (1, 2):
         np.multiply(scale, next(series)[:steps], out=result[row])
         release(result[row])
     return Motion(step, result[0], result[1], result[2], before)
+
+
+def _transformed(bins: NDArray[np.complex128], samples: int) -> Iterator[Array]:
+    """The inverse real Fourier transforms of some rows, each `samples` long, one after the other.
+
+    The rows may be shorter: bins beyond their end are zero.
+    """
+    if samples <= 2 * MOST_TOGETHER:
+        from scipy.fft import irfft
+
+        yield from irfft(bins, n=samples)
+    else:
+        for row in bins:  # numpy's, not scipy's, which would make a longer copy of the row
+            yield np.asarray(np.fft.irfft(row, n=samples))
