@@ -111,17 +111,13 @@ def synthesise(
     out
         (3, steps) to put position, velocity and acceleration into.
     """
-    period = 2 * steps * step
-    numbers, frequency = lines(band, period)
-    amplitude = np.sqrt(2.0 * spectrum.density(frequency) / period)
-    phases = 2.0 * np.pi * phase.random(numbers[-1] + 1)[numbers]
-    line = amplitude * np.exp(1j * phases) * steps  # irfft divides by 2 steps, a cosine is half
-
+    numbers, frequency, line = _drawn_lines(spectrum, phase, steps, step, band)
     result = np.empty((3, steps)) if out is None else out
     omega = 2.0 * np.pi * frequency
     bins = np.zeros((3, numbers[-1] + 1), dtype=complex)
-    for row, factor in zip(bins, (1.0, 1j * omega, -(omega**2) + 0j), strict=True):
-        row[numbers] = line * factor
+    bins[0, numbers] = line * 1.0
+    bins[1, numbers] = line * (1j * omega)
+    bins[2, numbers] = line * (-(omega**2) + 0j)
     series = _transformed(bins, 2 * steps)
     position = next(series)
     record = position[:steps]
@@ -139,6 +135,37 @@ def synthesise(
         np.multiply(scale, next(series)[:steps], out=result[row])
         release(result[row])
     return Motion(step, result[0], result[1], result[2], before)
+
+
+def displacement(
+    spectrum: Spectrum,
+    phase: np.random.Generator,
+    *,
+    steps: int,
+    step: float,
+    band: tuple[float, float],
+) -> Array:
+    """The displacement alone of what `synthesise` draws, (steps,) in m, not scaled."""
+    numbers, _, line = _drawn_lines(spectrum, phase, steps, step, band)
+    bins = np.zeros((1, numbers[-1] + 1), dtype=complex)
+    bins[0, numbers] = line
+    return next(_transformed(bins, 2 * steps))[:steps]
+
+
+def _drawn_lines(
+    spectrum: Spectrum,
+    phase: np.random.Generator,
+    steps: int,
+    step: float,
+    band: tuple[float, float],
+) -> tuple[NDArray[np.int64], Array, NDArray[np.complex128]]:
+    """Numbers, frequencies (Hz) and complex amplitudes of a record's lines."""
+    period = 2 * steps * step
+    numbers, frequency = lines(band, period)
+    amplitude = np.sqrt(2.0 * spectrum.density(frequency) / period)
+    phases = 2.0 * np.pi * phase.random(numbers[-1] + 1)[numbers]
+    # irfft divides by 2 steps, a cosine is half
+    return numbers, frequency, amplitude * np.exp(1j * phases) * steps
 
 
 def _transformed(bins: NDArray[np.complex128], samples: int) -> Iterator[Array]:
