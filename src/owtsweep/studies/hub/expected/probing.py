@@ -91,9 +91,10 @@ class _Group:
     """Eight lanes: what the chain carries for them, and the sums of their squared errors."""
 
     def __init__(self, chain: Chain, waves: Waves, number: int) -> None:
-        self.waves, self.number = waves, number
+        self.probe = waves.probe
         self.force, self.fixes = (waves.force[number],), (waves.fixes[number],)
         self.registers = new_registers(1, chain.filter.window, chain.mhe.horizon)
+        self.wave, self.rate = waves.wave[number], waves.rate[number]
         self.sums = np.zeros((2, 2, waves.each))  # part of the record, measure
         self.ring = np.zeros((JUDGED + 1, 2, waves.each))
 
@@ -101,11 +102,9 @@ class _Group:
         """Add the errors of the chunk that starts at step k0."""
         from owtsweep.studies.hub.expected.kernels import add_squares
 
-        waves, probe = self.waves, self.waves.probe
         add_squares(
-            k0, count, settled, cycle, output.position[0], output.velocity[0],
-            waves.wave[self.number], waves.rate[self.number], probe.phasor, probe.truth, self.sums,
-            self.ring,
+            k0, count, settled, cycle, output.position[0], output.velocity[0], self.wave, self.rate,
+            self.probe.phasor, self.probe.truth, self.sums, self.ring,
         )  # fmt: skip
 
 
@@ -143,17 +142,18 @@ class Waves:
         self.wave = np.empty((self.groups, steps if probe.truth else 0, LANES))
         self.rate = self._grouped(probe.angle / sensors.step)
         self.gain = self._grouped(probe.force)
+        self.angle = self._grouped(probe.angle)
+        self.turn = np.exp(1j * self.angle)
         self.made = 0 if np.any(probe.force) else steps
 
     def make(self, end: int) -> None:
         """Fill force and wave up to the step `end` at least."""
         from owtsweep.studies.hub.expected.kernels import make_waves
 
-        probe = self.probe
-        turn = self._grouped(np.exp(1j * probe.angle))
+        probe, turn = self.probe, self.turn
         while self.made < min(end, self.steps):
             # anew in every block, so that rounding does not add up
-            start = self._grouped(np.exp(1j * (probe.angle * self.made + probe.shift)))
+            start = np.exp(1j * (self.angle * self.made + probe.shift))
             stop = min(self.made + BLOCK, self.steps)
             for g in range(self.groups):
                 make_waves(
