@@ -20,8 +20,6 @@ from owtsweep.arrays import Array
 #: Arrays of no more rows stay in memory: those of records of 2000 s at 100 Hz. Reading the gains of
 #: these from a file takes a tenth of a block's time; 50_000 makes memory flat from 500 s on.
 KEPT_ROWS = 200_000
-#: Pieces of memory that are made in every block are smaller (the Fourier transform of 4000 s).
-REUSED = 2**24
 
 
 class _Mapping(mmap.mmap):
@@ -63,16 +61,6 @@ def release(array: NDArray[Any], first: int = 0, stop: int | None = None) -> Non
         end = end // mmap.PAGESIZE * mmap.PAGESIZE
     if end > start:
         mapping.madvise(mmap.MADV_DONTNEED, start, end - start)
-
-
-def reuse_freed_memory() -> None:
-    """Let pieces of up to `REUSED` bytes be handed out again once they are freed.
-
-    The C library of Linux gives a large piece back to the system when it is freed, and takes a
-    quarter of a block's time to get it again, page by page; unless one as large has been freed
-    before. Such a one, never written to, is made and freed here.
-    """
-    np.empty(REUSED, dtype=np.uint8)
 
 
 class Reader:

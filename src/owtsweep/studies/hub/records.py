@@ -89,7 +89,6 @@ def make_records(config: HubConfig, natural_period: float, replicates: Sequence[
     steps = round(config.record.duration / known.step)
     shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
     angle = np.deg2rad(config.wave_direction)
-    paging.reuse_freed_memory()
     size = (len(replicates), 3, steps)
     count = int(np.prod(size))
     # small pieces in memory are used again by the next block; one large one is made anew
