@@ -73,7 +73,7 @@ def map_of(overrides: Sequence[str]) -> None:
     periods = np.linspace(3.0, 8.0, FINE)
     amplitudes = np.geomspace(0.05, 10.0, FINE)
     names = [block.content["scheme"] for block in engine.plan(config)]
-    rows = pd.concat([engine.rows(config, n, [float(p) for p in periods]) for n in names])
+    rows = engine.rows_of(config, names, [float(p) for p in periods])
     known = answers.expected(rows, names, config.measures.criterion, config.measures.window)
     answers.judge(known.at(amplitudes))
 

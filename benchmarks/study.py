@@ -34,10 +34,10 @@ def axes(scale: float = 1.0) -> dict[str, list[tuple[float, tuple[str, ...]]]]:
 
     `scale` shortens the records, for a quick look.
     """
-    # Points of a second and more: of a third of a second an eighth does not grow.
+    # Points near a second: of a third of a second an eighth does not grow.
     base = (PERIODS, "grid.replicates=48", f"record.duration={2000 * scale:g}")
     one = (PERIODS, f"record.duration={2000 * scale:g}", "compute.workers=1")
-    durations = [scale * s for s in (1000, 2000, 4000, 8000)]
+    durations = [scale * s for s in (500, 1000, 2000, 4000)]
     return {
         "replicates": [(n, (*one, f"grid.replicates={n}")) for n in (16, 32, 64, 128)],
         "duration": [

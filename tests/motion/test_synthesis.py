@@ -132,3 +132,24 @@ def test_lines_stand_at_multiples_inside_the_band_edges_included() -> None:
 def test_same_stream_same_bits_other_replicate_other_record() -> None:
     np.testing.assert_array_equal(draw().acceleration, draw().acceleration)
     assert not np.allclose(draw(0).position, draw(1).position)
+
+
+@pytest.mark.parametrize("steps", [4001, 20_000])
+def test_series_transformed_together_have_the_bits_of_those_one_by_one(steps, monkeypatch):
+    from owtsweep.motion import synthesis
+
+    def draw():
+        return synthesise(
+            translated(5.0), stream(1, "test", 5.0, 0, "phase"),
+            steps=steps, step=0.05, band=(0.05, 0.6), history=7,
+        )  # fmt: skip
+
+    together = draw()
+    monkeypatch.setattr(synthesis, "MOST_TOGETHER", 0)
+    apart = draw()
+    for name in ("position", "velocity", "acceleration", "before"):
+        assert np.array_equal(getattr(together, name), getattr(apart, name))
+    for first in (-7, -3, 0, 2):
+        whole = np.concatenate([apart.before, apart.position])
+        expected = whole[7 + first :: 3][:900]
+        assert np.array_equal(apart.position_at(first, 3, 900), expected)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.estimation.discretisation import Discrete
+from owtsweep.paging import release, room
 
 #: Rules for steps without a slow measurement; REPRODUCTION.md, rows "Alg. 6" and "EKF".
 #: proper: the rows of H are dropped (Joseph form). mask_columns: K from all rows, then its slow
@@ -21,6 +22,9 @@ from owtsweep.estimation.discretisation import Discrete
 #: as printed in Algorithm 6, the last fix being held. every_step: the innovation is zeroed while
 #: gain and covariance are computed as if there were a fix at every step (section 5.3's EKF).
 RULES = ("proper", "mask_columns", "mask_rows", "every_step")
+
+#: Rows that are worked out before their memory is given back.
+_ROWS_AT_ONCE = 8192
 
 #: Largest scaled change of the covariance over a cycle that still counts as converged.
 TOLERANCE = 1e-13
@@ -112,28 +116,48 @@ def schedule(
     n = len(slow)
     cycle = interval if cycle is None else cycle
     rows = min(4096, steps)
-    while True:
+    K, S, Pm, Pf = (np.empty((0, *shape)) for shape in ((n, 2), (), (n, n), (n, n)))
+    applied = np.empty(0, dtype=np.bool_)
+    filled, quiet, repeats = 0, 0, False
+    while not repeats and (filled == 0 or filled < steps):
         rows = min(-(-rows // cycle) * cycle, -(-steps // cycle) * cycle)
-        K, S = np.empty((rows, n, 2)), np.empty(rows)
-        Pm, Pf = np.empty((rows, n, n)), np.empty((rows, n, n))
-        applied = np.empty(rows, dtype=np.bool_)
-        filled = recursion(
-            model.A, model.Q, slow, fast, slow_variance, fast_variance, initial_covariance,
-            applied, start_interval or interval, start_steps, interval, RULES.index(rule),
-            TOLERANCE, K, S, Pm, Pf,
-        )  # fmt: skip
-        if filled < rows or rows >= steps:
-            break
+        K, S, Pm, Pf = (_longer(known, rows, filled) for known in (K, S, Pm, Pf))
+        applied = np.concatenate([applied, np.empty(rows - filled, dtype=np.bool_)])
+        while filled < rows and not repeats:
+            first, stop = filled, min(filled + _ROWS_AT_ONCE, rows)
+            filled, repeats, quiet = recursion(
+                first, stop, quiet, model.A, model.Q, slow, fast, slow_variance, fast_variance,
+                initial_covariance, applied, start_interval or interval, start_steps, interval,
+                RULES.index(rule), TOLERANCE, K, S, Pm, Pf,
+            )  # fmt: skip
+            _check(Pf, first, filled, rule)
+            for worked_through in (K, S, Pm, Pf):
+                release(worked_through, first, filled - interval)
         rows *= 4
-    diagonal = np.diagonal(Pf[:filled], axis1=1, axis2=2)
-    if not np.all(np.isfinite(diagonal)) or np.any(diagonal < 0.0):
-        raise InputError(
-            f"update_rule: {rule!r} makes the covariance negative or infinite at step "
-            f"{int(np.argmax(np.any(~(diagonal >= 0.0), axis=1)))} with this tuning; use 'proper'"
-        )
     filled = max(-(-filled // cycle) * cycle, cycle)
     step = np.arange(filled)
     fresh = step % np.where(step < start_steps, start_interval or interval, interval) == 0
     return GainSchedule(
         K[:filled], applied[:filled], fresh, S[:filled], Pm[:filled], Pf[:filled], cycle
     )
+
+
+def _longer(known: Array, rows: int, filled: int) -> Array:
+    """Room for more rows, the first `filled` of them as they are known."""
+    result = room(rows, *known.shape[1:])
+    for first in range(0, filled, _ROWS_AT_ONCE):
+        stop = min(first + _ROWS_AT_ONCE, filled)
+        result[first:stop] = known[first:stop]
+        release(known, first, stop)
+        release(result, first, stop)
+    return result
+
+
+def _check(filtered: Array, first: int, stop: int, rule: str) -> None:
+    diagonal = np.diagonal(filtered[first:stop], axis1=1, axis2=2)
+    wrong = np.any(~(np.isfinite(diagonal) & (diagonal >= 0.0)), axis=1)
+    if np.any(wrong):
+        raise InputError(
+            f"update_rule: {rule!r} makes the covariance negative or infinite at step "
+            f"{first + int(np.argmax(wrong))} with this tuning; use 'proper'"
+        )

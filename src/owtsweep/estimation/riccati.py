@@ -101,20 +101,20 @@ def riccati_step(A, Q, slow, fast, r_slow, r_fast, P, is_slow, rule, K, Pm, Pf, 
 
 
 @njit
-def recursion(A, Q, slow, fast, r_slow, r_fast, P0, applied, start_interval, start_steps, interval,
-              rule, tolerance, K, S, Pm, Pf):  # fmt: skip
-    """Fill the rows of K, S, Pm, Pf until a whole cycle repeats; returns how many rows are filled.
+def recursion(first, stop, quiet, A, Q, slow, fast, r_slow, r_fast, P0, applied, start_interval,
+              start_steps, interval, rule, tolerance, K, S, Pm, Pf):  # fmt: skip
+    """Fill rows first ... stop - 1 of K, S, Pm, Pf, or fewer, until a whole cycle repeats.
 
     `applied` (rows,) receives where the slow measurement corrects the state. A cycle repeats when
     no element of Pf, scaled by its diagonal, has moved by more than `tolerance` over `interval`
-    steps.
+    steps. Rows before `first` are there. Returns how many rows there are, whether they repeat, and
+    for how many rows they have been `quiet`, which the next call takes.
     """
-    rows, n = K.shape[0], A.shape[0]
-    P = P0.copy()
+    n = A.shape[0]
+    P = P0.copy() if first == 0 else Pf[first - 1].copy()
     work = np.empty((3, n, n))
     moved = np.inf
-    quiet = 0
-    for k in range(rows):
+    for k in range(first, stop):
         if k < start_steps:
             is_slow = k % start_interval == 0
         else:
@@ -134,5 +134,5 @@ def recursion(A, Q, slow, fast, r_slow, r_fast, P0, applied, start_interval, sta
                         moved = max(moved, abs(Pf[k, i, j] - Pf[k - interval, i, j]) / scale)
             quiet = quiet + 1 if moved <= tolerance else 0
             if quiet >= interval and (k + 1) % interval == 0:
-                return k + 1
-    return rows
+                return k + 1, True, quiet
+    return stop, False, quiet

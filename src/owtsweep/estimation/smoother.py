@@ -12,6 +12,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.gains import GainSchedule
+from owtsweep.paging import release, room
 
 #: Rows of a schedule whose gains are solved for at once.
 _ROWS_AT_ONCE = 8192
@@ -64,14 +65,20 @@ def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple
     """
     from owtsweep.estimation.windowing import products
 
-    C = np.empty_like(gains.filtered)
+    C, W = room(*gains.filtered.shape), room(*gains.filtered.shape)
     for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
-        rows = np.arange(first, min(first + _ROWS_AT_ONCE, gains.rows))
+        stop = min(first + _ROWS_AT_ONCE, gains.rows)
+        rows = np.arange(first, stop)
         numerator = gains.filtered[rows] @ transition.T
         following = gains.predicted[gains.row(rows + 1)]
         C[rows] = np.linalg.solve(
             following.transpose(0, 2, 1), numerator.transpose(0, 2, 1)
         ).transpose(0, 2, 1)
-    W = np.empty_like(C)
-    products(C, window, gains.cycle, W)
+        for worked_through in (gains.filtered, gains.predicted, C):
+            release(worked_through, first, stop)
+    for first in range(0, gains.rows, _ROWS_AT_ONCE):
+        stop = min(first + _ROWS_AT_ONCE, gains.rows)
+        products(first, stop, C, window, gains.cycle, W)
+        release(C, first, stop)
+        release(W, first, stop)
     return C, W

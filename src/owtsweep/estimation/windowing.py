@@ -8,11 +8,14 @@ from owtsweep.compiled import njit
 
 
 @njit
-def products(C, window, cycle, W):
-    """W_k = C_k C_{k+1} ... C_{k+window-1} of four states, rows repeating after `cycle`."""
+def products(first, stop, C, window, cycle, W):
+    """W_k = C_k C_{k+1} ... C_{k+window-1} of four states, rows repeating after `cycle`.
+
+    Rows first ... stop - 1 of W are filled.
+    """
     rows, n = C.shape[0], 4  # a constant, so that the loops unroll
     P = np.empty((n, n))
-    for k in range(rows):
+    for k in range(first, stop):
         for i in range(n):
             for j in range(n):
                 W[k, i, j] = 1.0 if i == j else 0.0

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.paging import release
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.feed import Feed, Span
+from owtsweep.studies.hub.feed import SPAN, Feed, Span
 from owtsweep.studies.hub.feed import Lanes as Lanes  # where others look for it
 from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
@@ -110,7 +111,7 @@ def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
     """What NEES and NIS weigh errors with; zero for NEES without `consistency`."""
     return Weights(
         precision=chain.precision if consistency else np.zeros((chain.gains.rows, 3)),
-        innovation=1.0 / chain.gains.innovation_variance,
+        innovation=chain.innovation_weight,
         fresh=chain.gains.fresh,
     )
 
@@ -129,7 +130,7 @@ class Run:
         *,
         keep: bool = False,
     ) -> None:
-        self.chain, self.weights, self.feed, self.settled = chain, weights, feed, settled
+        self.weights, self.feed, self.settled = weights, feed, settled
         self.steps = feed.records.steps
         self.arrays = arrays_of(chain)
         self.chunk, self.lead = chunk_of(chain)
@@ -157,6 +158,9 @@ class Run:
             runs.superposed(*common, direction, *own)
         else:
             runs.direct(*common, direction * self.feed.amplitude, *own, self.squared)
+        filter_, weights = self.arrays.filter, self.weights
+        for rows in (filter_.K, filter_.C, filter_.W, weights.precision, weights.innovation):
+            release(rows, self.done, ready)  # of a long schedule: read, and done with
         self.done = ready
 
 
@@ -170,14 +174,21 @@ def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output
 
 def _sums(runs: Sequence[Run], chain: Chain, replicates: int) -> Sums:
     steps, settled = runs[0].steps, runs[0].settled
-    fresh = chain.gains.fresh[chain.gains.row(np.arange(steps))]
-    late = int(np.count_nonzero(fresh[settled:]))
+    early, late = (_fresh(chain, *part) for part in ((0, settled), (settled, steps)))
     products = np.concatenate([run.sums for run in runs], axis=1)[:, :replicates]
     return Sums(
         products=products.reshape(2, 6, 3, replicates),
         steps=np.array([settled, steps - settled]),
-        innovations=np.array([int(np.count_nonzero(fresh)) - late, late]),
+        innovations=np.array([early, late]),
         squared=np.concatenate([run.squared for run in runs], axis=1)[:, :replicates],
+    )
+
+
+def _fresh(chain: Chain, first: int, stop: int) -> int:
+    """Innovations of the steps first ... stop - 1."""
+    return sum(
+        int(np.count_nonzero(chain.gains.fresh[chain.gains.row(np.arange(k, min(k + SPAN, stop)))]))
+        for k in range(first, stop, SPAN)
     )
 
 

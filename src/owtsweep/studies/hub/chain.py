@@ -7,7 +7,7 @@ Every scheme of the study is the same chain with parts left out: [MHE ->] multir
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, wraps
 from operator import attrgetter
@@ -22,6 +22,7 @@ from owtsweep.estimation.gains import GainSchedule, schedule
 from owtsweep.estimation.predictor import powers, prediction_noise
 from owtsweep.estimation.smoother import smoother_gains
 from owtsweep.estimation.windowing import covariances
+from owtsweep.paging import release, room
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, PredictorArrays
@@ -54,16 +55,28 @@ class Chain:
     @cached_property
     def covariance(self) -> Array:
         """(rows, 2, 2): covariance of the output's (p, v), one axis, for NEES."""
-        steps = self.predictor.steps
-        return _output_covariance(
-            self.axis, self.gains, self.filter.C, self.filter.window, steps, self.input_model
-        )
+        return np.concatenate([part for _, part in self._covariances()])
 
     @cached_property
     def precision(self) -> Array:
         """(rows, 3): elements pp, pv, vv of the inverse of the output's covariance."""
-        inverse = np.linalg.inv(self.covariance)
-        return np.ascontiguousarray(inverse[:, [0, 0, 1], [0, 1, 1]])
+        result = room(self.gains.rows, 3)
+        for first, part in self._covariances():
+            stop = first + len(part)
+            result[first:stop] = np.linalg.inv(part)[:, [0, 0, 1], [0, 1, 1]]
+            release(result, first, stop)
+        return result
+
+    @cached_property
+    def innovation_weight(self) -> Array:
+        """(rows,): inverse of the innovation's variance."""
+        result = room(self.gains.rows)
+        for first in range(0, self.gains.rows, _ROWS_AT_ONCE):
+            stop = min(first + _ROWS_AT_ONCE, self.gains.rows)
+            result[first:stop] = 1.0 / self.gains.innovation_variance[first:stop]
+            for worked_through in (result, self.gains.innovation_variance):
+                release(worked_through, first, stop)
+        return result
 
     def for_runs(self) -> Chain:
         """This chain with all that the kernels need and without covariances, half of its memory."""
@@ -71,6 +84,12 @@ class Chain:
         result = replace(self, gains=replace(self.gains, predicted=none, filtered=none))
         vars(result)["precision"] = self.precision
         return result
+
+    def _covariances(self) -> Iterator[tuple[int, Array]]:
+        steps = self.predictor.steps
+        return _output_covariances(
+            self.axis, self.gains, self.filter.C, self.filter.window, steps, self.input_model
+        )
 
 
 Kernel = Callable[..., Chain]
@@ -209,15 +228,15 @@ def _predictor_arrays(model: Discrete | None, steps: int, step: float) -> Predic
     )
 
 
-def _output_covariance(
+def _output_covariances(
     axis: AxisFilter,
     gains: GainSchedule,
     C: Array,
     window: int,
     steps: int,
     predict: Discrete | None,
-) -> Array:
-    """Covariance of the output's (p, v) for one axis, (rows, 2, 2).
+) -> Iterator[tuple[int, Array]]:
+    """Covariance of the output's (p, v) for one axis: a first row, and (rows, 2, 2) from it on.
 
     The predictor starts from the smoothed state of `window` steps before the filter's newest
     sample and feeds it inputs whose noise v_i the smoother has partly seen. For the filter's own
@@ -226,12 +245,15 @@ def _output_covariance(
     independent. (The bias' own walk over these steps is added as if independent: it is 1e-3 of
     the rest for the default sensors.)
     """
+    worked_through = (gains.filtered, gains.predicted, C)
     if predict is None or steps == 0:
-        return gains.filtered[:, :2, :2].copy()
+        for first in range(0, gains.rows, _ROWS_AT_ONCE):
+            yield first, gains.filtered[first : first + _ROWS_AT_ONCE, :2, :2].copy()
+            release(gains.filtered, first, first + _ROWS_AT_ONCE)
+        return
     noise = prediction_noise(predict, steps)
     pick = SIGMA_2_STATES
     table = C if window > 0 else gains.filtered  # with no window there is nothing to look up
-    result = np.empty((gains.rows, 2, 2))
     for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
         count = min(_ROWS_AT_ONCE, gains.rows - first)
         smoothed = np.broadcast_to(axis.initial_covariance, (count, 4, 4)).copy()
@@ -244,5 +266,6 @@ def _output_covariance(
         cross = noise.transition @ coupling[:, pick]
         own += cross + cross.transpose(0, 2, 1)
         own += noise.process + axis.force_variance * noise.response.T @ noise.response
-        result[first : first + count] = own[:, :2, :2]
-    return result
+        yield first, own[:, :2, :2]
+        for array in worked_through:
+            release(array, first, first + count)

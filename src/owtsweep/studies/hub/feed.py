@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.paging import release
 from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.records import Records
 from owtsweep.studies.hub.sensors import fix_count
@@ -114,6 +115,7 @@ class Feed:
             motion[:, lane] = self.records.motion[index].position_at(
                 -sensors.delay, sensors.fix_interval, count
             )
+            release(self.records.motion[index].position)
             noise[:, :, lane] = self.records.fix_noise(index).T
         return self._grouped(motion, noise)
 
@@ -137,6 +139,9 @@ class Feed:
                                (apart[0], "acceleration")):  # fmt: skip
                 sources = tuple(getattr(series, name) for series in motion)
                 feeding.gather(k0, stop - k0, lead, sources, rows)
+                if self.records.in_file:
+                    for source in sources:
+                        release(source, k0, stop)
             fill(stop - k0, lead, apart)
             if self.amplitude is not None:
                 direction = self.records.direction

@@ -11,6 +11,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from owtsweep import paging
 from owtsweep.arrays import Array
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import Motion, synthesise
@@ -20,6 +21,9 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 
 STUDY = "hub"
+#: Numbers of a block's motion that are kept in memory (40 MB); more of them lie in a file. Eight
+#: records of the default length stay just below, which is faster.
+MOST_IN_MEMORY = 5_000_000
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,11 @@ class Records:
         )
 
     @property
+    def in_file(self) -> bool:
+        """Whether the motion is too long to be kept in memory."""
+        return 3 * self.steps * len(self.replicates) > MOST_IN_MEMORY
+
+    @property
     def keeps_noise(self) -> bool:
         """Whether somebody has asked for the whole noise."""
         return "noise" in vars(self)
@@ -80,6 +89,10 @@ def make_records(config: HubConfig, natural_period: float, replicates: Sequence[
     steps = round(config.record.duration / known.step)
     shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
     angle = np.deg2rad(config.wave_direction)
+    size = (len(replicates), 3, steps)
+    count = int(np.prod(size))
+    # small pieces in memory are used again by the next block; one large one is made anew
+    kept = paging.room(count).reshape(size) if count > MOST_IN_MEMORY else [None] * len(replicates)
     motions = [
         synthesise(
             shape,
@@ -89,8 +102,9 @@ def make_records(config: HubConfig, natural_period: float, replicates: Sequence[
             band=(config.band[0], config.band[1]),
             normalise=config.normalise,
             history=known.delay,
+            out=out,
         )
-        for replicate in replicates
+        for replicate, out in zip(replicates, kept, strict=True)
     ]
     return Records(
         config=config,

@@ -83,8 +83,6 @@ def best(
     config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame, criterion: str
 ) -> Figure:
     """The smooth map over the grid's range; cells where the range is a point or has gaps."""
-    import pandas as pd
-
     from owtsweep.studies.hub import scheme_names
     from owtsweep.studies.hub.figures import best_scheme_map, expected_map
 
@@ -105,10 +103,7 @@ def best(
     periods = np.linspace(min(grid.natural_period), max(grid.natural_period), FINE)
     amplitudes = np.geomspace(min(grid.amplitude), max(grid.amplitude), FINE)
     finished = [name for name in names if ((rows["scheme"] == name) & (rows["status"] == OK)).any()]
-    fine = pd.concat(
-        [engine.rows(config, name, [float(p) for p in periods]) for name in finished],
-        ignore_index=True,
-    )
+    fine = engine.rows_of(config, finished, [float(p) for p in periods])
     known = answers.expected(fine, names, criterion, window)
     return expected_map.draw(
         known.at(amplitudes), known.schemes, periods, amplitudes,

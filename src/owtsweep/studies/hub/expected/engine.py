@@ -5,7 +5,10 @@ One block per scheme holds all natural periods: what takes time, the scheme's cu
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +24,7 @@ from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.cache import cached
 from owtsweep.studies.hub.expected.curves import Curves, curves
-from owtsweep.studies.hub.expected.peak import RECORDS, peak_factors
+from owtsweep.studies.hub.expected.peak import RECORDS, factor_at, ladder, peak_factors
 from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
 from owtsweep.studies.hub.schemes import resolve, resolve_all
 
@@ -62,6 +65,20 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
     for block in blocks:
         name, periods = block.content["scheme"], block.content["natural_periods"]
         yield block, rows(config, name, periods)
+
+
+def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -> pd.DataFrame:
+    """`rows` of several schemes, whose curves are computed on all cores where they are not known.
+
+    The kernels release the GIL, so threads share the work; what each computes is its own.
+    """
+    work: list[Callable[[], object]] = [partial(curves_of, config, name) for name in names]
+    if config.normalise == "peak":
+        work += [partial(factor_at, config, end) for end in ladder(config, periods)]
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        for done in [pool.submit(part) for part in work]:
+            done.result()
+    return pd.concat([rows(config, name, periods) for name in names], ignore_index=True)
 
 
 def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame:

@@ -7,6 +7,7 @@ periods and read off in between: no result depends on which periods a grid holds
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.motion.spectra import spectrum
-from owtsweep.motion.synthesis import synthesise
+from owtsweep.motion.synthesis import displacement
 from owtsweep.streams import stream
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.cache import cached
@@ -32,19 +33,32 @@ STREAM = "phase of a peak factor"
 def peak_factors(config: HubConfig, periods: list[float]) -> Array:
     """Mean of (standard deviation / peak)^2 over the records of each natural period, (periods,)."""
     if config.spectrum.kind != "translated":  # known at single periods only
-        return np.array([_factor(config, period) for period in periods])
-    longest, shortest = 1.0 / config.band[0], 1.0 / config.band[1]
+        return np.array([factor_at(config, period) for period in periods])
+    shortest, longest = 1.0 / config.band[1], 1.0 / config.band[0]
     result = []
     for period in periods:
-        rung = np.log2(period) * PER_OCTAVE
-        ends = np.clip(2.0 ** (np.array([np.floor(rung), np.floor(rung) + 1.0]) / PER_OCTAVE),
-                       shortest, longest)  # fmt: skip
-        values = [_factor(config, float(end)) for end in ends]
+        ends = _rungs(period, shortest, longest)
+        values = [factor_at(config, float(end)) for end in ends]
         result.append(np.interp(np.log(period), np.log(ends), values))
     return np.array(result)
 
 
-def _factor(config: HubConfig, period: float) -> float:
+def ladder(config: HubConfig, periods: Sequence[float]) -> list[float]:
+    """The periods at which records are synthesised for these."""
+    if config.spectrum.kind != "translated":
+        return sorted(set(periods))
+    edges = 1.0 / config.band[1], 1.0 / config.band[0]
+    return sorted({float(end) for period in periods for end in _rungs(period, *edges)})
+
+
+def _rungs(period: float, shortest: float, longest: float) -> Array:
+    rung = np.log2(period) * PER_OCTAVE
+    ends = 2.0 ** (np.array([np.floor(rung), np.floor(rung) + 1.0]) / PER_OCTAVE)
+    return np.asarray(np.clip(ends, shortest, longest))
+
+
+def factor_at(config: HubConfig, period: float) -> float:
+    """Mean of (standard deviation / peak)^2 over records of this very period, cached."""
     what: dict[str, Any] = {
         "what": "peak factor",
         "seed": config.seed,
@@ -63,13 +77,13 @@ def _mean(config: HubConfig, period: float) -> float:
     shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
     total = 0.0
     for record in range(RECORDS):
-        motion = synthesise(
+        position = displacement(
             shape,
             stream(config.seed, "hub", 0.0, record, STREAM),
             steps=steps,
             step=duration / steps,
             band=(config.band[0], config.band[1]),
-            normalise="peak",
         )
-        total += float(np.var(motion.position))
+        scale = 1.0 / np.max(np.abs(position))
+        total += float(np.var(scale * position))
     return total / RECORDS

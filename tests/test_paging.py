@@ -1,0 +1,56 @@
+"""Arrays outside the process' memory: the same numbers, less of it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from owtsweep import paging
+
+MAPPED = Path("/proc/self/statm")
+
+
+def _resident() -> int:
+    """Bytes of files and of the process' own that are in memory now."""
+    return int(MAPPED.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+@pytest.mark.skipif(not MAPPED.exists(), reason="no /proc")
+def test_what_is_released_leaves_memory_and_comes_back_unchanged():
+    rows = 1_000_000
+    array = paging.room(rows, 4)
+    before = _resident()
+    for first in range(0, rows, 10_000):
+        stop = first + 10_000
+        array[first:stop] = np.arange(4 * first, 4 * stop).reshape(-1, 4)
+        paging.release(array[:stop], first, stop)
+        assert _resident() - before < 4_000_000, first
+    paging.release(array)
+    assert np.array_equal(array.ravel(), np.arange(4 * rows))
+
+
+def test_releasing_a_part_of_a_part_touches_no_other_rows():
+    array = paging.room(500_000)
+    array[:] = np.arange(len(array))
+    part = array[12_345:400_001]
+    paging.release(part, 7, 300_000)
+    paging.release(part)
+    assert np.array_equal(array, np.arange(len(array)))
+
+
+@pytest.mark.parametrize("missing", ["small", "full"])
+def test_without_a_file_there_is_memory(missing, monkeypatch):
+    if missing == "full":
+
+        def full(*_: int) -> None:
+            raise OSError(28, "No space left on device")
+
+        monkeypatch.setattr(paging.os, "posix_fallocate", full, raising=False)
+    array = paging.room(10 if missing == "small" else 1_000_000, 2)
+    assert array.base is None
+    array[:] = 3.0
+    paging.release(array)
+    assert np.all(array == 3.0)
