@@ -1,4 +1,4 @@
-"""What the process does with memory that it has freed; other C libraries than glibc are left alone."""
+"""What the process does with memory that it has freed. Only glibc is told anything."""
 
 from __future__ import annotations
 
