@@ -236,6 +236,7 @@ def replay_long(folder: Path, rows: int, *overrides: str) -> tuple[float, Path]:
     return found["peak"], folder / "results/long"
 
 
+@pytest.mark.faults
 def test_memory_grows_by_the_record_alone(tmp_path, kernels):
     """Position, velocity and acceleration are 48 bytes a row; reading and resampling need more."""
     small = motion_file(tmp_path / "small.csv", duration=30.0)
