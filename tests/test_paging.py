@@ -54,3 +54,13 @@ def test_without_a_file_there_is_memory(missing, monkeypatch):
     array[:] = 3.0
     paging.release(array)
     assert np.all(array == 3.0)
+
+
+@pytest.mark.parametrize("rows", [1000, 500_000])
+def test_filling_a_part_writes_that_part(rows):
+    array = paging.room(rows)
+    array[:] = 1.0
+    paging.fill(array[100:300], 2.0 * np.arange(400.0)[::2])
+    assert np.array_equal(array[100:300], 4.0 * np.arange(200))
+    assert np.all(array[:100] == 1.0)
+    assert np.all(array[300:] == 1.0)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import mmap
 import os
 import tempfile
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,13 @@ from owtsweep.arrays import Array
 KEPT_ROWS = 200_000
 
 
+class _Mapping(mmap.mmap):
+    """A mapped file that knows the file, and where in memory it begins."""
+
+    file: IO[bytes]
+    address: int
+
+
 def room(*shape: int) -> Array:
     """An array (*shape) of floats, zero or not, outside the process' memory if it is long."""
     possible = hasattr(mmap, "MADV_DONTNEED") and hasattr(os, "posix_fallocate")
@@ -31,10 +38,12 @@ def room(*shape: int) -> Array:
             file = tempfile.TemporaryFile()  # noqa: SIM115 (it lives as long as the array)
             # room on the disk now: to run out of it at a later write would end the process
             os.posix_fallocate(file.fileno(), 0, size)
-            mapping = mmap.mmap(file.fileno(), size)  # keeps the file
+            mapping = _Mapping(file.fileno(), size)
         except OSError:
             return np.empty(shape)
-        return np.ndarray(shape, buffer=mapping)
+        array: Array = np.ndarray(shape, buffer=mapping)
+        mapping.file, mapping.address = file, array.ctypes.data
+        return array
     return np.empty(shape)
 
 
@@ -56,14 +65,29 @@ def release(array: NDArray[Any], first: int = 0, stop: int | None = None) -> Non
         mapping.madvise(mmap.MADV_DONTNEED, start, end - start)
 
 
-def _mapping(array: NDArray[Any]) -> mmap.mmap | None:
+def fill(array: Array, values: Array) -> None:
+    """Write all of a contiguous array: past the mapping, if the array is a part of one.
+
+    Page by page, a file system takes as long as the numbers took to make.
+    """
+    mapping = _mapping(array)
+    if mapping is None:
+        array[...] = values
+        return
+    left = memoryview(np.ascontiguousarray(values, dtype=array.dtype).data).cast("B")
+    at = _offset(array, mapping)
+    while len(left):
+        count = os.pwrite(mapping.file.fileno(), left, at)
+        left, at = left[count:], at + count
+
+
+def _mapping(array: NDArray[Any]) -> _Mapping | None:
     owner: Any = array
     while isinstance(owner, np.ndarray):
         owner = owner.base
-    return owner if isinstance(owner, mmap.mmap) else None
+    return owner if isinstance(owner, _Mapping) else None
 
 
-def _offset(array: NDArray[Any], mapping: mmap.mmap) -> int:
+def _offset(array: NDArray[Any], mapping: _Mapping) -> int:
     """Bytes from the mapping's start to the array's."""
-    start = np.frombuffer(mapping, np.uint8).__array_interface__["data"][0]
-    return int(array.__array_interface__["data"][0] - start)
+    return int(array.ctypes.data) - mapping.address

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum
-from owtsweep.paging import release
+from owtsweep.paging import fill
 
 NORMALISATIONS = ("peak", "rms")
 #: Longest records (2621 s at 100 Hz) whose three series are transformed side by side: that takes
@@ -128,12 +128,10 @@ def synthesise(
     else:
         raise InputError(f"normalise: {normalise!r} is none of {', '.join(NORMALISATIONS)}")
     before = scale * position[2 * steps - history :]
-    np.multiply(scale, record, out=result[0])
-    release(result[0])
+    fill(result[0], scale * record)
     del position, record
     for row in (1, 2):
-        np.multiply(scale, next(series)[:steps], out=result[row])
-        release(result[row])
+        fill(result[row], scale * next(series)[:steps])
     return Motion(step, result[0], result[1], result[2], before)
 
 
