@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -254,7 +255,12 @@ def test_memory_grows_by_the_record_alone(tmp_path, kernels):
 
 @pytest.mark.faults
 def test_ten_million_rows_in_less_than_two_gigabytes(tmp_path):
-    peak, run = replay_long(tmp_path, 10_000_000, "replay.replicates=1", "schemes=[HME1]")
-    assert (run / "estimates/HME1.csv").stat().st_size > 1e9
-    assert (run / "figures/bias.png").is_file()
-    assert peak < 2e9
+    if shutil.disk_usage(tmp_path).free < 4e9:
+        pytest.skip("less than 4 GB of free disk: the record and its estimates take 2.5 GB")
+    try:
+        peak, run = replay_long(tmp_path, 10_000_000, "replay.replicates=1", "schemes=[HME1]")
+        assert (run / "estimates/HME1.csv").stat().st_size > 1e9
+        assert (run / "figures/bias.png").is_file()
+        assert peak < 2e9
+    finally:  # pytest keeps the folders of three runs
+        shutil.rmtree(tmp_path)
