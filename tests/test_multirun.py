@@ -139,6 +139,7 @@ def launch(launcher, *words):
     )  # fmt: skip
 
 
+@pytest.mark.faults
 def test_submitit_runs_the_jobs_elsewhere():
     done = launch("submitit_local", "schemes=[MKF]", "hydra.launcher.timeout_min=2")
     assert done.returncode == 0, done.stderr
@@ -147,6 +148,7 @@ def test_submitit_runs_the_jobs_elsewhere():
     assert "2 runs in" in done.stdout
 
 
+@pytest.mark.faults
 def test_joblib_runs_the_jobs_elsewhere_and_their_failures_come_back():
     done = launch("joblib", "schemes=[MKF,{_target_:user_schemes.Broken,how:raising}]")
     assert done.returncode == 1, done.stderr

@@ -43,6 +43,7 @@ def test_a_hundred_thousand_cases(tmp_path: Path) -> None:
     assert found["peak_MB"] < BARE + 200e-6 * found["cases"]
 
 
+@pytest.mark.faults
 def test_aggregating_the_hub_study_takes_a_fixed_memory_per_row(tmp_path: Path) -> None:
     found = measure("--hub=300", folder=tmp_path)
     assert found["rows"] == 300 * 6 * 4 * 16
