@@ -7,3 +7,8 @@ class InputError(ValueError):
     The command line prints it without a traceback and exits with code 2; nothing has been
     written by then.
     """
+
+
+def as_text(error: BaseException) -> str:
+    """Any exception's type and message in one line."""
+    return " ".join(f"{type(error).__name__}: {error}".split())

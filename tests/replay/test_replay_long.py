@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -103,7 +104,7 @@ def test_the_noise_does_not_depend_on_the_pieces(tmp_path):
     whole = signals.whole().specific_force
     assert np.array_equal(np.concatenate([*signals.force(700)]), whole)
     # by hand: the streams as DESIGN.md has them
-    named = lambda name: measuring.stream(config.seed, "replay", 0.0, 3, name)  # noqa: E731
+    named = partial(measuring.stream, config.seed, "replay", 0.0, 3)
     noise = sensing.noise(config.sensors, sensors, record.steps, named)
     force = record.acceleration @ sensors.rotation + noise.specific_force
     assert np.array_equal(whole, force)

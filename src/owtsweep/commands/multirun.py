@@ -34,7 +34,7 @@ from owtsweep.config import (
     one_line,
     require,
 )
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, as_text
 from owtsweep.sweep.files import check_writable
 from owtsweep.sweep.keys import run_folder
 
@@ -106,7 +106,7 @@ class Job:
         except InputError as error:
             code, reason = BAD_INPUT, str(error)
         except Exception as error:  # whatever it is, the other runs go on
-            code, reason = FAILED, " ".join(f"{type(error).__name__}: {error}".split())
+            code, reason = FAILED, as_text(error)
             logger.debug("run %s", name, exc_info=True)
         write_outcome(Path(self.folder), JobOutcome(name, task, code, reason))
 

@@ -23,7 +23,6 @@ MOST_LABELS = 3
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Compose and check the configuration, then run it (or each of a multirun)."""
-    keep_freed_memory()
     if options.multirun:
         from owtsweep.commands.multirun import run_all
 
@@ -57,6 +56,7 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     from owtsweep.sweep.progress import make_progress
     from owtsweep.sweep.run import sweep
 
+    keep_freed_memory()
     study = get_study(config.study)
     progress = make_progress(quiet=False)
     outcome = sweep(study, config, fresh=fresh, progress=progress, argv=list(argv))

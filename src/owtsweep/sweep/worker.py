@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal
 
 from owtsweep.config import Config
+from owtsweep.errors import as_text
 from owtsweep.memory import keep_freed_memory
 from owtsweep.studies.base import FAILED, Block, Study
 from owtsweep.sweep.keys import block_key
@@ -260,7 +261,7 @@ class _Task:
 
 def one_line(error: BaseException) -> str:
     """An exception in one line."""
-    return " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
+    return as_text(error).removesuffix(":")
 
 
 def is_disk_full(error: BaseException) -> bool:

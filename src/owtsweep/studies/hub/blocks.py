@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.config import as_mapping
+from owtsweep.errors import as_text
 from owtsweep.studies.base import Block
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub.batch import Sums, direct_sums_of, superposed_sums_of
@@ -223,7 +224,7 @@ def _by_loop(
             for measured in _looped(config, scheme, records, settled, amplitude, index):
                 yield measures.row(period, replicate, scheme.name, measured, amplitude)
         except (Exception, SystemExit) as error:  # whatever a user's scheme does: the rest goes on
-            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            reason = as_text(error)
             yield measures.failed_row(period, replicate, scheme.name, reason, amplitude)
 
 

@@ -139,9 +139,8 @@ class Feed:
                                (apart[0], "acceleration")):  # fmt: skip
                 sources = tuple(getattr(series, name) for series in motion)
                 feeding.gather(k0, stop - k0, lead, sources, rows)
-                if self.records.in_file:
-                    for source in sources:
-                        release(source, k0, stop)
+                for source in sources:
+                    release(source, k0, stop)
             fill(stop - k0, lead, apart)
             if self.amplitude is not None:
                 direction = self.records.direction

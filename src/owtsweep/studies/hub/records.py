@@ -56,11 +56,6 @@ class Records:
         )
 
     @property
-    def in_file(self) -> bool:
-        """Whether the motion is too long to be kept in memory."""
-        return 3 * self.steps * len(self.replicates) > MOST_IN_MEMORY
-
-    @property
     def keeps_noise(self) -> bool:
         """Whether somebody has asked for the whole noise."""
         return "noise" in vars(self)

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.config import as_mapping, conf_directory, group_options, require, with_values
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, as_text
 from owtsweep.studies.base import FAILED, OK, Block
 from owtsweep.studies.hub.batch import Lanes
 from owtsweep.studies.hub.fidelity import score as scoring
@@ -181,7 +181,7 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
             values = {key: value for keys, value in chosen.items() for key in keys.split("+")}
             row |= judge(with_values(base, values))
         except (InputError, ArithmeticError, np.linalg.LinAlgError) as error:
-            text = " ".join(f"{type(error).__name__}: {error}".split())
+            text = as_text(error)
             row |= {"score": DIVERGED, "status": FAILED, "reason": text}
         rows.append(row)
         return float(row["score"])

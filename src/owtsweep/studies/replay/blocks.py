@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.config import as_mapping
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, as_text
 from owtsweep.studies.base import FAILED, OK, Block
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.blocks import backend, scheme_content
@@ -128,23 +128,25 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         label, name = block.content["file"], block.content["scheme"]
         record = load_record(config, files[label])
         if name == RECORD:
-            scheme = resolve_all(config.schemes, config)[facts.describer(config)]
-            rows = [
-                _row(label, RECORD, 0, found)
-                for found in facts.facts(config, record, sensors, scheme, settled)
-            ]
-            for replicate in range(replicates(config, record)):
-                fixes = listen(config, sensors, record, replicate).fixes
-                rows += [
-                    _row(label, LAST_FIX, replicate, found)
-                    for found in measures.held(record, fixes, sensors, settled)
-                ]
-            give_back(record)
-            yield block, _frame(rows)
-            continue
-        rows = _of_scheme(config, record, label, schemes[name], sensors, settled)
+            describer = list(schemes.values())[facts.describer(config)]
+            rows = _of_record(config, record, label, describer, sensors, settled)
+        else:
+            rows = _of_scheme(config, record, label, schemes[name], sensors, settled)
         give_back(record)
         yield block, _frame(rows)
+
+
+def _of_record(
+    config: ReplayConfig, record: Record, label: str, scheme: Scheme, sensors: Sensors, settled: int
+) -> list[dict[str, Any]]:
+    """The rows of the record itself, and of holding the last fix."""
+    found = facts.facts(config, record, sensors, scheme, settled)
+    rows = [_row(label, RECORD, 0, fact) for fact in found]
+    for replicate in range(replicates(config, record)):
+        fixes = listen(config, sensors, record, replicate).fixes
+        held = measures.held(record, fixes, sensors, settled)
+        rows += [_row(label, LAST_FIX, replicate, measured) for measured in held]
+    return rows
 
 
 def _of_scheme(
@@ -168,7 +170,7 @@ def _of_scheme(
             for replicate, tally in zip(some, tallies, strict=True):
                 rows += [_row(label, scheme.name, replicate, m) for m in tally.measures()]
         except (Exception, SystemExit) as error:  # a user's scheme: the rest goes on
-            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            reason = as_text(error)
             return [_failed(label, scheme.name, first, reason)]
     return rows
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -105,7 +106,4 @@ def simulated_bias(
 
 
 def _streams(config: ReplayConfig, replicate: int) -> Callable[[str], np.random.Generator]:
-    def named(name: str) -> np.random.Generator:
-        return stream(config.seed, STUDY, 0.0, replicate, name)
-
-    return named
+    return partial(stream, config.seed, STUDY, 0.0, replicate)

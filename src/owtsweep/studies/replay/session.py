@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import as_text
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.contract import Scheme, Sensors
 from owtsweep.studies.hub.schemes import resolve_all
@@ -59,9 +60,10 @@ class Session:
         """The schemes that have estimates."""
         return list(next(iter(self.seen.values())))
 
-    def settled_from(self) -> int:
-        """The step from which on errors decide how far an axis reaches."""
-        return self.record.steps // 5
+
+def settled_from(record: Record) -> int:
+    """The step from which on errors decide how far an axis reaches."""
+    return record.steps // 5
 
 
 def session(config: ReplayConfig, file: str) -> Session:
@@ -90,7 +92,7 @@ class SchemeFailed(Exception):
 
     def __init__(self, name: str, cause: BaseException) -> None:
         self.name = name
-        super().__init__(" ".join(f"{type(cause).__name__}: {cause}".split()))
+        super().__init__(as_text(cause))
 
 
 def each(
@@ -133,7 +135,7 @@ def _gathered(
     alike = {quantity: Alike(list(schemes)) for quantity in COLUMNS}
     bounds = {quantity: dict.fromkeys(schemes, 0.0) for quantity in COLUMNS}
     runs = [each(config, scheme, sensors, signals, edges) for scheme in schemes.values()]
-    begin, late = 0, record.steps // 5
+    begin, late = 0, settled_from(record)
     for pieces in zip(*runs, strict=True):
         end = begin + len(pieces[0].state)
         for window, steps in shown.items():

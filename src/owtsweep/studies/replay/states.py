@@ -17,7 +17,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.envelope import POINTS, Envelope
 from owtsweep.studies.replay.estimating import rows_of
 from owtsweep.studies.replay.measuring import pieces_of, simulated_bias
-from owtsweep.studies.replay.session import Session, largest_of
+from owtsweep.studies.replay.session import Session, largest_of, settled_from
 
 
 @dataclass
@@ -146,7 +146,7 @@ def _take(
     state: FilterState, piece: Array, truth: Array | None, begin: int, session: Session
 ) -> None:
     """Keep of a piece what figures show."""
-    end, late = begin + len(piece), slice(max(session.settled_from() - begin, 0), None)
+    end, late = begin + len(piece), slice(max(settled_from(session.record) - begin, 0), None)
     acceleration, bias = piece[:, 2], piece[:, 3]
     if state.acceleration is not None:
         window = session.windows["acceleration"]

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.contract import Scheme
 
 #: Name -> where it lives and what it is, in the order of tables and figures.
@@ -84,7 +84,7 @@ def _instantiate(entry: Mapping[str, Any]) -> Scheme:
     try:
         scheme = getattr(import_module(module_name), class_name)(**arguments)
     except (Exception, SystemExit) as error:  # whatever a user's module does while it loads
-        text = " ".join(f"{type(error).__name__}: {error}".split())
+        text = as_text(error)
         raise InputError(
             f"schemes: {target} cannot be made ({text}); it must be importable from here "
             "(PYTHONPATH) and take the given arguments"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -100,10 +100,10 @@ def _duration(seconds: float) -> str:
     return f"{seconds:.3g} s"
 
 
-def _plot(axes: Axes, line: Line, **look: object) -> None:
+def _plot(axes: Axes, line: Line, **look: Any) -> None:
     """A line in its pieces; a gap stays a gap."""
     for time, values in line:
-        axes.plot(time, values, **look)  # type: ignore[arg-type]
+        axes.plot(time, values, **look)
         look = {key: item for key, item in look.items() if key != "label"}
 
 
