@@ -69,6 +69,7 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
     Fed are specific force (x, y), fixes (x, y), true position and velocity, (tiles, rows, 8) each
     with a tile for every eight series; before the first step there are rows of zeros.
     """
+    from owtsweep.arrays import aligned
     from owtsweep.config import compose
     from owtsweep.studies.hub import sensors as sensing
     from owtsweep.studies.hub.batch import arrays_of, chunk_of, weights_of
@@ -78,13 +79,14 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
     sensors = sensing.sensors(config.sensors)
     chain = resolve(scheme).kernel(sensors, config, 200_000)  # type: ignore[attr-defined]
     lead = chunk_of(chain)[1]
-    draw = np.random.default_rng(1)
     fixes = -(-steps // sensors.fix_interval)
     tiles = series // 8
-    force = draw.normal(size=(2, tiles, lead + steps, 8))
+    force, truth = aligned(2, tiles, lead + steps, 8), aligned(2, tiles, lead + steps, 8)
+    positions = aligned(2, tiles, fixes, 8)
+    draw = np.random.default_rng(1)
+    for array in (force, positions, truth):
+        array[...] = draw.normal(size=array.shape)
     force[:, :, :lead] = 0.0
-    positions = draw.normal(size=(2, tiles, fixes, 8))
-    truth = draw.normal(size=(2, tiles, lead + steps, 8))
     return chain, (*force, *positions, *truth), (arrays_of(chain), weights_of(chain))
 
 

@@ -15,7 +15,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, aligned
 
 #: Arrays of no more rows stay in memory: those of records of 2000 s at 100 Hz. Reading the gains of
 #: these from a file takes a tenth of a block's time; 50_000 makes memory flat from 500 s on.
@@ -30,7 +30,7 @@ class _Mapping(mmap.mmap):
 
 
 def room(*shape: int) -> Array:
-    """An array (*shape) of floats, zero or not, outside the process' memory if it is long."""
+    """Zeros (*shape), outside the process' memory if it is long."""
     possible = hasattr(mmap, "MADV_DONTNEED") and hasattr(os, "posix_fallocate")
     if shape[0] > KEPT_ROWS and possible:
         size = 8 * int(np.prod(shape))
@@ -40,11 +40,11 @@ def room(*shape: int) -> Array:
             os.posix_fallocate(file.fileno(), 0, size)
             mapping = _Mapping(file.fileno(), size)
         except OSError:
-            return np.empty(shape)
+            return aligned(*shape)
         array: Array = np.ndarray(shape, buffer=mapping)
         mapping.file, mapping.address = file, array.ctypes.data
         return array
-    return np.empty(shape)
+    return aligned(*shape)
 
 
 def release(array: NDArray[Any], first: int = 0, stop: int | None = None) -> None:

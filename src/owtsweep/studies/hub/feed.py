@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, aligned
 from owtsweep.paging import release
 from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.records import Records
@@ -125,9 +125,9 @@ class Feed:
 
         steps = self.records.steps
         size = min(SPAN, steps)
-        apart = np.zeros((3, lead + size, WIDTH))
-        truth = np.zeros((2, lead + size, WIDTH))
-        whole = apart if self.amplitude is None else np.zeros((2, lead + size, WIDTH))
+        apart = aligned(3, lead + size, WIDTH)
+        truth = aligned(2, lead + size, WIDTH)
+        whole = apart if self.amplitude is None else aligned(2, lead + size, WIDTH)
         motion = [self.records.motion[index] for index in self.indices]
         fill = self._noise(size)
         for k0 in range(0, steps, SPAN):

@@ -22,7 +22,7 @@ from owtsweep.studies.hub.kernels.vector import groups, load, store
 
 @njit
 def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, shift,
-                final):  # fmt: skip
+                final, after):  # fmt: skip
     """The filter over a chunk's steps, fed by the fixes or, interval by interval, by the MHE."""
     arrays, mhe, x = chain.filter, chain.mhe, registers.x
     M = arrays.fix_interval
@@ -30,7 +30,7 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
     if not mhe.active:
         q = (k0 + first) // M
         filter_steps(k0, first, stop, force, source, fixes, q, k0 + first - q * M, M, arrays, x,
-                     scratch, output, shift, final)  # fmt: skip
+                     scratch, output, shift, final, after)  # fmt: skip
         return
     positions = scratch.positions
     while first < stop:
@@ -42,14 +42,14 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
         horizon_steps(k0, first, end, force, source, q, fixes, mhe, M, registers, positions)
         if at_fix and mhe.arrival:  # register 3 takes the state that this fix has corrected
             filter_steps(k0, first, first + 1, force, source, positions, first, 0, 1, arrays, x,
-                         scratch, output, shift, final)  # fmt: skip
+                         scratch, output, shift, final, after)  # fmt: skip
             oldest = 3 * (q % (mhe.horizon + 1))
             store(registers.arrival, oldest, load(x, 0))
             store(registers.arrival, oldest + 1, load(x, 1))
             store(registers.arrival, oldest + 2, load(x, 3))
             first += 1
         filter_steps(k0, first, end, force, source, positions, first, 0, 1, arrays, x, scratch,
-                     output, shift, final)  # fmt: skip
+                     output, shift, final, after)  # fmt: skip
         first = end
 
 
@@ -60,33 +60,37 @@ def is_filter(chain):
 
 
 @njit
-def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, whole):
+def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, whole, after):
     """Leave filtered or smoothed states in scratch.X, `window` steps late, four rows per step.
 
     Unless they are wanted `whole`, of the four only what the predictor takes is left, in two.
+    `after` are rows, based as the force's, that are read once the states are there.
     """
     window = chain.filter.window
     recall(window, registers, scratch)
-    filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, False)
+    filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, False,
+                after)  # fmt: skip
     keep(count, window, registers, scratch)
     predictor, whole = chain.predictor, whole or chain.predictor.steps == 0
     if window > 0:  # group by group: there is enough to do while a step waits, and it all fits
-        X, r, s = groups(scratch.X), groups(scratch.r), groups(scratch.s)
+        X, r, s, e = groups(scratch.X), groups(scratch.r), groups(scratch.s), groups(scratch.e)
+        late = groups(after)
         for g in range(len(X)):
-            smooth_chunk(k0, count, chain.filter, predictor, whole, X[g], r[g], s[g])
+            smooth_chunk(k0, count, chain.filter, predictor, whole, X[g], r[g], s[g], e[g],
+                         late[g % len(late)], k0 - base)  # fmt: skip
     elif not whole:
         carry_states(count, predictor, scratch.X)
 
 
 @njit
-def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, output):
+def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, output, after):
     """Estimates of the chunk's steps first ... stop - 1, from row 0 of the output on.
 
     `force` holds step k in row k - base. Innovations stay in the row of their step.
     """
     if is_filter(chain):
         filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, first,
-                    True)  # fmt: skip
+                    True, after)  # fmt: skip
     elif chain.predictor.steps > 0:
         predict_steps(k0, first, stop, force, base, chain.predictor, scratch, output, first)
     else:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.horizon import ALL as ALL  # where others look for it
 from owtsweep.studies.hub.kernels.horizon import AVERAGED as AVERAGED
-from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, store
+from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, prefetch_near, store
 
 
 @njit
@@ -27,14 +27,15 @@ def row_before(k, row, rows, cycle):
 
 @njit
 def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, scratch, output,
-                 shift, final):  # fmt: skip
+                 shift, final, after):  # fmt: skip
     """Algorithm 6 over steps k0 + first ... k0 + stop - 1.
 
     The specific force of step k0 + i is row source + i. The position that the first step may take
     is row q of `fixes`; the next is due after M - phase steps, then every M. Filtered states and
     innovations go behind the window in the scratch (of step k0 + i, the position's only where there
     is one); where they are `final`, with neither smoother nor predictor to come, position and
-    velocity go to row i - shift of the output.
+    velocity go to row i - shift of the output. `after` are rows, based as the force's, that will be
+    read next: they are asked for here, unless a smoother comes in between.
     """
     A, B, h, K = arrays.A, arrays.B, arrays.h, arrays.K
     a01, a02, a03, a12, a13, a22 = A[0, 1], A[0, 2], A[0, 3], A[1, 2], A[1, 3], A[2, 2]
@@ -51,6 +52,8 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
     for i in range(first, stop):
         now = load(force, source + i)
         prefetch(force, source + i + AHEAD)
+        if window == 0:
+            prefetch_near(after, source + i + AHEAD)
         m0 = x0 + a01 * x1 + a02 * x2 + a03 * x3 + b0 * before
         m1 = x1 + a12 * x2 + a13 * x3 + b1 * before
         m2 = a22 * x2

@@ -4,75 +4,62 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import row_before, schedule_row
-from owtsweep.studies.hub.kernels.vector import load, store, zero
+from owtsweep.studies.hub.kernels.vector import load, prefetch_near, store, zero
 
 
 @njit
-def smooth_chunk(k0, count, arrays, predictor, whole, X, r, s):
+def smooth_chunk(k0, count, arrays, predictor, whole, X, r, s, e, after, source):
     """Replace X of the steps k0 - window ... by their smoothed states (Algorithm 8).
 
     With e_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed state is x_{k|k} + S_k, where
     S_k = C_k (e_{k+1} + S_{k+1} - W_{k+1} e_{k+1+window}). The recursion is stable backwards in
     time only, so each chunk starts it anew at its end with the window as run-up. e = K (s, r) is
-    made again of the innovations, by the filter's operations: that is cheaper than to fetch it.
-    (As a function of its own, called twice, it takes a quarter more time than written out twice.)
+    made again of the innovations, by the filter's operations: that is cheaper than to fetch it. A
+    ring keeps it until it leaves the window.
     Unless the states are wanted `whole`, what the predictor takes of them is left in two rows.
+    Row source + i of `after` is asked for on the way, for each of the chunk's steps k0 + i.
     """
     window, C, W = arrays.window, arrays.C, arrays.W
     rows, cycle = C.shape[0], arrays.cycle
     K, applied = arrays.K, arrays.applied
     pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
     nothing = zero(X)
+    for at in range(4 * window):
+        store(e, at, nothing)
     s0, s1, s2, s3 = nothing, nothing, nothing, nothing
-    first = max(window - k0, 0)
-    end = k0 + count  # one more than the newest step, which leaves the window first
-    late = schedule_row(end, rows, cycle)
-    next_row = schedule_row(end - 1, rows, cycle)
-    for j in range(window + count - 2, first - 1, -1):
-        k = k0 - window + j
-        if j + 1 < count:
-            late = row_before(k + 2 + window, late, rows, cycle)
-            at = j + 1 + window
-            seen = load(r, at)
-            l0, l1 = K[late, 0, 1] * seen, K[late, 1, 1] * seen
-            l2, l3 = K[late, 2, 1] * seen, K[late, 3, 1] * seen
-            if applied[late]:
-                seen = load(s, at)
-                l0 = l0 + K[late, 0, 0] * seen
-                l1 = l1 + K[late, 1, 0] * seen
-                l2 = l2 + K[late, 2, 0] * seen
-                l3 = l3 + K[late, 3, 0] * seen
-            row = next_row
-            s0 = s0 - (
-                W[row, 0, 0] * l0 + W[row, 0, 1] * l1 + W[row, 0, 2] * l2 + W[row, 0, 3] * l3
-            )
-            s1 = s1 - (
-                W[row, 1, 0] * l0 + W[row, 1, 1] * l1 + W[row, 1, 2] * l2 + W[row, 1, 3] * l3
-            )
-            s2 = s2 - (
-                W[row, 2, 0] * l0 + W[row, 2, 1] * l1 + W[row, 2, 2] * l2 + W[row, 2, 3] * l3
-            )
-            s3 = s3 - (
-                W[row, 3, 0] * l0 + W[row, 3, 1] * l1 + W[row, 3, 2] * l2 + W[row, 3, 3] * l3
-            )
-        at = j + 1
-        seen = load(r, at)
-        e0, e1 = K[next_row, 0, 1] * seen, K[next_row, 1, 1] * seen
-        e2, e3 = K[next_row, 2, 1] * seen, K[next_row, 3, 1] * seen
-        if applied[next_row]:
-            seen = load(s, at)
-            e0 = e0 + K[next_row, 0, 0] * seen
-            e1 = e1 + K[next_row, 1, 0] * seen
-            e2 = e2 + K[next_row, 2, 0] * seen
-            e3 = e3 + K[next_row, 3, 0] * seen
-        y0, y1, y2, y3 = e0 + s0, e1 + s1, e2 + s2, e3 + s3
-        row = row_before(k + 1, next_row, rows, cycle)
+    w0, w1, w2, w3 = nothing, nothing, nothing, nothing
+    row = schedule_row(k0 + count - 1, rows, cycle)
+    slot = (window + count - 1) % window
+    for j in range(window + count - 2, max(window - k0, 0) - 1, -1):
+        seen = load(r, j + 1)
+        e0, e1 = K[row, 0, 1] * seen, K[row, 1, 1] * seen
+        e2, e3 = K[row, 2, 1] * seen, K[row, 3, 1] * seen
+        if applied[row]:
+            seen = load(s, j + 1)
+            e0 = e0 + K[row, 0, 0] * seen
+            e1 = e1 + K[row, 1, 0] * seen
+            e2 = e2 + K[row, 2, 0] * seen
+            e3 = e3 + K[row, 3, 0] * seen
+        at = 4 * slot
+        store(e, at, e0)
+        store(e, at + 1, e1)
+        store(e, at + 2, e2)
+        store(e, at + 3, e3)
+        y0, y1, y2, y3 = e0 + (s0 - w0), e1 + (s1 - w1), e2 + (s2 - w2), e3 + (s3 - w3)
+        row = row_before(k0 - window + j + 1, row, rows, cycle)
+        slot = slot - 1 if slot > 0 else window - 1
+        at = 4 * slot
+        l0, l1, l2, l3 = load(e, at), load(e, at + 1), load(e, at + 2), load(e, at + 3)
+        w0 = W[row, 0, 0] * l0 + W[row, 0, 1] * l1 + W[row, 0, 2] * l2 + W[row, 0, 3] * l3
+        w1 = W[row, 1, 0] * l0 + W[row, 1, 1] * l1 + W[row, 1, 2] * l2 + W[row, 1, 3] * l3
+        w2 = W[row, 2, 0] * l0 + W[row, 2, 1] * l1 + W[row, 2, 2] * l2 + W[row, 2, 3] * l3
+        w3 = W[row, 3, 0] * l0 + W[row, 3, 1] * l1 + W[row, 3, 2] * l2 + W[row, 3, 3] * l3
         s0 = C[row, 0, 0] * y0 + C[row, 0, 1] * y1 + C[row, 0, 2] * y2 + C[row, 0, 3] * y3
         s1 = C[row, 1, 0] * y0 + C[row, 1, 1] * y1 + C[row, 1, 2] * y2 + C[row, 1, 3] * y3
         s2 = C[row, 2, 0] * y0 + C[row, 2, 1] * y1 + C[row, 2, 2] * y2 + C[row, 2, 3] * y3
         s3 = C[row, 3, 0] * y0 + C[row, 3, 1] * y1 + C[row, 3, 2] * y2 + C[row, 3, 3] * y3
-        next_row = row
         if j < count:
+            prefetch_near(after, source + j)
             at = 4 * j
             x0, x1, x3 = load(X, at) + s0, load(X, at + 1) + s1, load(X, at + 3) + s3
             if whole:

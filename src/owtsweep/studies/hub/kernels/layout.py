@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, aligned
 
 #: Lanes that run side by side in one vector; `kernels.vector.WIDTH`, without importing numba.
 WIDTH = 8
@@ -105,7 +105,8 @@ class Scratch(NamedTuple):
 
     Each field has an array per group of lanes.
     r and s (window + chunk, 8) innovations; X (4 (window + chunk), 8) states, four rows per step;
-    V and P (prediction + 1, 8) sums of inputs; positions (chunk, 8) what the MHE gives the filter.
+    V and P (prediction + 1, 8) sums of inputs; positions (chunk, 8) what the MHE gives the filter;
+    e (4 window, 8) corrections that the smoother has still to take back.
     """
 
     r: Groups
@@ -114,6 +115,7 @@ class Scratch(NamedTuple):
     V: Groups
     P: Groups
     positions: Groups
+    e: Groups
 
 
 class Output(NamedTuple):
@@ -135,7 +137,7 @@ def new_registers(groups: int, window: int, horizon: int) -> Registers:
 def new_scratch(groups: int, chunk: int, window: int, prediction: int) -> Scratch:
     """Working memory for chunks of that many steps."""
     steps = window + chunk
-    rows = (steps, steps, 4 * steps, prediction + 1, prediction + 1, chunk)
+    rows = (steps, steps, 4 * steps, prediction + 1, prediction + 1, chunk, 4 * max(window, 1))
     return Scratch(*(_zeros(groups, n) for n in rows))
 
 
@@ -145,7 +147,7 @@ def new_output(groups: int, chunk: int) -> Output:
 
 
 def _zeros(groups: int, rows: int) -> Groups:
-    return tuple(np.zeros((rows, WIDTH)) for _ in range(groups))
+    return tuple(aligned(rows, WIDTH) for _ in range(groups))
 
 
 class Weights(NamedTuple):

@@ -11,7 +11,7 @@ from __future__ import annotations
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.chain import finish, is_filter, prepare
 from owtsweep.studies.hub.kernels.sums import direct_span, superposed_span
-from owtsweep.studies.hub.kernels.vector import borrowed, load, store
+from owtsweep.studies.hub.kernels.vector import borrowed, groups, load, store
 
 #: Steps whose estimates are made before they are judged: few enough for the near caches, enough
 #: that calls do not count.
@@ -24,8 +24,8 @@ def estimates(k0, count, force, base, fixes, chain, registers, scratch, output):
     u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
     own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
     if not is_filter(c):
-        prepare(k0, count, u, base, z, c, own, memory, out, False)
-    finish(k0, 0, count, u, base, z, c, own, memory, out)
+        prepare(k0, count, u, base, z, c, own, memory, out, False, u)
+    finish(k0, 0, count, u, base, z, c, own, memory, out, u)
 
 
 @njit
@@ -34,15 +34,16 @@ def superposed(k0, stop, chunk, settled, force, base, fixes, position, velocity,
     """Steps k0 ... stop - 1 of eight replicates in the groups motion, noise x, noise y."""
     u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
     own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
-    p, v, w = borrowed((position,)), borrowed((velocity,)), borrowed(weights)
+    truth, w = borrowed((position, velocity)), borrowed(weights)
+    p, v = groups(truth)
     cosines, total = borrowed(direction), borrowed((sums,))
     while k0 < stop:
         count = min(chunk, stop - k0)
         if not is_filter(c):
-            prepare(k0, count, u, base, z, c, own, memory, out, False)
+            prepare(k0, count, u, base, z, c, own, memory, out, False, truth)
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
-            finish(k0, first, end, u, base, z, c, own, memory, out)
+            finish(k0, first, end, u, base, z, c, own, memory, out, truth)
             early = min(max(settled - k0, first), end)
             if early > first:
                 superposed_span(k0, first, early, first, 0, p, v, base, out, cosines, c, w,
@@ -59,17 +60,18 @@ def direct(k0, stop, chunk, settled, force, base, fixes, position, velocity, dir
     """Steps k0 ... stop - 1 of eight replicates in the groups x and y of whole series."""
     u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
     own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
-    p, v, w = borrowed((position,)), borrowed((velocity,)), borrowed(weights)
+    truth, w = borrowed((position, velocity)), borrowed(weights)
+    p, v = groups(truth)
     cosines, total = borrowed(direction), borrowed((sums,))
     keep = squared.shape[0] > 0
     kept = borrowed((squared,))
     while k0 < stop:
         count = min(chunk, stop - k0)
         if not is_filter(c):
-            prepare(k0, count, u, base, z, c, own, memory, out, False)
+            prepare(k0, count, u, base, z, c, own, memory, out, False, truth)
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
-            finish(k0, first, end, u, base, z, c, own, memory, out)
+            finish(k0, first, end, u, base, z, c, own, memory, out, truth)
             early = min(max(settled - k0, first), end)
             if early > first:
                 direct_span(k0, first, early, first, 0, p, v, base, out, cosines, c, w,
@@ -86,6 +88,6 @@ def states(k0, count, force, base, fixes, chain, registers, scratch, output, fou
     u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
     own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
     target = borrowed(found)
-    prepare(k0, count, u, base, z, c, own, memory, out, True)
+    prepare(k0, count, u, base, z, c, own, memory, out, True, u)
     for row in range(4 * count):
         store(target, row, load(memory.X, row))

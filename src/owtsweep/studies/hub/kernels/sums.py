@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import schedule_row
-from owtsweep.studies.hub.kernels.vector import AHEAD, groups, load, prefetch, store
+from owtsweep.studies.hub.kernels.vector import groups, load, store
 
 
 @njit
@@ -126,8 +126,6 @@ def direct_span(k0, first, stop, shift, top, position, velocity, base, output, d
         at = k0 + i - base
         pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
         p, v = load(position, at), load(velocity, at)
-        prefetch(position, at + AHEAD)
-        prefetch(velocity, at + AHEAD)
         px, py = load(ex, i - shift) - cx * p, load(ey, i - shift) - cy * p
         vx, vy = load(evx, i - shift) - cx * v, load(evy, i - shift) - cy * v
         t2 = t2 + px * px

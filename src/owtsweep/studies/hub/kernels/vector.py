@@ -173,6 +173,15 @@ def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
     return types.void(rows, types.intp, kind), codegen
 
 
+def _ask(builder: Any, kind: Any, args: Any, locality: int) -> None:
+    flag = ir.IntType(32)
+    for address in _addresses(builder, kind, *args):
+        at = builder.bitcast(address, ir.IntType(8).as_pointer())
+        signature = ir.FunctionType(ir.VoidType(), [at.type, flag, flag, flag])
+        function = cgutils.get_or_insert_function(builder.module, signature, "llvm.prefetch.p0")
+        builder.call(function, [at, flag(0), flag(locality), flag(1)])
+
+
 @intrinsic
 def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
     """Ask for row i, which may lie outside, before it is needed.
@@ -181,12 +190,18 @@ def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
     """
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        flag = ir.IntType(32)
-        for address in _addresses(builder, rows, *args):
-            at = builder.bitcast(address, ir.IntType(8).as_pointer())
-            kind = ir.FunctionType(ir.VoidType(), [at.type, flag, flag, flag])
-            function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
-            builder.call(function, [at, flag(0), flag(3), flag(1)])
+        _ask(builder, rows, args, 3)
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp), codegen
+
+
+@intrinsic
+def prefetch_near(typingctx: Any, rows: Any, i: Any) -> Any:
+    """The same for rows that are needed much later: they go to the second cache, not the first."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        _ask(builder, rows, args, 2)
         return context.get_dummy_value()
 
     return types.void(rows, types.intp), codegen
