@@ -11,9 +11,10 @@ from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import filter_steps
 from owtsweep.studies.hub.kernels.horizon import horizon_fix, horizon_steps
 from owtsweep.studies.hub.kernels.lagging import (
+    begin_prediction,
     carry_states,
     keep,
-    predict_steps,
+    predict,
     recall,
     smooth_chunk,
 )
@@ -92,7 +93,13 @@ def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, outpu
         filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, first,
                     True, after)  # fmt: skip
     elif chain.predictor.steps > 0:
-        predict_steps(k0, first, stop, force, base, chain.predictor, scratch, output, first)
+        predictor = chain.predictor
+        v, p, newest, oldest = begin_prediction(k0, first, force, base, predictor, scratch)
+        for i in range(first, stop):
+            u = load(force, k0 + i - 1 - base)
+            v, p, newest, oldest, x, w = predict(i, u, v, p, newest, oldest, predictor, scratch)
+            store(output.position, i - first, x)
+            store(output.velocity, i - first, w)
     else:
         for i in range(first, stop):
             store(output.position, i - first, load(scratch.X, 4 * i))

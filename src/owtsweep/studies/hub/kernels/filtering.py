@@ -5,7 +5,7 @@ from __future__ import annotations
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.horizon import ALL as ALL  # where others look for it
 from owtsweep.studies.hub.kernels.horizon import AVERAGED as AVERAGED
-from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, prefetch_near, store
+from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, store
 
 
 @njit
@@ -53,7 +53,7 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
         now = load(force, source + i)
         prefetch(force, source + i + AHEAD)
         if window == 0:
-            prefetch_near(after, source + i + AHEAD)
+            prefetch(after, source + i + AHEAD)
         m0 = x0 + a01 * x1 + a02 * x2 + a03 * x3 + b0 * before
         m1 = x1 + a12 * x2 + a13 * x3 + b1 * before
         m2 = a22 * x2

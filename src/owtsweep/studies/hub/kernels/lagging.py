@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import row_before, schedule_row
-from owtsweep.studies.hub.kernels.vector import load, prefetch_near, store, zero
+from owtsweep.studies.hub.kernels.vector import load, prefetch, store, zero
 
 
 @njit
@@ -59,7 +59,7 @@ def smooth_chunk(k0, count, arrays, predictor, whole, X, r, s, e, after, source)
         s2 = C[row, 2, 0] * y0 + C[row, 2, 1] * y1 + C[row, 2, 2] * y2 + C[row, 2, 3] * y3
         s3 = C[row, 3, 0] * y0 + C[row, 3, 1] * y1 + C[row, 3, 2] * y2 + C[row, 3, 3] * y3
         if j < count:
-            prefetch_near(after, source + j)
+            prefetch(after, source + j)
             at = 4 * j
             x0, x1, x3 = load(X, at) + s0, load(X, at + 1) + s1, load(X, at + 3) + s3
             if whole:
@@ -103,44 +103,42 @@ def keep(count, window, registers, scratch):
 
 
 @njit
-def predict_steps(k0, first, stop, force, base, predictor, scratch, output, shift):
-    """Algorithm 9 for the chunk's steps first ... stop - 1, into the output's row i - shift.
+def begin_prediction(k0, first, force, base, predictor, scratch):
+    """The running sums before the chunk's step `first`, and where they and the oldest stand."""
+    n, T, half = predictor.steps, predictor.step, predictor.half
+    V, P = scratch.V, scratch.P
+    if first > 0:
+        newest = (first + n - 1) % (n + 1)
+        return load(V, newest), load(P, newest), newest, first % (n + 1)
+    v, p = zero(force), zero(force)
+    store(V, 0, v)
+    store(P, 0, p)
+    for i in range(n - 1):
+        u = load(force, k0 - n - base + i)
+        p = p + T * v + half * u
+        v = v + T * u
+        store(P, i + 1, p)
+        store(V, i + 1, v)
+    return v, p, n - 1, 0
+
+
+@njit
+def predict(i, u, v, p, newest, oldest, predictor, scratch):
+    """Algorithm 9 at the chunk's step i with the newest input u: position and velocity.
 
     The states' part lies in X, two of four rows. The inputs' is a difference of running sums, which
     a ring of predictor.steps + 1 rows holds; they start anew in every chunk, so they never grow
-    large against what they differ by.
+    large against what they differ by. They come first, as `begin_prediction` gives them.
     """
     n, T, half = predictor.steps, predictor.step, predictor.half
     V, P, X = scratch.V, scratch.P, scratch.X
-    position, velocity = output.position, output.velocity
-    source = k0 - n - base
-    size = n + 1
-    if first == 0:
-        v, p = zero(force), zero(force)
-        store(V, 0, v)
-        store(P, 0, p)
-        for i in range(n - 1):
-            u = load(force, source + i)
-            p = p + T * v + half * u
-            v = v + T * u
-            store(P, i + 1, p)
-            store(V, i + 1, v)
-        newest = n - 1
-    else:
-        newest = (first + n - 1) % size
-        v, p = load(V, newest), load(P, newest)
-    oldest = first % size
-    span = n * T
-    for i in range(first, stop):
-        u = load(force, source + i + n - 1)
-        p = p + T * v + half * u
-        v = v + T * u
-        newest = newest + 1 if newest < n else 0
-        v0, p0 = load(V, oldest), load(P, oldest)
-        store(P, newest, p)
-        store(V, newest, v)
-        oldest = oldest + 1 if oldest < n else 0
-        dv = v - v0
-        dp = p - p0 - span * v0
-        store(position, i - shift, load(X, 4 * i) + dp)
-        store(velocity, i - shift, load(X, 4 * i + 1) + dv)
+    p = p + T * v + half * u
+    v = v + T * u
+    newest = newest + 1 if newest < n else 0
+    v0, p0 = load(V, oldest), load(P, oldest)
+    store(P, newest, p)
+    store(V, newest, v)
+    oldest = oldest + 1 if oldest < n else 0
+    dv = v - v0
+    dp = p - p0 - n * T * v0
+    return v, p, newest, oldest, load(X, 4 * i) + dp, load(X, 4 * i + 1) + dv

@@ -43,14 +43,15 @@ def superposed(k0, stop, chunk, settled, force, base, fixes, position, velocity,
             prepare(k0, count, u, base, z, c, own, memory, out, False, truth)
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
-            finish(k0, first, end, u, base, z, c, own, memory, out, truth)
+            if c.predictor.steps == 0:
+                finish(k0, first, end, u, base, z, c, own, memory, out, truth)
             early = min(max(settled - k0, first), end)
             if early > first:
-                superposed_span(k0, first, early, first, 0, p, v, base, out, cosines, c, w,
-                                total)  # fmt: skip
+                superposed_span(k0, first, early, first, 0, p, v, u, base, memory, out, cosines, c,
+                                w, total)  # fmt: skip
             if early < end:
-                superposed_span(k0, early, end, first, 18, p, v, base, out, cosines, c, w,
-                                total)  # fmt: skip
+                superposed_span(k0, early, end, first, 18, p, v, u, base, memory, out, cosines, c,
+                                w, total)  # fmt: skip
         k0 += count
 
 
@@ -71,14 +72,15 @@ def direct(k0, stop, chunk, settled, force, base, fixes, position, velocity, dir
             prepare(k0, count, u, base, z, c, own, memory, out, False, truth)
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
-            finish(k0, first, end, u, base, z, c, own, memory, out, truth)
+            if c.predictor.steps == 0:
+                finish(k0, first, end, u, base, z, c, own, memory, out, truth)
             early = min(max(settled - k0, first), end)
             if early > first:
-                direct_span(k0, first, early, first, 0, p, v, base, out, cosines, c, w,
-                            total, keep, kept)  # fmt: skip
+                direct_span(k0, first, early, first, 0, p, v, u, base, memory, out, cosines, c,
+                            w, total, keep, kept)  # fmt: skip
             if early < end:
-                direct_span(k0, early, end, first, 18, p, v, base, out, cosines, c, w,
-                            total, keep, kept)  # fmt: skip
+                direct_span(k0, early, end, first, 18, p, v, u, base, memory, out, cosines, c,
+                            w, total, keep, kept)  # fmt: skip
         k0 += count
 
 

@@ -1,9 +1,12 @@
 """Sums of squared errors, on the fly, of eight replicates at once.
 
-`superposed_chunk` takes three groups of lanes, motion, noise of x, noise of y: the motion lane is
+`superposed_span` takes three groups of lanes, motion, noise of x, noise of y: the motion lane is
 the response to the unit displacement along the wave, of which each axis sees its direction cosine.
 It sums motion x motion, motion x noise and noise x noise, from which every amplitude follows.
-`direct_chunk` takes two groups, x and y, of whole series and sums their squares.
+`direct_span` takes two groups, x and y, of whole series and sums their squares.
+
+Where there is a predictor its estimates are made here, step by step, and never stored; else they
+are read from the output, the chunk's step i from row i - shift.
 
 Sums have the rows (2 windows, 6 quantities, 3 products), (36, 8), with the quantities x, y, vx,
 vy, NEES, NIS; window 0 is the part before settling, window 1 the part after.
@@ -13,13 +16,22 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import schedule_row
-from owtsweep.studies.hub.kernels.vector import groups, load, store
+from owtsweep.studies.hub.kernels.lagging import begin_prediction, predict
+from owtsweep.studies.hub.kernels.vector import groups, load, store, zero
 
 
 @njit
 def add(sums, row, term):
     """Add a vector to a row of sums."""
     store(sums, row, load(sums, row) + term)
+
+
+@njit
+def begin(k0, first, force, base, predictor, scratch):
+    """What the first step's prediction goes on from; zeros where nothing is predicted."""
+    if predictor.steps > 0:
+        return begin_prediction(k0, first, force, base, predictor, scratch)
+    return zero(force), zero(force), 0, 0
 
 
 @njit
@@ -40,31 +52,36 @@ def superposed_innovations(k0, first, stop, top, output, direction, chain, weigh
 
 
 @njit
-def superposed_span(k0, first, stop, shift, top, position, velocity, base, output, direction,
-                    chain, weights, sums):  # fmt: skip
+def superposed_span(k0, first, stop, shift, top, position, velocity, force, base, scratch, output,
+                    direction, chain, weights, sums):  # fmt: skip
     """Add the products of the chunk's steps first ... stop - 1 to the rows from `top`.
 
-    `position` and `velocity` (rows, 8) hold the truth of step k in row k - base; the output holds
-    the estimates of the chunk's step i in row i - shift.
+    `position` and `velocity` (rows, 8) hold the truth of step k in row k - base, as `force` does
+    the specific force.
     """
     cx, cy = direction[0], direction[1]
-    precision, cycle = weights.precision, chain.filter.cycle
+    precision, cycle, predictor = weights.precision, chain.filter.cycle, chain.predictor
     rows = precision.shape[0]
-    m, nx, ny = groups(output.position)
-    mv, nvx, nvy = groups(output.velocity)
+    ahead = predictor.steps > 0
+    positions, velocities = output.position, output.velocity
     t0, t1, t2 = load(sums, top), load(sums, top + 1), load(sums, top + 2)
     t3, t4, t5 = load(sums, top + 3), load(sums, top + 4), load(sums, top + 5)
     t6, t7, t8 = load(sums, top + 6), load(sums, top + 7), load(sums, top + 8)
     t9, t10, t11 = load(sums, top + 9), load(sums, top + 10), load(sums, top + 11)
     t12, t13, t14 = load(sums, top + 12), load(sums, top + 13), load(sums, top + 14)
     row = schedule_row(k0 + first, rows, cycle)
+    sv, sp, newest, oldest = begin(k0, first, force, base, predictor, scratch)
     for i in range(first, stop):
-        k = k0 + i
+        at = k0 + i - base
+        if ahead:
+            u = load(force, at - 1)
+            sv, sp, newest, oldest, x, w = predict(i, u, sv, sp, newest, oldest, predictor, scratch)
+        else:
+            x, w = load(positions, i - shift), load(velocities, i - shift)
+        m, px, py = groups(x)
+        mv, vx, vy = groups(w)
         pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
-        at = i - shift
-        p = load(m, at) - load(position, k - base)
-        v = load(mv, at) - load(velocity, k - base)
-        px, py, vx, vy = load(nx, at), load(ny, at), load(nvx, at), load(nvy, at)
+        p, v = m - load(position, at), mv - load(velocity, at)
         pn, vn = cx * px + cy * py, cx * vx + cy * vy
         t0 = t0 + cx * cx * p * p
         t1 = t1 + cx * p * px
@@ -105,29 +122,37 @@ def superposed_span(k0, first, stop, shift, top, position, velocity, base, outpu
 
 
 @njit
-def direct_span(k0, first, stop, shift, top, position, velocity, base, output, direction,
-                chain, weights, sums, keep, squared):  # fmt: skip
+def direct_span(k0, first, stop, shift, top, position, velocity, force, base, scratch, output,
+                direction, chain, weights, sums, keep, squared):  # fmt: skip
     """Add the squared errors (product 2) of the chunk's steps first ... stop - 1.
 
-    Truth and estimates lie as in `superposed_span`; where they are to
-    be kept, `squared` (steps, 8) takes those of the position.
+    Truth and force lie as in `superposed_span`; where they are to be kept, `squared` (steps, 8)
+    takes the squared errors of the position.
     """
     cx, cy = direction[0], direction[1]
     precision, cycle, fresh = weights.precision, chain.filter.cycle, weights.fresh
-    rows = precision.shape[0]
-    ex, ey = groups(output.position)
-    evx, evy = groups(output.velocity)
+    rows, predictor = precision.shape[0], chain.predictor
+    ahead = predictor.steps > 0
+    positions, velocities = output.position, output.velocity
     sx, sy = groups(output.innovation)
     weight = weights.innovation
     t2, t5, t8 = load(sums, top + 2), load(sums, top + 5), load(sums, top + 8)
     t11, t14, t17 = load(sums, top + 11), load(sums, top + 14), load(sums, top + 17)
     row = schedule_row(k0 + first, rows, cycle)
+    sv, sp, newest, oldest = begin(k0, first, force, base, predictor, scratch)
     for i in range(first, stop):
         at = k0 + i - base
+        if ahead:
+            u = load(force, at - 1)
+            sv, sp, newest, oldest, x, w = predict(i, u, sv, sp, newest, oldest, predictor, scratch)
+        else:
+            x, w = load(positions, i - shift), load(velocities, i - shift)
+        ex, ey = groups(x)
+        evx, evy = groups(w)
         pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
         p, v = load(position, at), load(velocity, at)
-        px, py = load(ex, i - shift) - cx * p, load(ey, i - shift) - cy * p
-        vx, vy = load(evx, i - shift) - cx * v, load(evy, i - shift) - cy * v
+        px, py = ex - cx * p, ey - cy * p
+        vx, vy = evx - cx * v, evy - cy * v
         t2 = t2 + px * px
         t5 = t5 + py * py
         t8 = t8 + vx * vx
@@ -138,8 +163,8 @@ def direct_span(k0, first, stop, shift, top, position, velocity, base, output, d
         if keep:
             store(squared, k0 + i, px * px + py * py)
         if fresh[row]:
-            x, y = load(sx, i), load(sy, i)
-            t17 = t17 + weight[row] * (x * x + y * y)
+            zx, zy = load(sx, i), load(sy, i)
+            t17 = t17 + weight[row] * (zx * zx + zy * zy)
         row += 1
         if row == rows:
             row = rows - cycle

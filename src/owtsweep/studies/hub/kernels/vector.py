@@ -11,7 +11,7 @@ are read once for all.
 
 Inside kernels: `borrowed` makes rows of tuples of C-contiguous (n, 8) arrays, one array per group;
 `load(rows, i)` and `store(rows, i, vector)` move row i, unchecked; `prefetch(rows, i)` asks for one
-early; `zero(rows)` is as many zeros; `groups` takes rows apart; `+ - * /` take vectors and floats.
+early; `zero(rows)` is as many zeros; `groups` takes both apart; `+ - * /` take vectors and floats.
 """
 
 from __future__ import annotations
@@ -133,14 +133,15 @@ def borrowed(typingctx: Any, value: Any) -> Any:
 
 
 @intrinsic
-def groups(typingctx: Any, rows: Any) -> Any:
-    """The rows of each group alone."""
+def groups(typingctx: Any, whole: Any) -> Any:
+    """The rows, or the vector, of each group alone."""
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        parts = [_join(builder, [one]) for one in _split(builder, rows, args[0])]
+        parts = [_join(builder, [one]) for one in _split(builder, whole, args[0])]
         return context.make_tuple(builder, sig.return_type, parts)
 
-    return containers.UniTuple(ROWS[1], rows.parts)(rows), codegen
+    alone = ROWS[1] if isinstance(whole, _RowsType) else VECTOR
+    return containers.UniTuple(alone, whole.parts)(whole), codegen
 
 
 def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
@@ -173,35 +174,21 @@ def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
     return types.void(rows, types.intp, kind), codegen
 
 
-def _ask(builder: Any, kind: Any, args: Any, locality: int) -> None:
-    flag = ir.IntType(32)
-    for address in _addresses(builder, kind, *args):
-        at = builder.bitcast(address, ir.IntType(8).as_pointer())
-        signature = ir.FunctionType(ir.VoidType(), [at.type, flag, flag, flag])
-        function = cgutils.get_or_insert_function(builder.module, signature, "llvm.prefetch.p0")
-        builder.call(function, [at, flag(0), flag(locality), flag(1)])
-
-
 @intrinsic
 def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
-    """Ask for row i, which may lie outside, before it is needed.
+    """Ask for row i, which may lie outside, for the second cache, before it is needed.
 
-    The hardware foresees the next rows of a stream but stops at each page, every 64 rows.
+    The hardware foresees the next rows of a stream but stops at each page, every 64 rows. The first
+    cache is too small for all that is asked for so early.
     """
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        _ask(builder, rows, args, 3)
-        return context.get_dummy_value()
-
-    return types.void(rows, types.intp), codegen
-
-
-@intrinsic
-def prefetch_near(typingctx: Any, rows: Any, i: Any) -> Any:
-    """The same for rows that are needed much later: they go to the second cache, not the first."""
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        _ask(builder, rows, args, 2)
+        flag = ir.IntType(32)
+        for address in _addresses(builder, rows, *args):
+            at = builder.bitcast(address, ir.IntType(8).as_pointer())
+            kind = ir.FunctionType(ir.VoidType(), [at.type, flag, flag, flag])
+            function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+            builder.call(function, [at, flag(0), flag(2), flag(1)])
         return context.get_dummy_value()
 
     return types.void(rows, types.intp), codegen
