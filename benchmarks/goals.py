@@ -114,8 +114,8 @@ def _kernels(found: dict[str, Any]) -> Iterator[Goal]:
                 f"{row['scheme']}'s kernels against max(bytes / triad, operations / multiply-add "
                 f"peak), {threads} threads",
                 "at least 60 %",
-                f"{100 * row['share']:.0f} %: {row['ns_median']:.2f} ns, limit {limit:.2f} ns "
-                f"({kind})",
+                f"{100 * row['share']:.0f} %: {row['ns_median']:.2f} ns; at best the limit was "
+                f"{limit:.2f} ns ({kind}), {100 * row['share_of_best']:.0f} %",
                 row["share"] >= SHARE,
                 f"one thread reaches {100 * single['share']:.0f} % of its own limit and {threads} "
                 f"threads are {single['ns_median'] / row['ns_median']:.2f} times as fast as one. "

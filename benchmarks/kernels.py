@@ -22,15 +22,15 @@ smoother, its run-up at each chunk, and all traffic to the caches.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from benchmarks.machine import machine
-from benchmarks.timing import on_threads
+from benchmarks.machine import Limits, best, thread_counts
+from benchmarks.timing import together
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 
@@ -41,6 +41,11 @@ class Work:
 
     flops: float
     bytes: float
+
+    def limits(self, peaks: dict[str, float]) -> tuple[float, float]:
+        """Nanoseconds that memory and arithmetic need at least."""
+        peak = max(peaks["multiply_add_Gflop_per_s"], peaks["fused_Gflop_per_s"])
+        return self.bytes / peaks["triad_GB_per_s"], self.flops / peak
 
 
 def work(chain: Any, steps: int, series: int) -> Work:
@@ -92,7 +97,7 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
 
 @cache
 def _driver() -> Any:
-    """Compiled: some tiles through `runs.direct`, without Python between them.
+    """Compiled: so many tiles through `runs.direct`, without Python between them.
 
     Registers are those that the tile before has left: it does not matter for the time.
     """
@@ -100,10 +105,11 @@ def _driver() -> Any:
     from owtsweep.studies.hub.kernels.runs import direct
 
     @njit
-    def work_through(first, apart, steps, chunk, lead, fed, direction, arrays, weights, registers,
-                     scratch, output, sums, squared):  # fmt: skip
+    def work_through(first, apart, count, steps, chunk, lead, fed, direction, arrays, weights,
+                     registers, scratch, output, sums, squared):  # fmt: skip
         fx, fy, zx, zy, position, velocity = fed
-        for tile in range(first, fx.shape[0], apart):
+        for turn in range(first, count, apart):
+            tile = turn % fx.shape[0]
             direct(
                 0, steps, chunk, 2000, (fx[tile], fy[tile]), -lead, (zx[tile], zy[tile]),
                 position[tile], velocity[tile], direction, arrays, weights, registers, scratch,
@@ -113,79 +119,93 @@ def _driver() -> Any:
     return work_through
 
 
-def run_scheme(
-    scheme: str,
-    *,
-    threads: int = 1,
-    series: int = 256,
-    steps: int = 10_000,
-    repeats: int = 9,
-    tuning: str = "paper",
-) -> tuple[list[float], Work]:
-    """Seconds per series and step of each repeat, all threads at once, and the work in it."""
-    from owtsweep.studies.hub.batch import chunk_of, shared_memory
-    from owtsweep.studies.hub.kernels.layout import new_registers
+class Job:
+    """One scheme's work on `series` series of `steps` steps, shared by some threads.
 
-    chain, fed, own = prepared(scheme, series, steps, tuning)
-    direction = np.array([0.8, 0.6])
-    chunk, lead = chunk_of(chain)
-    registers = [new_registers(2, chain.filter.window, chain.mhe.horizon) for _ in range(threads)]
-    memory = [shared_memory([chain], 2) for _ in range(threads)]
-    squared = np.empty((0, 8))
+    `different` of the series are made, all unless said otherwise, and run again and again.
+    """
 
-    driver = _driver()
+    def __init__(
+        self, scheme: str, threads: int, series: int, steps: int, tuning: str, different: int = 0
+    ) -> None:
+        from owtsweep.studies.hub.batch import chunk_of, shared_memory
+        from owtsweep.studies.hub.kernels.layout import new_registers
 
-    def work_through(thread: int) -> None:
-        driver(
-            thread, threads, steps, chunk, lead, fed, direction, *own, registers[thread],
-            *memory[thread], np.zeros((36, 8)), squared,
+        self.chain, self.fed, self.own = prepared(scheme, different or series, steps, tuning)
+        self.threads, self.series, self.steps = threads, series, steps
+        self.shape = (steps, *chunk_of(self.chain))
+        filter_, mhe = self.chain.filter, self.chain.mhe
+        self.memory = [
+            (new_registers(2, filter_.window, mhe.horizon), *shared_memory([self.chain], 2))
+            for _ in range(threads)
+        ]
+        self.work = work(self.chain, steps, series)
+
+    def __call__(self, thread: int) -> None:
+        _driver()(
+            thread, self.threads, self.series // 8, *self.shape, self.fed, np.array([0.8, 0.6]),
+            *self.own, *self.memory[thread], np.zeros((36, 8)), np.empty((0, 8)),
         )  # fmt: skip
 
-    times = on_threads(work_through, threads, repeats)
-    return [t.wall / (steps * series) for t in times], work(chain, steps, series)
+    def each(self, seconds: float) -> float:
+        """Nanoseconds per step and series, of seconds for all."""
+        return 1e9 * seconds / (self.steps * self.series)
 
 
 def measure(
-    *, tuning: str = "paper", series: int = 256, repeats: int = 9, steps: int = 10_000
+    *, tuning: str = "paper", series: int = 256, repeats: int = 15, steps: int = 10_000
 ) -> list[dict[str, Any]]:
-    """One row per scheme and number of threads; `share` is the roofline's time over our median.
+    """One row per scheme and number of threads, over rounds in which all have their turn.
 
-    The roofline is max(bytes / triad, operations / multiply-add peak) on as many threads, with the
-    higher of the two peaks, fused or not. ns_cached is the median for so few series that all they
-    are fed with stays in the last cache.
+    Each round measures the machine's limits too, so that both sides of a share meet the same
+    machine: what else a computer does, and its neighbours on the same hardware, changes its limits
+    from one second to the next. The limit is max(bytes / triad, operations / multiply-add peak),
+    with the higher of the two peaks, fused or not; `share` is the median over rounds of the round's
+    limit over the round's time, `share_of_best` the best limit over the median time. ns_cached is
+    the median for so few series that all they are fed with stays in the last cache.
     """
-    peaks = {int(row["threads"]): row for row in machine()}
-    rows = []
+    rows = [
+        row
+        for threads in thread_counts()
+        for row in _on(threads, tuning=tuning, series=series, repeats=repeats, steps=steps)
+    ]
+    return sorted(rows, key=lambda row: SCHEMES.index(row["scheme"]))
+
+
+def _on(
+    threads: int, *, tuning: str, series: int, repeats: int, steps: int
+) -> Iterator[dict[str, Any]]:
+    jobs = {scheme: Job(scheme, threads, series, steps, tuning) for scheme in SCHEMES}
+    near = {scheme: Job(scheme, threads, series, steps, tuning, 8 * threads) for scheme in SCHEMES}
+    times: dict[str, list[float]] = {scheme: [] for scheme in SCHEMES}
+    cached: dict[str, list[float]] = {scheme: [] for scheme in SCHEMES}
+    limits, found = Limits(threads), []
+    with together(threads) as once:
+        for turn in range(1 + repeats):
+            found.append(limits.now(once))
+            for scheme in SCHEMES:
+                times[scheme].append(jobs[scheme].each(once(jobs[scheme]).wall))
+                cached[scheme].append(near[scheme].each(once(near[scheme]).wall))
+            if turn == 0:  # a warm-up
+                for before in (found, *times.values(), *cached.values()):
+                    before.clear()
+    peaks = best(found)
     for scheme in SCHEMES:
-        for threads, peak in peaks.items():
-            times, needs = run_scheme(
-                scheme, threads=threads, series=series, steps=steps, repeats=repeats, tuning=tuning
-            )
-            near, _ = run_scheme(
-                scheme,
-                threads=threads,
-                series=8 * threads,
-                steps=steps,
-                repeats=4 * repeats,
-                tuning=tuning,
-            )
-            memory = needs.bytes / peak["triad_GB_per_s"]
-            arithmetic = needs.flops / max(
-                peak["multiply_add_Gflop_per_s"], peak["fused_Gflop_per_s"]
-            )
-            middle = 1e9 * float(np.median(times))
-            rows.append(
-                {
-                    "scheme": scheme, "tuning": tuning, "threads": threads, "series": series,
-                    "ns_least": 1e9 * min(times), "ns_median": middle,
-                    "ns_cached": 1e9 * float(np.median(near)),
-                    "flops": float(needs.flops), "bytes": float(needs.bytes),
-                    "ns_memory": float(memory), "ns_arithmetic": float(arithmetic),
-                    "share": float(max(memory, arithmetic)) / middle,
-                    **peak,
-                }
-            )  # fmt: skip
-    return rows
+        needs = jobs[scheme].work
+        memory, arithmetic = needs.limits(peaks)
+        shares = [
+            max(needs.limits(then)) / took for then, took in zip(found, times[scheme], strict=True)
+        ]
+        middle = float(np.median(times[scheme]))
+        yield {
+            "scheme": scheme, "tuning": tuning, "threads": threads, "series": series,
+            "ns_least": min(times[scheme]), "ns_median": middle,
+            "ns_cached": float(np.median(cached[scheme])),
+            "flops": float(needs.flops), "bytes": float(needs.bytes),
+            "ns_memory": memory, "ns_arithmetic": arithmetic,
+            "share": float(np.median(shares)), "share_of_best": max(memory, arithmetic) / middle,
+            **peaks,
+        }  # fmt: skip
 
 
 def reasons(rows: Sequence[dict[str, Any]], goal: float = 0.6) -> list[str]:
@@ -215,6 +235,7 @@ if __name__ == "__main__":
             "in cache {ns_cached:.2f}), "
             "{flops:.0f} flops, {bytes:.1f} bytes, memory {ns_memory:.2f} ns, arithmetic "
             "{ns_arithmetic:.2f} ns, share {share:.2f}; triad {triad_GB_per_s:.1f} GB/s, peak "
-            "{multiply_add_Gflop_per_s:.1f} (fused {fused_Gflop_per_s:.1f}) Gflop/s".format(**row)
+            "{multiply_add_Gflop_per_s:.1f} (fused {fused_Gflop_per_s:.1f}) Gflop/s; of the best "
+            "limit {share_of_best:.2f}".format(**row)
         )
     print(*reasons(measured), sep="\n")

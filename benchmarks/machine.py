@@ -9,15 +9,19 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks.timing import on_threads
+from benchmarks.timing import Time, together
 
 #: Taken where the machine does not say how large its last cache is.
 DEFAULT_CACHE = 32 * 2**20
+
+#: Steps of the loop that measures the peak of arithmetic: some milliseconds.
+STEPS = 2_000_000
 
 
 def last_cache() -> int:
@@ -28,11 +32,6 @@ def last_cache() -> int:
         scale = {"K": 2**10, "M": 2**20}.get(text[-1], 1)
         sizes.append(int(text.rstrip("KM")) * scale)
     return max(sizes)
-
-
-def fastest(work: Callable[[int], Any], threads: int, repeats: int) -> float:
-    """Least seconds in which all threads do `work(thread)` once: a peak is what can be reached."""
-    return min(time.wall for time in on_threads(work, threads, repeats))
 
 
 @cache
@@ -86,48 +85,49 @@ def _compiled() -> tuple[Any, Any, Any]:
     return triad, separate, contracted
 
 
-def triad_bandwidth(threads: int, *, repeats: int = 15) -> float:
-    """Bytes per second of a = b + s c, three arrays of 4 x the last cache; 24 bytes an element."""
-    triad = _compiled()[0]
-    size = 4 * last_cache() // 8
-    a, b, c = np.zeros(size), np.ones(size), np.ones(size)
-    cuts = np.linspace(0, size, threads + 1).astype(int)
+class Limits:
+    """What so many threads can do: bandwidth (GB/s) and peaks (Gflop/s), measured when asked.
 
-    def work(thread: int) -> None:
-        part = slice(cuts[thread], cuts[thread + 1])
-        triad(a[part], b[part], c[part], 3.0)
-
-    return 24.0 * size / fastest(work, threads, repeats)
-
-
-def multiply_add_peak(threads: int, *, fused: bool, repeats: int = 15) -> float:
-    """Operations per second of x = x m + s in registers, eight chains of eight lanes.
-
-    `fused` contracts the two operations into one instruction, which rounds once. Our kernels keep
-    them apart, for the sake of the same bits on every machine.
+    Bandwidth is that of a = b + s c with three arrays of 4 x the last cache, 24 bytes an element;
+    the peaks are those of x = x m + s in registers, eight chains of eight lanes. *fused* contracts
+    the two operations into one instruction, which rounds once. Our kernels keep them apart, for the
+    sake of the same bits on every machine.
     """
-    loop = _compiled()[2 if fused else 1]
-    values = [np.full((10, 8), 0.5) for _ in range(threads)]
-    count = 2_000_000
-    took = fastest(lambda thread: loop(values[thread], count), threads, repeats)
-    return threads * count * 8 * 8 * 2 / took
 
+    def __init__(self, threads: int) -> None:
+        self.threads = threads
+        self.size = 4 * last_cache() // 8
+        a, b, c = np.zeros(self.size), np.ones(self.size), np.ones(self.size)
+        cuts = np.linspace(0, self.size, threads + 1).astype(int)
+        parts = [tuple(x[i:j] for x in (a, b, c)) for i, j in pairwise(cuts)]
+        values = [np.full((10, 8), 0.5) for _ in range(threads)]
+        triad, separate, contracted = _compiled()
+        self._triad = lambda thread: triad(*parts[thread], 3.0)
+        self._separate = lambda thread: separate(values[thread], STEPS)
+        self._fused = lambda thread: contracted(values[thread], STEPS)
 
-def machine(threads: Sequence[int] | None = None) -> list[dict[str, float]]:
-    """Bandwidth (GB/s) and peaks (Gflop/s) by number of threads: one, and one per core."""
-    if threads is None:
-        threads = sorted({1, os.cpu_count() or 1})
-    return [
-        {
-            "threads": n,
-            "triad_GB_per_s": triad_bandwidth(n) / 1e9,
-            "multiply_add_Gflop_per_s": multiply_add_peak(n, fused=False) / 1e9,
-            "fused_Gflop_per_s": multiply_add_peak(n, fused=True) / 1e9,
+    def now(self, once: Callable[[Callable[[int], object]], Time]) -> dict[str, float]:
+        """One measurement of each, by `timing.together`."""
+        flops = self.threads * STEPS * 8 * 8 * 2 / 1e9
+        return {
+            "triad_GB_per_s": 24.0 * self.size / 1e9 / once(self._triad).wall,
+            "multiply_add_Gflop_per_s": flops / once(self._separate).wall,
+            "fused_Gflop_per_s": flops / once(self._fused).wall,
         }
-        for n in threads
-    ]
+
+
+def best(found: Sequence[dict[str, float]]) -> dict[str, float]:
+    """The highest of each: a peak is what can be reached."""
+    return {key: max(one[key] for one in found) for key in found[0]}
+
+
+def thread_counts() -> list[int]:
+    """One, and one per core."""
+    return sorted({1, os.cpu_count() or 1})
 
 
 if __name__ == "__main__":
-    for row in machine():
-        print(row)
+    for count in thread_counts():
+        with together(count) as once:
+            limits = Limits(count)
+            print(count, best([limits.now(once) for _ in range(15)]))

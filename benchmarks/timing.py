@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from statistics import median
 from typing import NamedTuple, TypeVar
 
@@ -36,10 +37,17 @@ def samples(work: Callable[[], object], *, repeats: int = REPEATS, warm: int = 1
     return [timed(work)[1] for _ in range(repeats)]
 
 
-def on_threads(work: Callable[[int], object], threads: int, repeats: int = REPEATS) -> list[Time]:
-    """The same for `work(thread)` on so many threads at once, the last one ending the clock."""
+@contextmanager
+def together(threads: int) -> Iterator[Callable[[Callable[[int], object]], Time]]:
+    """What times `work(thread)` on so many threads at once, the last one ending the clock."""
     with ThreadPoolExecutor(threads) as pool:
-        return samples(lambda: list(pool.map(work, range(threads))), repeats=repeats)
+        yield lambda work: timed(lambda: list(pool.map(work, range(threads))))[1]
+
+
+def on_threads(work: Callable[[int], object], threads: int, repeats: int = REPEATS) -> list[Time]:
+    """What that took each time, after a run that does not count."""
+    with together(threads) as once:
+        return [once(work) for _ in range(1 + repeats)][1:]
 
 
 def seconds(work: Callable[[], object], *, repeats: int = REPEATS, warm: int = 1) -> float:

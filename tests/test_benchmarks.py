@@ -25,6 +25,7 @@ def found() -> dict[str, Any]:
     kernel = {
         "tuning": "paper", "series": 256, "flops": 80.0, "bytes": 33.0, "ns_memory": 1.0,
         "ns_arithmetic": 2.0, "ns_least": 2.4, "ns_median": 2.5, "ns_cached": 2.2, "share": 0.8,
+        "share_of_best": 0.75,
         "triad_GB_per_s": 30.0, "multiply_add_Gflop_per_s": 50.0,
     }  # fmt: skip
     common = {"wall": 1.0, "compute": 1.0, "compute_wall": 1.0, "peak": 300.0, "bytes": 1e5}
