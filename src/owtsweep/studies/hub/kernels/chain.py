@@ -8,7 +8,7 @@ judged. A chain that is a filter alone has nothing to prepare.
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.filtering import filter_steps
+from owtsweep.studies.hub.kernels.filtering import FINAL, PREDICTED, WHOLE, filter_steps
 from owtsweep.studies.hub.kernels.horizon import horizon_fix, horizon_steps
 from owtsweep.studies.hub.kernels.lagging import (
     begin_prediction,
@@ -23,7 +23,7 @@ from owtsweep.studies.hub.kernels.vector import groups, load, store
 
 @njit
 def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, shift,
-                final, after):  # fmt: skip
+                width, after):  # fmt: skip
     """The filter over a chunk's steps, fed by the fixes or, interval by interval, by the MHE."""
     arrays, mhe, x = chain.filter, chain.mhe, registers.x
     M = arrays.fix_interval
@@ -31,7 +31,7 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
     if not mhe.active:
         q = (k0 + first) // M
         filter_steps(k0, first, stop, force, source, fixes, q, k0 + first - q * M, M, arrays, x,
-                     scratch, output, shift, final, after)  # fmt: skip
+                     scratch, output, shift, width, after)  # fmt: skip
         return
     positions = scratch.positions
     while first < stop:
@@ -43,14 +43,14 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
         horizon_steps(k0, first, end, force, source, q, fixes, mhe, M, registers, positions)
         if at_fix and mhe.arrival:  # register 3 takes the state that this fix has corrected
             filter_steps(k0, first, first + 1, force, source, positions, first, 0, 1, arrays, x,
-                         scratch, output, shift, final, after)  # fmt: skip
+                         scratch, output, shift, width, after)  # fmt: skip
             oldest = 3 * (q % (mhe.horizon + 1))
             store(registers.arrival, oldest, load(x, 0))
             store(registers.arrival, oldest + 1, load(x, 1))
             store(registers.arrival, oldest + 2, load(x, 3))
             first += 1
         filter_steps(k0, first, end, force, source, positions, first, 0, 1, arrays, x, scratch,
-                     output, shift, final, after)  # fmt: skip
+                     output, shift, width, after)  # fmt: skip
         first = end
 
 
@@ -62,24 +62,25 @@ def is_filter(chain):
 
 @njit
 def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, whole, after):
-    """Leave filtered or smoothed states in scratch.X, `window` steps late, four rows per step.
+    """Leave filtered or smoothed states in scratch.X, `window` steps late.
 
-    Unless they are wanted `whole`, of the four only what the predictor takes is left, in two.
+    There are four rows per step, (p, v, b, a); unless they are wanted `whole`, three, of which two
+    hold what the predictor takes.
     `after` are rows, based as the force's, that are read once the states are there.
     """
-    window = chain.filter.window
-    recall(window, registers, scratch)
-    filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, False,
+    window, predictor = chain.filter.window, chain.predictor
+    width = WHOLE if whole or predictor.steps == 0 else PREDICTED
+    recall(window, width, registers, scratch)
+    filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, width,
                 after)  # fmt: skip
-    keep(count, window, registers, scratch)
-    predictor, whole = chain.predictor, whole or chain.predictor.steps == 0
+    keep(count, window, width, registers, scratch)
     if window > 0:  # group by group: there is enough to do while a step waits, and it all fits
         X, r, s, e = groups(scratch.X), groups(scratch.r), groups(scratch.s), groups(scratch.e)
         late = groups(after)
         for g in range(len(X)):
-            smooth_chunk(k0, count, chain.filter, predictor, whole, X[g], r[g], s[g], e[g],
+            smooth_chunk(k0, count, chain.filter, predictor, width, X[g], r[g], s[g], e[g],
                          late[g % len(late)], k0 - base)  # fmt: skip
-    elif not whole:
+    elif width == PREDICTED:
         carry_states(count, predictor, scratch.X)
 
 
@@ -91,7 +92,7 @@ def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, outpu
     """
     if is_filter(chain):
         filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, first,
-                    True, after)  # fmt: skip
+                    FINAL, after)  # fmt: skip
     elif chain.predictor.steps > 0:
         predictor = chain.predictor
         v, p, newest, oldest = begin_prediction(k0, first, force, base, predictor, scratch)
@@ -102,5 +103,5 @@ def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, outpu
             store(output.velocity, i - first, w)
     else:
         for i in range(first, stop):
-            store(output.position, i - first, load(scratch.X, 4 * i))
-            store(output.velocity, i - first, load(scratch.X, 4 * i + 1))
+            store(output.position, i - first, load(scratch.X, WHOLE * i))
+            store(output.velocity, i - first, load(scratch.X, WHOLE * i + 1))

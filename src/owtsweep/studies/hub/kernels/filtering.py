@@ -7,6 +7,9 @@ from owtsweep.studies.hub.kernels.horizon import ALL as ALL  # where others look
 from owtsweep.studies.hub.kernels.horizon import AVERAGED as AVERAGED
 from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, store
 
+#: Rows per state in the scratch: without the acceleration, with it; none where it is the estimate.
+PREDICTED, WHOLE, FINAL = 3, 4, 0
+
 
 @njit
 def schedule_row(k, rows, cycle):
@@ -27,15 +30,16 @@ def row_before(k, row, rows, cycle):
 
 @njit
 def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, scratch, output,
-                 shift, final, after):  # fmt: skip
+                 shift, width, after):  # fmt: skip
     """Algorithm 6 over steps k0 + first ... k0 + stop - 1.
 
     The specific force of step k0 + i is row source + i. The position that the first step may take
     is row q of `fixes`; the next is due after M - phase steps, then every M. Filtered states and
     innovations go behind the window in the scratch (of step k0 + i, the position's only where there
-    is one); where they are `final`, with neither smoother nor predictor to come, position and
-    velocity go to row i - shift of the output. `after` are rows, based as the force's, that will be
-    read next: they are asked for here, unless a smoother comes in between.
+    is one), `width` rows a state: position, velocity, bias, and the acceleration if it is WHOLE.
+    Where it is FINAL, with neither smoother nor predictor to come, position and velocity go to row
+    i - shift of the output. `after` are rows, based as the force's, that will be read next: they
+    are asked for here, unless a smoother comes in between.
     """
     A, B, h, K = arrays.A, arrays.B, arrays.h, arrays.K
     a01, a02, a03, a12, a13, a22 = A[0, 1], A[0, 2], A[0, 3], A[1, 2], A[1, 3], A[2, 2]
@@ -69,15 +73,16 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
             e2 = e2 + K[row, 2, 0] * s
             e3 = e3 + K[row, 3, 0] * s
         x0, x1, x2, x3 = m0 + e0, m1 + e1, m2 + e2, x3 + e3
-        if final:
+        if width == FINAL:
             store(position, i - shift, x0)
             store(velocity, i - shift, x1)
         else:
-            at = 4 * (window + i)
+            at = width * (window + i)
             store(X, at, x0)
             store(X, at + 1, x1)
-            store(X, at + 2, x2)
-            store(X, at + 3, x3)
+            store(X, at + 2, x3)
+            if width == WHOLE:
+                store(X, at + 3, x2)
             if window > 0:
                 store(r_rows, window + i, r)
         before = now

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.filtering import row_before, schedule_row
+from owtsweep.studies.hub.kernels.filtering import PREDICTED, WHOLE, row_before, schedule_row
 from owtsweep.studies.hub.kernels.vector import load, prefetch, store, zero
 
 
 @njit
-def smooth_chunk(k0, count, arrays, predictor, whole, X, r, s, e, after, source):
+def smooth_chunk(k0, count, arrays, predictor, width, X, r, s, e, after, source):
     """Replace X of the steps k0 - window ... by their smoothed states (Algorithm 8).
 
     With e_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed state is x_{k|k} + S_k, where
@@ -16,7 +16,8 @@ def smooth_chunk(k0, count, arrays, predictor, whole, X, r, s, e, after, source)
     time only, so each chunk starts it anew at its end with the window as run-up. e = K (s, r) is
     made again of the innovations, by the filter's operations: that is cheaper than to fetch it. A
     ring keeps it until it leaves the window.
-    Unless the states are wanted `whole`, what the predictor takes of them is left in two rows.
+    States have `width` rows, as the filter left them. Unless they are WHOLE, what the predictor
+    takes of the smoothed ones is left in the first two.
     Row source + i of `after` is asked for on the way, for each of the chunk's steps k0 + i.
     """
     window, C, W = arrays.window, arrays.C, arrays.W
@@ -60,13 +61,13 @@ def smooth_chunk(k0, count, arrays, predictor, whole, X, r, s, e, after, source)
         s3 = C[row, 3, 0] * y0 + C[row, 3, 1] * y1 + C[row, 3, 2] * y2 + C[row, 3, 3] * y3
         if j < count:
             prefetch(after, source + j)
-            at = 4 * j
-            x0, x1, x3 = load(X, at) + s0, load(X, at + 1) + s1, load(X, at + 3) + s3
-            if whole:
+            at = width * j
+            x0, x1, x3 = load(X, at) + s0, load(X, at + 1) + s1, load(X, at + 2) + s3
+            if width == WHOLE:
                 store(X, at, x0)
                 store(X, at + 1, x1)
-                store(X, at + 2, load(X, at + 2) + s2)
-                store(X, at + 3, x3)
+                store(X, at + 2, x3)
+                store(X, at + 3, load(X, at + 3) + s2)
             else:
                 store(X, at, x0 + pv * x1 + pb * x3)
                 store(X, at + 1, x1 + vb * x3)
@@ -74,32 +75,32 @@ def smooth_chunk(k0, count, arrays, predictor, whole, X, r, s, e, after, source)
 
 @njit
 def carry_states(count, predictor, X):
-    """Leave what the predictor takes of unsmoothed states in two of their four rows."""
+    """Leave what the predictor takes of unsmoothed states in the first two of their rows."""
     pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
-    for at in range(0, 4 * count, 4):
-        x0, x1, x3 = load(X, at), load(X, at + 1), load(X, at + 3)
+    for at in range(0, PREDICTED * count, PREDICTED):
+        x0, x1, x3 = load(X, at), load(X, at + 1), load(X, at + 2)
         store(X, at, x0 + pv * x1 + pb * x3)
         store(X, at + 1, x1 + vb * x3)
 
 
 @njit
-def recall(window, registers, scratch):
+def recall(window, width, registers, scratch):
     """Put the window that the last chunk left in front of this one's."""
     for row in range(window):
         store(scratch.r, row, load(registers.r, row))
         store(scratch.s, row, load(registers.s, row))
-    for row in range(4 * window):
+    for row in range(width * window):
         store(scratch.X, row, load(registers.X, row))
 
 
 @njit
-def keep(count, window, registers, scratch):
+def keep(count, window, width, registers, scratch):
     """Keep the newest `window` filtered states and innovations for the next chunk."""
     for row in range(window):
         store(registers.r, row, load(scratch.r, count + row))
         store(registers.s, row, load(scratch.s, count + row))
-    for row in range(4 * window):
-        store(registers.X, row, load(scratch.X, 4 * count + row))
+    for row in range(width * window):
+        store(registers.X, row, load(scratch.X, width * count + row))
 
 
 @njit
@@ -126,9 +127,9 @@ def begin_prediction(k0, first, force, base, predictor, scratch):
 def predict(i, u, v, p, newest, oldest, predictor, scratch):
     """Algorithm 9 at the chunk's step i with the newest input u: position and velocity.
 
-    The states' part lies in X, two of four rows. The inputs' is a difference of running sums, which
-    a ring of predictor.steps + 1 rows holds; they start anew in every chunk, so they never grow
-    large against what they differ by. They come first, as `begin_prediction` gives them.
+    The states' part lies in X, two of three rows. The inputs' is a difference of running sums,
+    which a ring of predictor.steps + 1 rows holds; they start anew in every chunk, so they never
+    grow large against what they differ by. They come first, as `begin_prediction` gives them.
     """
     n, T, half = predictor.steps, predictor.step, predictor.half
     V, P, X = scratch.V, scratch.P, scratch.X
@@ -141,4 +142,4 @@ def predict(i, u, v, p, newest, oldest, predictor, scratch):
     oldest = oldest + 1 if oldest < n else 0
     dv = v - v0
     dp = p - p0 - n * T * v0
-    return v, p, newest, oldest, load(X, 4 * i) + dp, load(X, 4 * i + 1) + dv
+    return v, p, newest, oldest, load(X, PREDICTED * i) + dp, load(X, PREDICTED * i + 1) + dv

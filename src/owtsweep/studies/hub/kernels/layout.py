@@ -104,9 +104,9 @@ class Scratch(NamedTuple):
     """What a chunk needs and leaves to nobody: shared by all runs, so that it stays in the cache.
 
     Each field has an array per group of lanes.
-    r and s (window + chunk, 8) innovations; X (4 (window + chunk), 8) states, four rows per step;
-    V and P (prediction + 1, 8) sums of inputs; positions (chunk, 8) what the MHE gives the filter;
-    e (4 window, 8) corrections that the smoother has still to take back.
+    r and s (window + chunk, 8) innovations; X (4 (window + chunk), 8) states, up to four rows per
+    step; V and P (prediction + 1, 8) sums of inputs; positions (chunk, 8) what the MHE gives the
+    filter; e (4 window, 8) corrections that the smoother has still to take back.
     """
 
     r: Groups

@@ -86,10 +86,13 @@ def direct(k0, stop, chunk, settled, force, base, fixes, position, velocity, dir
 
 @njit
 def states(k0, count, force, base, fixes, chain, registers, scratch, output, found):
-    """Filtered or smoothed states of one chunk, found (4 count, 8) of each group."""
+    """Filtered or smoothed states (p, v, a, b) of one chunk, found (4 count, 8) of each group."""
     u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
     own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
     target = borrowed(found)
     prepare(k0, count, u, base, z, c, own, memory, out, True, u)
-    for row in range(4 * count):
+    for row in range(0, 4 * count, 4):
         store(target, row, load(memory.X, row))
+        store(target, row + 1, load(memory.X, row + 1))
+        store(target, row + 2, load(memory.X, row + 3))
+        store(target, row + 3, load(memory.X, row + 2))
