@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, aligned
 from owtsweep.paging import release
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
@@ -307,8 +307,9 @@ def lead_of(chain: Chain) -> int:
 
 def _in_groups(values: Array | Rows, first: int, stop: int) -> Array:
     """Rows first ... stop - 1 in groups of eight lanes, (groups, rows, 8); zeros before row 0."""
-    lanes = values.shape[1]
-    groups = -(-lanes // WIDTH)
-    padded = np.zeros((stop - first, groups * WIDTH))
-    padded[max(-first, 0) :, :lanes] = values[max(first, 0) : stop]
-    return np.ascontiguousarray(padded.reshape(-1, groups, WIDTH).transpose(1, 0, 2))
+    result = aligned(-(-values.shape[1] // WIDTH), stop - first, WIDTH)
+    given = values[max(first, 0) : stop]
+    for g, rows in enumerate(result):
+        own = given[:, g * WIDTH : (g + 1) * WIDTH]
+        rows[max(-first, 0) :, : own.shape[1]] = own
+    return result
