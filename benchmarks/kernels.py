@@ -16,7 +16,7 @@ per series and step
 bytes per series and step that must come from memory at least once
     16 specific force, 16 truth, 16 at each fix, and the gains' rows shared by all series
 
-What the kernels do beyond that is not counted: corrections made a second and third time by the
+What the kernels do beyond that is not counted: corrections made a second time by the
 smoother, its run-up at each chunk, and all traffic to the caches.
 """
 
