@@ -64,3 +64,44 @@ def test_filling_a_part_writes_that_part(rows):
     assert np.array_equal(array[100:300], 4.0 * np.arange(200))
     assert np.all(array[:100] == 1.0)
     assert np.all(array[300:] == 1.0)
+
+
+@pytest.mark.parametrize("rows", [1000, 500_000])
+def test_filling_multiplies_by_the_scale(rows):
+    array = paging.room(rows)
+    values = np.arange(float(rows))
+    paging.fill(array, values, 0.1)
+    assert np.array_equal(array, 0.1 * values)
+
+
+@pytest.mark.parametrize("rows", [1000, 300_001])
+def test_a_packed_copy_holds_the_same_numbers(rows):
+    array = paging.room(rows, 3)
+    array[:] = np.arange(3.0 * rows).reshape(-1, 3)
+    for part in (array, array[: rows - 7]):
+        packed = paging.packed(part)
+        assert np.array_equal(packed, np.arange(part.size).reshape(-1, 3))
+        assert (packed is part) == (not paging.outside(part))
+
+
+@pytest.mark.skipif(not MAPPED.exists(), reason="no /proc")
+def test_packing_and_reading_leave_nothing_in_memory():
+    array = paging.room(1_000_000, 4)
+    for first in range(0, 1_000_000, 10_000):
+        array[first : first + 10_000] = 1.0
+        paging.release(array, first, first + 10_000)
+    before = _resident()
+    packed, out = paging.packed(array), np.empty((10_000, 4))
+    for first in range(0, 1_000_000, 10_000):
+        paging.read(packed, first, out)
+        assert np.all(out == 1.0)
+        assert _resident() - before < 4_000_000, first
+
+
+@pytest.mark.parametrize("rows", [1000, 500_000])
+def test_reading_a_part_of_a_part(rows):
+    array = paging.room(rows)
+    array[:] = np.arange(rows)
+    out = np.empty(100)
+    paging.read(array[50:], 7, out)
+    assert np.array_equal(out, np.arange(57, 157))

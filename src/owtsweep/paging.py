@@ -20,6 +20,9 @@ from owtsweep.arrays import Array, aligned
 #: Arrays of no more rows stay in memory: those of records of 2000 s at 100 Hz. Reading the gains of
 #: these from a file takes a tenth of a block's time; 50_000 makes memory flat from 500 s on.
 KEPT_ROWS = 200_000
+#: Bytes that `packed` writes at once. The system keeps in one piece what was written in one, and
+#: maps it with one page fault; more of them would show in the process' memory.
+PIECE = 2**19
 
 
 class _Mapping(mmap.mmap):
@@ -50,32 +53,79 @@ def room(*shape: int) -> Array:
 def release(array: NDArray[Any], first: int = 0, stop: int | None = None) -> None:
     """Give back the memory of rows first ... stop - 1, if the array is one of `room` or a part.
 
-    Whole pages only, so a row or two at either end may be read from the file again.
+    Whole pieces, since a page fault may map a whole one, so some rows at either end may be read
+    from the file again.
     """
     mapping = _mapping(array)
     if mapping is None or len(array) == 0:
         return
     stop = len(array) if stop is None else min(stop, len(array))
     before, row = _offset(array, mapping), array.strides[0]
-    start = (before + first * row) // mmap.PAGESIZE * mmap.PAGESIZE
-    end = before + stop * row
-    if stop < len(array):
-        end = end // mmap.PAGESIZE * mmap.PAGESIZE
-    if end > start:
+    if stop > first:
+        start = (before + first * row) // PIECE * PIECE
+        end = min(-(-(before + stop * row) // PIECE) * PIECE, len(mapping))
         mapping.madvise(mmap.MADV_DONTNEED, start, end - start)
 
 
-def fill(array: Array, values: Array) -> None:
-    """Write all of a contiguous array: past the mapping, if the array is a part of one.
+def fill(array: Array, values: Array, scale: float = 1.0) -> None:
+    """Write scale * values into a contiguous array: past the mapping, if it is a part of one.
 
     Page by page, a file system takes as long as the numbers took to make.
     """
     mapping = _mapping(array)
     if mapping is None:
-        array[...] = values
+        np.multiply(values, scale, out=array)
         return
-    left = memoryview(np.ascontiguousarray(values, dtype=array.dtype).data).cast("B")
-    at = _offset(array, mapping)
+    at, row = _offset(array, mapping), array.strides[0]
+    rows = max(PIECE // row, 1)  # so that products are still in the cache when they are written
+    for first in range(0, len(array), rows):
+        piece = np.multiply(values[first : first + rows], scale, dtype=array.dtype, order="C")
+        _write(mapping, at + first * row, memoryview(piece.data).cast("B"))
+
+
+def packed(array: Array) -> Array:
+    """A contiguous long array's copy that the system maps by large pieces; another one as it is.
+
+    An array that was written through its mapping lies in the system's smallest pages, and to map
+    them and give them back costs more than to read what is in them. For what is read many times.
+    """
+    if _mapping(array) is None:
+        return array
+    result = room(*array.shape)
+    mapping = _mapping(result)
+    if mapping is None:
+        return array
+    left, row = memoryview(array.data).cast("B"), array.strides[0]
+    for at in range(0, len(left), PIECE):  # from multiples of it: elsewhere pieces are cut smaller
+        # a copy: of memory that is not there yet the system writes zeros first, then asks again
+        _write(mapping, at, memoryview(bytes(left[at : at + PIECE])))
+        release(array, at // row, (at + PIECE) // row)
+    return result
+
+
+def outside(array: Array) -> bool:
+    """Whether an array lies in a file, so that `read` serves better than its mapping."""
+    return _mapping(array) is not None
+
+
+def read(array: Array, first: int, out: Array) -> None:
+    """Copy rows first ... first + len(out) - 1 of a contiguous array into another one.
+
+    From the file itself, if the array lies in one: its pages are neither mapped nor in need of
+    `release`.
+    """
+    mapping = _mapping(array)
+    if mapping is None:
+        out[...] = array[first : first + len(out)]
+        return
+    left = memoryview(out.data).cast("B")
+    at = _offset(array, mapping) + first * array.strides[0]
+    while len(left):
+        count = os.preadv(mapping.file.fileno(), [left], at)
+        left, at = left[count:], at + count
+
+
+def _write(mapping: _Mapping, at: int, left: memoryview) -> None:
     while len(left):
         count = os.pwrite(mapping.file.fileno(), left, at)
         left, at = left[count:], at + count

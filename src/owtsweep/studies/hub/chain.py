@@ -22,7 +22,7 @@ from owtsweep.estimation.gains import GainSchedule, schedule
 from owtsweep.estimation.predictor import powers, prediction_noise
 from owtsweep.estimation.smoother import smoother_gains
 from owtsweep.estimation.windowing import covariances
-from owtsweep.paging import release, room
+from owtsweep.paging import packed, release, room
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, PredictorArrays
@@ -65,7 +65,7 @@ class Chain:
             stop = first + len(part)
             result[first:stop] = np.linalg.inv(part)[:, [0, 0, 1], [0, 1, 1]]
             release(result, first, stop)
-        return result
+        return packed(result)
 
     @cached_property
     def innovation_weight(self) -> Array:
@@ -76,12 +76,17 @@ class Chain:
             result[first:stop] = 1.0 / self.gains.innovation_variance[first:stop]
             for worked_through in (result, self.gains.innovation_variance):
                 release(worked_through, first, stop)
-        return result
+        return packed(result)
 
     def for_runs(self) -> Chain:
         """This chain with all that the kernels need and without covariances, half of its memory."""
         none = np.empty((0, 4, 4))
-        result = replace(self, gains=replace(self.gains, predicted=none, filtered=none))
+        K = packed(self.gains.K)
+        result = replace(
+            self,
+            gains=replace(self.gains, K=K, predicted=none, filtered=none),
+            filter=self.filter._replace(K=K, C=packed(self.filter.C), W=packed(self.filter.W)),
+        )
         vars(result)["precision"] = self.precision
         return result
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.paging import release
+from owtsweep.paging import outside, read, release
 from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.records import Records
 from owtsweep.studies.hub.sensors import fix_count
@@ -104,9 +104,9 @@ class Feed:
         self.amplitude = amplitude
         self.groups = 3 if amplitude is None else 2
 
-    @property
+    @cached_property
     def fixes(self) -> Array:
-        """(groups, fixes, 8) positions that the GNSS reports, m."""
+        """(groups, fixes, 8) positions that the GNSS reports, m; the same for all chains."""
         sensors = self.records.sensors
         count = fix_count(self.records.steps, sensors.fix_interval)
         motion = np.zeros((count, WIDTH))
@@ -129,6 +129,9 @@ class Feed:
         truth = aligned(2, lead + size, WIDTH)
         whole = apart if self.amplitude is None else aligned(2, lead + size, WIDTH)
         motion = [self.records.motion[index] for index in self.indices]
+        # of long records a span at a time comes from their file, always into the same memory
+        far = any(outside(series.position) for series in motion)
+        held = tuple(np.empty((len(motion), size))) if far else None
         fill = self._noise(size)
         for k0 in range(0, steps, SPAN):
             stop = min(k0 + SPAN, steps)
@@ -138,9 +141,12 @@ class Feed:
             for rows, name in ((truth[0], "position"), (truth[1], "velocity"),
                                (apart[0], "acceleration")):  # fmt: skip
                 sources = tuple(getattr(series, name) for series in motion)
-                feeding.gather(k0, stop - k0, lead, sources, rows)
-                for source in sources:
-                    release(source, k0, stop)
+                if held is None:
+                    feeding.gather(k0, stop - k0, lead, sources, rows)
+                else:
+                    for source, own in zip(sources, held, strict=True):
+                        read(source, k0, own[: stop - k0])
+                    feeding.gather(0, stop - k0, lead, held, rows)
             fill(stop - k0, lead, apart)
             if self.amplitude is not None:
                 direction = self.records.direction
