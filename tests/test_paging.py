@@ -105,3 +105,45 @@ def test_reading_a_part_of_a_part(rows):
     out = np.empty(100)
     paging.read(array[50:], 7, out)
     assert np.array_equal(out, np.arange(57, 157))
+
+
+def _inode(array):
+    return os.fstat(paging._mapping(array).file.fileno()).st_ino
+
+
+@pytest.mark.skipif(not MAPPED.exists(), reason="no files")
+def test_a_file_is_used_again_by_one_array_at_a_time():
+    paging.forget()
+    first, second = (paging.room(300_000, again=True) for _ in range(2))
+    first[:], second[:] = 1.0, 2.0
+    assert np.all(first == 1.0)
+    files = {_inode(first), _inode(second)}
+    assert len(files) == 2
+    part = first[5:]
+    del first
+    assert _inode(paging.room(300_000, again=True)) not in files  # a part is still there
+    paging.forget()
+    del part
+    third = paging.room(300_000, again=True)
+    del second  # made before `forget`
+    fourth = paging.room(300_000, again=True)
+    fourth[:] = 4.0
+    kept = _inode(fourth)
+    del fourth
+    assert _inode(paging.room(300_000)) != kept  # asked for once, made once
+    fifth = paging.room(300_000, again=True)
+    assert _inode(fifth) == kept != _inode(third)
+    paging.room(400_000, again=True)
+    assert list(paging._SPARE) == [8 * 400_000]
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of fork, where there are threads
+@pytest.mark.skipif(not hasattr(os, "fork") or not MAPPED.exists(), reason="no fork")
+def test_a_forked_process_takes_no_file_of_its_parent():
+    paging.room(300_000, again=True)
+    assert any(paging._SPARE.values())
+    child = os.fork()
+    if child == 0:
+        os._exit(len(paging._SPARE))
+    assert os.waitpid(child, 0)[1] == 0
+    paging.forget()

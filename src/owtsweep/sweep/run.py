@@ -12,6 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from owtsweep import paging
 from owtsweep.config import Config, dump, load, require
 from owtsweep.studies.base import OK, Study
 from owtsweep.sweep.execute import Executor
@@ -109,11 +110,14 @@ def sweep(
     """
     plan = make_plan(study, config)
     run = Run(run_folder(config), config, study)
-    with _executor(run) as executor:
-        text = dump(config)  # once: with a thousand amplitudes it takes a quarter of a second
-        _prepare(run, text, fresh=fresh)
-        with _log_of(run.folder):
-            return _Sweep(run, plan, executor, progress or SilentProgress(), argv)(text)
+    try:
+        with _executor(run) as executor:
+            text = dump(config)  # once: with a thousand amplitudes it takes a quarter of a second
+            _prepare(run, text, fresh=fresh)
+            with _log_of(run.folder):
+                return _Sweep(run, plan, executor, progress or SilentProgress(), argv)(text)
+    finally:
+        paging.forget()
 
 
 def _prepare(run: Run, text: str, *, fresh: bool) -> None:

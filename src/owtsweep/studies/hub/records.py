@@ -87,7 +87,11 @@ def make_records(config: HubConfig, natural_period: float, replicates: Sequence[
     size = (len(replicates), 3, steps)
     count = int(np.prod(size))
     # small pieces in memory are used again by the next block; one large one is made anew
-    kept = paging.room(count).reshape(size) if count > MOST_IN_MEMORY else [None] * len(replicates)
+    kept = (
+        paging.room(count, again=True).reshape(size)
+        if count > MOST_IN_MEMORY
+        else [None] * len(replicates)
+    )
     motions = [
         synthesise(
             shape,
