@@ -176,8 +176,5 @@ def _transformed(bins: NDArray[np.complex128], samples: int) -> Iterator[Array]:
 
         yield from irfft(bins, n=samples)
     else:
-        # numpy's, not scipy's, which would make longer copies of the rows; two at once, since it
-        # works out its table of cosines, a tenth of the time, anew for each call
-        for rows in (bins[:1], bins[1:]):
-            if len(rows):
-                yield from np.fft.irfft(rows, n=samples)
+        for row in bins:  # numpy's, not scipy's, which would make a longer copy of the row
+            yield np.asarray(np.fft.irfft(row, n=samples))
