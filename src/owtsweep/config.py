@@ -10,6 +10,7 @@ import dataclasses
 import difflib
 import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import UnionType
@@ -171,10 +172,11 @@ def compose(
     InputError
         With one line, for anything that is wrong in it.
     """
-    from hydra import compose as hydra_compose
-    from hydra import initialize_config_dir
     from hydra.errors import HydraException
+    from omegaconf import OmegaConf
     from omegaconf.errors import OmegaConfBaseException
+
+    from owtsweep.longlists import shortened
 
     require(
         not isinstance(overrides, str),
@@ -190,9 +192,18 @@ def compose(
         directory = Path(config_dir).resolve()
         require(directory.is_dir(), f"--config-dir: {config_dir} is no folder")
         search = [f"hydra.searchpath=[file://{directory}]"]
+    short, marks = shortened(overrides)
+    if marks.lists:
+        plain = None
+        # whatever is wrong with it is told by the ordinary way
+        with suppress(HydraException, OmegaConfBaseException, ValueError):
+            marked = _composed(primary, [*search, *short])
+            plain = marks.back(OmegaConf.to_container(marked, resolve=True))
+        if plain is not None:
+            _check_study(str(plain.get("study")), primary)
+            return _from_plain(plain)
     try:
-        with initialize_config_dir(config_dir=str(conf_directory()), version_base="1.3"):
-            composed = hydra_compose(primary, overrides=[*search, *overrides])
+        composed = _composed(primary, [*search, *overrides])
     except ValueError as error:  # a number where Hydra expects the name of a group's option
         groups = {path.name for path in conf_directory().iterdir() if path.is_dir()}
         wrong = [o for o in overrides if o.split("=")[0] in groups]
@@ -205,6 +216,14 @@ def compose(
         raise InputError(one_line(error, study)) from error
     _check_study(str(composed.get("study")), primary)
     return from_mapping(composed)
+
+
+def _composed(primary: str, overrides: list[str]) -> Any:
+    from hydra import compose as hydra_compose
+    from hydra import initialize_config_dir
+
+    with initialize_config_dir(config_dir=str(conf_directory()), version_base="1.3"):
+        return hydra_compose(primary, overrides=overrides)
 
 
 def _check_study(study: str, primary: str) -> None:
@@ -229,8 +248,6 @@ def from_mapping(mapping: Any) -> Config:
     from omegaconf import OmegaConf
     from omegaconf.errors import OmegaConfBaseException
 
-    from owtsweep.studies import get_study
-
     try:
         loaded = mapping if OmegaConf.is_config(mapping) else OmegaConf.create(dict(mapping))
         plain = OmegaConf.to_container(loaded, resolve=True)
@@ -238,6 +255,12 @@ def from_mapping(mapping: Any) -> Config:
         raise InputError(one_line(error)) from error
     if not isinstance(plain, dict):
         raise InputError("config: this is a list, not a mapping of keys")
+    return _from_plain(plain)
+
+
+def _from_plain(plain: dict[Any, Any]) -> Config:
+    from owtsweep.studies import get_study
+
     study = get_study(str(plain.get("study", "hub")))
     config = _typed(study.config_type(), plain, "")
     if not isinstance(config, Config):  # the schema is a Config, so its object is one too
@@ -372,7 +395,11 @@ def dump(config: Config) -> str:
     """The resolved configuration as YAML, every key of it, as stored in a run's config.yaml."""
     from omegaconf import OmegaConf
 
-    return OmegaConf.to_yaml(OmegaConf.create(_plain(dataclasses.asdict(config))))
+    from owtsweep.longlists import Marks, in_yaml, marked
+
+    marks = Marks()
+    plain = marked(_plain(dataclasses.asdict(config)), marks)
+    return in_yaml(OmegaConf.to_yaml(OmegaConf.create(plain)), marks)
 
 
 def load(path: Path) -> Config:

@@ -11,7 +11,7 @@ from scipy import stats
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import aggregate
-from owtsweep.studies.hub.cube import mean_and_error
+from owtsweep.studies.hub.cube import Cube, mean_and_error
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 PERIODS = (3.0, 8.0)
@@ -349,3 +349,21 @@ def test_a_scheme_that_diverges_has_an_open_interval(recwarn):
     assert error[1] == pytest.approx(3**-0.5)
     assert n.tolist() == [3, 3]
     assert not recwarn.list
+
+
+@pytest.mark.parametrize("replicates", [1, 7])
+def test_no_bit_depends_on_how_many_amplitudes_there_are(replicates):
+    # Few amplitudes lie beside each other in another order in memory than many.
+    rows = superposed_rows(replicates=replicates)
+    rows.loc[rows.index[3::29], "motion"] = np.nan  # cases that have no number
+    many = np.linspace(0.01, 5.0, 30).tolist()
+    tables = []
+    for amplitudes in (many, *([amplitude] for amplitude in many)):
+        cube = Cube.of_rows(rows, SCHEMES, amplitudes)
+        tables.append(aggregate.summary(cube, SCHEMES))
+    order = list(aggregate.SUMMARY_COLUMNS[:5])
+    one_by_one = pd.concat(tables[1:]).sort_values(order, kind="stable", ignore_index=True)
+    whole = tables[0].sort_values(order, kind="stable", ignore_index=True)
+    pd.testing.assert_frame_equal(whole, one_by_one, check_exact=True)
+    naive = aggregate.summary(aggregate.expand(rows, many), SCHEMES)
+    pd.testing.assert_frame_equal(tables[0], naive, check_exact=True)

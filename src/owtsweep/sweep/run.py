@@ -112,7 +112,7 @@ def sweep(
     run = Run(run_folder(config), config, study)
     try:
         with _executor(run) as executor:
-            text = dump(config)  # once: with a thousand amplitudes it takes a quarter of a second
+            text = dump(config)
             _prepare(run, text, fresh=fresh)
             with _log_of(run.folder):
                 return _Sweep(run, plan, executor, progress or SilentProgress(), argv)(text)

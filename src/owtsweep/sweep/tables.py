@@ -28,23 +28,45 @@ def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
     return path
 
 
-def _as_csv(table: pd.DataFrame) -> str:
-    parts = [",".join(map(_quoted, table.columns))]
-    for first in range(0, len(table), _ROWS):  # many rows as lists of text would fill the memory
+def _as_csv(table: pd.DataFrame) -> bytes:
+    if table.columns.empty:
+        return b"\n"
+    head = ",".join(map(_quoted, table.columns)) + "\n"
+    parts = [head.encode()]
+    for first in range(0, len(table), _ROWS):  # the words of many rows would fill the memory
         rows = table.iloc[first : first + _ROWS]
-        columns = [_text(rows[column]) for column in table.columns]
-        parts.append("\n".join(map(",".join, zip(*columns, strict=True))))
-    return "\n".join(parts) + "\n"
+        last = table.columns[-1]
+        words = [_text(rows[name], "\n" if name == last else "") for name in table.columns]
+        parts.append(_joined(words))
+    return b"".join(parts)
 
 
-def _text(column: pd.Series[Any]) -> list[str]:
-    """A column as `DataFrame.to_csv` writes it; a missing value is an empty field.
+def _joined(columns: list[Any]) -> bytes:
+    """Columns of words as lines, their ends being part of the last column.
+
+    By Arrow, whose words lie one behind the other in memory: joined they are the file.
+    """
+    import pyarrow as pa
+    from pyarrow import compute
+
+    lines = compute.binary_join_element_wise(*columns, ",")
+    _, ends, text = lines.buffers()
+    last = pa.Array.from_buffers(pa.int32(), len(lines) + 1, [None, ends])[-1].as_py()
+    return bytes(memoryview(text)[:last])
+
+
+def _text(column: pd.Series[Any], end: str) -> Any:
+    """A column as `DataFrame.to_csv` writes it, a `pyarrow.StringArray`; missing values are "".
+
+    `end` is put behind each word.
 
     Not by pandas itself, which takes most of the time of a large study's tables: a column mostly
     repeats itself, and each value is put into words once.
     """
     import numpy as np
     import pandas as pd
+    import pyarrow as pa
+    from pyarrow import compute
 
     if column.dtype == np.float64:
         # By their bits: 0.0 and -0.0 are equal, but not the same.
@@ -52,28 +74,33 @@ def _text(column: pd.Series[Any]) -> list[str]:
         words = _shortest(bits.view(np.float64))
     else:
         codes, values = pd.factorize(column, use_na_sentinel=True)
-        words = [_quoted(v) if isinstance(v, str) else str(v) for v in values.tolist()]
-    text: list[str] = np.array([*words, ""], dtype=object)[codes].tolist()
-    return text
+        found = [_quoted(v) if isinstance(v, str) else str(v) for v in values.tolist()]
+        codes = np.where(codes < 0, len(found), codes)
+        words = pa.array([*found, ""], pa.string())
+    if end:
+        words = compute.binary_join_element_wise(words, end, "")
+    return words.take(pa.array(codes))
 
 
-def _shortest(values: Array) -> list[str]:
-    """The shortest text that reads back as the same number, as `repr` has it.
+def _shortest(values: Array) -> Any:
+    """The shortest text that reads back as the same number, as `repr` has it; Arrow's strings.
 
     Arrow finds the same digits ten times faster. It leaves out ".0", and goes over to exponents at
     other sizes; such values are left to `repr`.
     """
     import numpy as np
     import pyarrow as pa
+    from pyarrow import compute
 
-    words = pa.array(values).cast(pa.string()).to_numpy(zero_copy_only=False)
+    words = pa.array(values, from_pandas=False).cast(pa.string())
     size = np.abs(values)
     with np.errstate(invalid="ignore"):
         alike = (size >= 1e-4) & (size < 1e9) & (values != np.trunc(values))
-    for place in np.flatnonzero(~alike).tolist():
-        words[place] = "" if np.isnan(values[place]) else repr(float(values[place]))
-    text: list[str] = words.tolist()
-    return text
+    others = values[~alike].tolist()
+    if not others:
+        return words
+    found = pa.array(["" if value != value else repr(value) for value in others], pa.string())
+    return compute.replace_with_mask(words, pa.array(~alike), found)
 
 
 def _quoted(word: str) -> str:

@@ -121,14 +121,14 @@ def summary(values: pd.DataFrame | Cube, schemes: Sequence[str]) -> pd.DataFrame
     parts: list[pd.DataFrame] = []
     for i, scheme in enumerate(schemes if not cube.empty else ()):
         for j, period in enumerate(cube.natural_periods):
-            samples = cube.values(i, j)
-            cells = np.nonzero(np.isfinite(samples).any(axis=-1))
-            mean, error, n = mean_and_error(samples[cells])
+            with np.errstate(invalid="ignore"):  # cells without any value: 0 / 0
+                mean, error, n = mean_and_error(cube.values(i, j))
+            cells = np.nonzero(n)
+            mean, error, n = mean[cells], error[cells], n[cells]
             margin = t_quantile(n - 1) * error
             table: dict[str, Any] = {"scheme": scheme, "natural_period": period}
             for name, axis, index in zip(SUMMARY_COLUMNS[2:5], cube.axes[2:], cells, strict=True):
-                labels = np.asarray(axis, dtype=object if isinstance(axis, tuple) else float)
-                table[name] = labels[index]
+                table[name] = pd.Index(axis).take(index)
             table |= {"mean": mean, "ci_low": mean - margin, "ci_high": mean + margin, "n": n}
             parts.append(pd.DataFrame(table, columns=list(SUMMARY_COLUMNS)))
     found = [part for part in parts if len(part)]

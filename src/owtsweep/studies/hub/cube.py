@@ -90,9 +90,7 @@ class Cube:
         here = (scheme, period)
         found: Floats | None = None
         if self.products is not None:
-            motion, cross, noise = self.products[(slice(None), *here)][:, np.newaxis, measures]
-            N = np.asarray(self.amplitudes)[:, np.newaxis, np.newaxis, np.newaxis]
-            found = N**2 * motion + 2.0 * N * cross + noise
+            found = _superposed(self.products[(slice(None), *here)][:, measures], self.amplitudes)
         if self.direct is not None:
             direct = self.direct[here][:, measures]
             found = direct if found is None else np.where(np.isfinite(direct), direct, found)
@@ -177,6 +175,20 @@ class Cube:
         )
 
 
+def _superposed(products: Floats, amplitudes: Sequence[float]) -> Floats:
+    """(amplitude, measure, window, replicate) of products (3, measure, window, replicate).
+
+    The longer of the outer axes lies innermost in memory, where loops and sums are fastest.
+    """
+    N = np.asarray(amplitudes)
+    if len(N) <= products.shape[-1]:
+        motion, cross, noise = products[:, np.newaxis]
+        N = N[:, np.newaxis, np.newaxis, np.newaxis]
+        return np.asarray(N**2 * motion + 2.0 * N * cross + noise)
+    motion, cross, noise = products.transpose(0, 3, 1, 2)[..., np.newaxis]
+    return np.asarray(N**2 * motion + 2.0 * N * cross + noise).transpose(3, 1, 2, 0)
+
+
 def _places(
     rows: pd.DataFrame,
     chosen: NDArray[np.bool_],
@@ -222,7 +234,14 @@ def ordered_sum(samples: Floats) -> Floats:
 
     `np.sum` groups its terms by the shape of the array; a running sum does not.
     """
-    total: Floats = np.cumsum(samples, axis=-1)[..., -1]
+    total: Floats
+    if samples.ndim > 1 and samples.strides[-1] > min(samples.strides[:-1]):
+        # The samples of all cells lie side by side: the same sums, all cells at once.
+        total = samples[..., 0].copy(order="K")
+        for place in range(1, samples.shape[-1]):
+            total += samples[..., place]
+    else:
+        total = np.cumsum(samples, axis=-1)[..., -1]
     return total
 
 
@@ -230,10 +249,13 @@ def mean_and_error(samples: Floats) -> tuple[Floats, Floats, NDArray[np.intp]]:
     """Mean, its standard error (NaN for one sample) and count over the last axis without NaN."""
     present = np.isfinite(samples)
     n = present.sum(axis=-1)
-    mean = ordered_sum(np.where(present, samples, 0.0)) / n
-    deviation = np.where(present, samples - mean[..., np.newaxis], 0.0)
+    whole = bool(present.all())
+    mean = ordered_sum(samples if whole else np.where(present, samples, 0.0)) / n
+    deviation = samples - mean[..., np.newaxis]
+    if not whole:
+        deviation = np.where(present, deviation, 0.0)
     with np.errstate(over="ignore"):  # a scheme that diverges: no end of its interval is known
-        spread = ordered_sum(deviation**2)
+        spread = ordered_sum(np.square(deviation, out=deviation))
     error = np.sqrt(spread / np.where(n > 1, n * (n - 1.0), np.nan))
     return mean, error, n
 
