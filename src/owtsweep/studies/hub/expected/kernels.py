@@ -1,66 +1,142 @@
-"""Compiled loops of the expected engine: making sinusoids, and squaring what is left of them."""
+"""Compiled loops of the expected engine: sinusoids, the chain's answers, and the squared errors.
+
+One call takes two groups of eight lanes through a whole stretch of the record: sinusoids are made
+just before the chain needs them, in buffers that stay in the cache, and errors are squared as soon
+as there are some. Phasors have their cosines in group 0 and their sines in group 1; else each group
+holds eight sines of its own.
+"""
 
 from __future__ import annotations
 
 from owtsweep.compiled import njit
+from owtsweep.studies.hub.kernels.runs import estimates
+from owtsweep.studies.hub.kernels.vector import borrowed, groups, load, store
 
 
 @njit
-def make_waves(first, end, real, imaginary, turn_real, turn_imaginary, gain, phasor, keep, force,
-               wave):  # fmt: skip
-    """Fill rows first ... end - 1 of force (and wave, if kept): lanes [cosines | sines] or sines.
+def advance(k0, stop, end, chunk, settled, cycle, waves, state, phasor, truth, lead, force, wave,
+            fixes, chain, registers, scratch, output, sums, ring):  # fmt: skip
+    """Take two groups through the steps k0 ... stop - 1 of a record that ends at `end`.
 
-    `real`, `imaginary` hold the sinusoids at step `first` and are turned on; `gain` makes forces
-    of them.
+    `state` holds the step of the buffers' row 0 and the one up to which they are filled; `sums` and
+    `ring` are those of `add_squares`.
     """
-    n = len(gain)
-    for k in range(first, end):
-        for i in range(n):
-            c, s = real[i], imaginary[i]
-            if phasor:
-                force[k, i] = gain[i] * c
-                force[k, n + i] = gain[i] * s
+    room = force[0].shape[0]
+    while k0 < stop:
+        count = min(chunk, stop - k0)
+        if k0 + count - state[0] > room:
+            _move(force, k0 - lead - state[0], state[1] - state[0])
+            if truth:
+                _move(wave, k0 - lead - state[0], state[1] - state[0])
+            state[0] = k0 - lead
+        make_waves(state[1], k0 + count, state[0], waves, phasor, truth, force, wave)
+        state[1] = k0 + count
+        estimates(k0, count, force, state[0], fixes, chain, registers, scratch, output)
+        add_squares(k0, count, settled, cycle, output.position, output.velocity, state[0], wave,
+                    waves.rate, phasor, truth, sums, ring)  # fmt: skip
+        k0 += count
+
+
+@njit
+def _move(buffers, first, stop):
+    """Rows first ... stop - 1 to the beginning of each buffer."""
+    rows = borrowed(buffers)
+    for i in range(first, stop):
+        store(rows, i - first, load(rows, i))
+
+
+@njit
+def make_waves(k, stop, base, waves, phasor, keep, force, wave):
+    """Fill the rows of steps k ... stop - 1 of force (and wave, if kept), step `base` in row 0.
+
+    The sinusoids are turned on from step to step, and begin anew with every block, so that rounding
+    does not add up; in between `now` keeps them.
+    """
+    u0, u1 = groups(borrowed(force))
+    w0, w1 = groups(borrowed(wave))
+    starts, now = borrowed((waves.starts,)), borrowed((waves.now,))
+    fixed = borrowed((waves.turn_gain,))
+    turn0, turn1 = load(fixed, 0), load(fixed, 1)  # cosine and sine of group 0's angle
+    turn2, turn3 = load(fixed, 2), load(fixed, 3)  # those of group 1's
+    gain0, gain1 = load(fixed, 4), load(fixed, 5)
+    while k < stop:
+        block = k // waves.block
+        if k == block * waves.block:
+            for i in range(4):
+                store(now, i, load(starts, 4 * block + i))
+        until = min((block + 1) * waves.block, stop)
+        c, s = load(now, 0), load(now, 1)
+        if phasor:
+            for row in range(k - base, until - base):
+                store(u0, row, gain0 * c)
+                store(u1, row, gain0 * s)
                 if keep:
-                    wave[k, i] = c
-                    wave[k, n + i] = s
-            else:
-                force[k, i] = gain[i] * s
-            real[i] = c * turn_real[i] - s * turn_imaginary[i]
-            imaginary[i] = c * turn_imaginary[i] + s * turn_real[i]
+                    store(w0, row, c)
+                    store(w1, row, s)
+                c, s = c * turn0 - s * turn1, c * turn1 + s * turn0
+        else:
+            d, t = load(now, 2), load(now, 3)
+            for row in range(k - base, until - base):
+                store(u0, row, gain0 * s)
+                store(u1, row, gain1 * t)
+                c, s = c * turn0 - s * turn1, c * turn1 + s * turn0
+                d, t = d * turn2 - t * turn3, d * turn3 + t * turn2
+            store(now, 2, d)
+            store(now, 3, t)
+        store(now, 0, c)
+        store(now, 1, s)
+        k = until
 
 
 @njit
-def add_squares(k0, count, settled, cycle, position, velocity, wave, rate, phasor, truth, sums,
-                ring):  # fmt: skip
-    """Add squared errors to sums (2 parts of the record, 2 measures, n) and to the cycle's.
+def add_squares(k0, count, settled, cycle, position, velocity, base, wave, rate, phasor, truth,
+                sums, ring):  # fmt: skip
+    """Add squared errors to the sums of the record and of the cycle.
 
-    `ring` (slots, 2, n) holds the sums of the newest cycles, cycle q in slot q % slots. With
-    `truth` the wave is what the position should be, and its rate the velocity.
+    `sums` has the rows (2 parts of the record, 2 measures, 2 groups), `ring` (slots, 2, 2): the
+    sums of the newest cycles, cycle q in slot q % slots. With `truth` the wave is what the position
+    should be, and its `rate` the velocity. A phasor's squares are added in group 0.
     """
-    n = sums.shape[2]
-    slots = ring.shape[0]
-    for j in range(count):
-        k = k0 + j
-        part = 0 if k < settled else 1
-        slot = (k // cycle) % slots
+    p0, p1 = groups(borrowed(position))
+    v0, v1 = groups(borrowed(velocity))
+    w0, w1 = groups(borrowed(wave))
+    omega = load(borrowed((rate,)), 0)
+    total, newest = borrowed((sums,)), borrowed((ring,))
+    slots = ring.shape[0] // 4
+    k, end = k0, k0 + count
+    while k < end:
+        stop = min((k // cycle + 1) * cycle, end)
+        if k < settled:
+            stop = min(stop, settled)
+        own = 0 if k < settled else 4
+        slot = 4 * ((k // cycle) % slots)
         if k % cycle == 0:
-            for i in range(n):
-                ring[slot, 0, i] = 0.0
-                ring[slot, 1, i] = 0.0
-        for i in range(n):
-            p, v = position[j, i], velocity[j, i]
-            if phasor:
-                q, w = position[j, n + i], velocity[j, n + i]
+            for i in range(slot, slot + 4):
+                store(newest, i, 0.0 * omega)
+        a0, a1 = load(total, own), load(total, own + 1)
+        b0, b1 = load(total, own + 2), load(total, own + 3)
+        c0, c1 = load(newest, slot), load(newest, slot + 1)
+        d0, d1 = load(newest, slot + 2), load(newest, slot + 3)
+        if phasor:
+            for i in range(k - k0, stop - k0):
+                p, q, v, w = load(p0, i), load(p1, i), load(v0, i), load(v1, i)
                 if truth:
-                    c, s = wave[k, i], wave[k, n + i]
-                    p -= c
-                    q -= s
-                    v += rate[i] * s
-                    w -= rate[i] * c
+                    c, s = load(w0, k0 + i - base), load(w1, k0 + i - base)
+                    p, q, v, w = p - c, q - s, v + omega * s, w - omega * c
                 a, b = p * p + q * q, v * v + w * w
-            else:
-                a, b = p * p, v * v
-            sums[part, 0, i] += a
-            sums[part, 1, i] += b
-            ring[slot, 0, i] += a
-            ring[slot, 1, i] += b
+                a0, b0, c0, d0 = a0 + a, b0 + b, c0 + a, d0 + b
+        else:
+            for i in range(k - k0, stop - k0):
+                p, q, v, w = load(p0, i), load(p1, i), load(v0, i), load(v1, i)
+                p, q, v, w = p * p, q * q, v * v, w * w
+                a0, a1, b0, b1 = a0 + p, a1 + q, b0 + v, b1 + w
+                c0, c1, d0, d1 = c0 + p, c1 + q, d0 + v, d1 + w
+        store(total, own, a0)
+        store(total, own + 1, a1)
+        store(total, own + 2, b0)
+        store(total, own + 3, b1)
+        store(newest, slot, c0)
+        store(newest, slot + 1, c1)
+        store(newest, slot + 2, d0)
+        store(newest, slot + 3, d1)
+        k = stop

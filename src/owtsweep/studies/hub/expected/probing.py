@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, aligned
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.expected.inputs import Probe
 from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
-from owtsweep.studies.hub.kernels.layout import Output, new_registers
+from owtsweep.studies.hub.kernels.layout import Output, Scratch, new_registers
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 
-T = TypeVar("T", bound=np.generic)
-
-#: Lanes run at once, and the most numbers that their inputs may hold (128 MB).
+#: Lanes that are judged together, and the most numbers that their inputs would hold: the longer
+#: the record, the fewer run on because one of them has not settled.
 WIDTH = 32
 MOST_INPUTS = 16_000_000
 #: Greatest relative change of a cycle's energy over `JUDGED` cycles that counts as none.
 TOLERANCE = 1e-7
 JUDGED = 32
-#: Steps of input that are made in one go, and how far ahead of the chain.
+#: Steps after which sinusoids begin anew.
 BLOCK = 2048
-AHEAD = 8192
 
 
 def energies(chain: Chain, sensors: Sensors, probe: Probe, steps: int, settled: int) -> Array:
@@ -47,124 +44,137 @@ def energies(chain: Chain, sensors: Sensors, probe: Probe, steps: int, settled: 
 
 def _run(chain: Chain, sensors: Sensors, probe: Probe, steps: int, settled: int) -> Array:
     """Phasors are run until their answer repeats; the rest of the record is more of the same."""
-    from owtsweep.studies.hub.kernels import runs
-
     n, cycle = len(probe.angle), cycle_of(chain)
-    lead = batch.lead_of(chain)
-    waves = Waves(probe, steps, sensors, lead)
-    groups = [_Group(chain, waves, number) for number in range(waves.groups)]
-    chunk, memory = batch.chunk_of(chain)[0], batch.shared_memory([chain], 1)
-    arrays = batch.arrays_of(chain)
+    each = LANES if probe.phasor else 2 * LANES
+    chunk, memory = batch.chunk_of(chain)[0], batch.shared_memory([chain], 2)
+    pairs = [
+        _Pair(chain, sensors, probe.part(first, first + each), steps, settled)
+        for first in range(0, n, each)
+    ]
     earliest = max(filling(chain), settled) + (JUDGED + 1) * cycle
-    judged, rest = 0, 0.0
-    ahead = max(AHEAD, 4 * (chain.filter.window + chain.predictor.steps))
-    waves.make(ahead)
-    for k0 in range(0, steps, chunk):
-        count = min(chunk, steps - k0)
-        end = k0 + count
-        if end > waves.made:
-            raise RuntimeError(f"a chunk of {count} steps has outrun the {ahead} steps made ahead")
-        for group in groups:
-            runs.estimates(
-                k0, count, group.force, -lead, group.fixes, arrays, group.registers, *memory
-            )
-            group.add(k0, count, settled, cycle, memory[1])
-        if probe.phasor and end >= earliest and end - judged >= JUDGED * cycle:
-            judged = end
-            ring = _joined([group.ring for group in groups], n)
-            complete = np.delete(ring, (end // cycle) % len(ring), axis=0)
+    done, judged, rest = 0, 0, 0.0
+    while done < steps:
+        wanted = max(earliest, judged + JUDGED * cycle) if probe.phasor else steps
+        done = min(-(-wanted // chunk) * chunk, steps)
+        for pair in pairs:
+            pair.advance(done, chunk, *memory)
+        if probe.phasor and done >= wanted:
+            judged = done
+            ring = np.concatenate([pair.ring for pair in pairs], axis=-1)
+            complete = np.delete(ring, (done // cycle) % len(ring), axis=0)
             if np.all(np.ptp(complete, axis=0) <= TOLERANCE * complete.max(axis=0)):
-                rest = complete.mean(axis=0) * ((steps - end) / cycle)
+                rest = complete.mean(axis=0) * ((steps - done) / cycle)
                 break
-        waves.make(min(end + ahead, steps))
-    sums = _joined([group.sums for group in groups], n)
+    sums = np.concatenate([pair.sums for pair in pairs], axis=-1)
     sums[1] += rest
     return np.stack([sums[0] + sums[1], sums[1]], axis=1)
 
 
-def _joined(parts: list[Array], n: int) -> Array:
-    """What groups hold, side by side, without the lanes that fill up the last one."""
-    return np.concatenate(parts, axis=-1)[..., :n]
+class Waves(NamedTuple):
+    """The sinusoids of two groups of lanes, as the kernels take them.
 
-
-class _Group:
-    """Eight lanes: what the chain carries for them, and the sums of their squared errors."""
-
-    def __init__(self, chain: Chain, waves: Waves, number: int) -> None:
-        self.probe = waves.probe
-        self.force, self.fixes = (waves.force[number],), (waves.fixes[number],)
-        self.registers = new_registers(1, chain.filter.window, chain.mhe.horizon)
-        self.wave, self.rate = waves.wave[number], waves.rate[number]
-        self.sums = np.zeros((2, 2, waves.each))  # part of the record, measure
-        self.ring = np.zeros((JUDGED + 1, 2, waves.each))
-
-    def add(self, k0: int, count: int, settled: int, cycle: int, output: Output) -> None:
-        """Add the errors of the chunk that starts at step k0."""
-        from owtsweep.studies.hub.expected.kernels import add_squares
-
-        add_squares(
-            k0, count, settled, cycle, output.position[0], output.velocity[0], self.wave, self.rate,
-            self.probe.phasor, self.probe.truth, self.sums, self.ring,
-        )  # fmt: skip
-
-
-class Waves:
-    """A probe's sinusoids in groups of eight lanes, made as they are needed.
-
-    A group holds four cosines and their four sines, or eight sines; the last one is filled up with
-    nothing. So the kernels read them where they are made.
-
-    Attributes
-    ----------
-    force, fixes
-        (groups, lead + steps, 8) and (groups, fixes, 8): the chain's inputs, from `lead` rows of
-        zeros before step 0 on.
-    wave
-        (groups, steps, 8): the displacement, or nothing if there is no truth to follow.
-    rate
-        (groups, each): the sinusoids' angular frequencies, rad/s.
-    made
-        Steps that are filled.
+    starts (4 blocks, 8): cosines and sines of both groups where blocks begin; now (4, 8): those of
+    the step that comes next; turn_gain (6, 8): cosines and sines of an angle per step, and what
+    makes forces of the sinusoids; rate (1, 8): angular frequencies, rad/s; block: its steps.
     """
 
-    def __init__(self, probe: Probe, steps: int, sensors: Sensors, lead: int) -> None:
-        self.probe, self.steps, self.lead = probe, steps, lead
-        self.each = LANES // 2 if probe.phasor else LANES
-        self.groups = -(-len(probe.angle) // self.each)
-        count = fix_count(steps, sensors.fix_interval)
-        delay = sensors.delay if probe.truth else 0
-        fix_steps = sensors.fix_interval * np.arange(count)[:, None] - delay
-        fixes = np.exp(1j * (probe.angle * fix_steps + probe.shift)) * probe.fix
-        parts = self._grouped(fixes).transpose(1, 0, 2)
-        both = [parts.real, parts.imag] if probe.phasor else [parts.imag]
-        self.fixes = np.ascontiguousarray(np.concatenate(both, axis=-1))
-        self.force = np.zeros((self.groups, lead + steps, LANES))
-        self.wave = np.empty((self.groups, steps if probe.truth else 0, LANES))
-        self.rate = self._grouped(probe.angle / sensors.step)
-        self.gain = self._grouped(probe.force)
-        self.angle = self._grouped(probe.angle)
-        self.turn = np.exp(1j * self.angle)
-        self.made = 0 if np.any(probe.force) else steps
+    starts: Array
+    now: Array
+    turn_gain: Array
+    rate: Array
+    block: int
 
-    def make(self, end: int) -> None:
-        """Fill force and wave up to the step `end` at least."""
-        from owtsweep.studies.hub.expected.kernels import make_waves
 
-        probe, turn = self.probe, self.turn
-        while self.made < min(end, self.steps):
-            # anew in every block, so that rounding does not add up
-            start = np.exp(1j * (self.angle * self.made + probe.shift))
-            stop = min(self.made + BLOCK, self.steps)
-            for g in range(self.groups):
-                make_waves(
-                    self.made, stop, start[g].real.copy(), start[g].imag.copy(),
-                    turn[g].real.copy(), turn[g].imag.copy(), self.gain[g], probe.phasor,
-                    probe.truth, self.force[g, self.lead :], self.wave[g],
-                )  # fmt: skip
-            self.made = stop
+class _Pair:
+    """Two groups of lanes: what the chain carries for them, and the sums of their squared errors.
 
-    def _grouped(self, values: NDArray[T]) -> NDArray[T]:
-        """(..., n) as (..., groups, each), filled up with zeros."""
-        room = self.groups * self.each - values.shape[-1]
-        filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, room)])
-        return filled.reshape(*values.shape[:-1], self.groups, self.each)
+    They hold eight cosines and their sines, or sixteen sines, filled up with nothing.
+    """
+
+    def __init__(
+        self, chain: Chain, sensors: Sensors, probe: Probe, steps: int, settled: int
+    ) -> None:
+        self.probe, self.steps, self.settled = probe, steps, settled
+        self.arrays, self.cycle = batch.arrays_of(chain), cycle_of(chain)
+        self.registers = new_registers(2, chain.filter.window, chain.mhe.horizon)
+        self.waves = _waves(probe, sensors, steps)
+        self.fixes = _fixes(probe, sensors, steps)
+        self.lead = batch.lead_of(chain)
+        rows = self.lead + 2 * batch.chunk_of(chain)[0]
+        self.force = aligned(rows, LANES), aligned(rows, LANES)
+        kept = rows if probe.truth else 0
+        self.wave = aligned(kept, LANES), aligned(kept, LANES)
+        #: The step of the buffers' first row, and the one up to which they are filled.
+        self.state = np.array([-self.lead, 0])
+        self.done = 0
+        self._sums, self._ring = aligned(8, LANES), aligned(4 * (JUDGED + 1), LANES)
+
+    def advance(self, stop: int, chunk: int, scratch: Scratch, output: Output) -> None:
+        """Go on up to the step `stop`."""
+        from owtsweep.studies.hub.expected.kernels import advance
+
+        advance(
+            self.done, stop, self.steps, chunk, self.settled, self.cycle, self.waves, self.state,
+            self.probe.phasor, self.probe.truth, self.lead, self.force, self.wave, self.fixes,
+            self.arrays, self.registers, scratch, output, self._sums, self._ring,
+        )  # fmt: skip
+        self.done = stop
+
+    @property
+    def sums(self) -> Array:
+        """(part of the record, measure, n) squared errors."""
+        return self._of_lanes(self._sums)
+
+    @property
+    def ring(self) -> Array:
+        """(slot, measure, n) those of the newest cycles."""
+        return self._of_lanes(self._ring)
+
+    def _of_lanes(self, rows: Array) -> Array:
+        return rows.reshape(-1, 2, 2 * LANES)[..., : len(self.probe.angle)]
+
+
+def _waves(probe: Probe, sensors: Sensors, steps: int) -> Waves:
+    angle, gain, rate = (
+        _in_groups(values, probe.phasor)
+        for values in (probe.angle, probe.force, probe.angle / sensors.step)
+    )
+    blocks = -(-steps // BLOCK)
+    first = BLOCK * np.arange(blocks)[:, None, None]
+    start = np.exp(1j * (angle * first + probe.shift))
+    turn = np.exp(1j * angle)
+    return Waves(
+        starts=_rows(np.stack([start.real, start.imag], axis=2)),
+        now=aligned(4, LANES),
+        turn_gain=_rows(np.concatenate([np.stack([turn.real, turn.imag], axis=1), gain[None]])),
+        rate=_rows(rate[:1]),
+        block=BLOCK,
+    )
+
+
+def _fixes(probe: Probe, sensors: Sensors, steps: int) -> tuple[Array, Array]:
+    """(fixes, 8) of each group."""
+    count = fix_count(steps, sensors.fix_interval)
+    delay = sensors.delay if probe.truth else 0
+    fix_steps = sensors.fix_interval * np.arange(count)[:, None] - delay
+    values = np.exp(1j * (probe.angle * fix_steps + probe.shift)) * probe.fix
+    both = _in_groups(values.imag, probe.phasor)
+    if probe.phasor:
+        both[:, 0] = _in_groups(values.real, True)[:, 0]
+    return _rows(both[:, 0]), _rows(both[:, 1])
+
+
+def _in_groups(values: Array, phasor: bool) -> Array:
+    """(..., n) as (..., 2 groups, 8), filled up with zeros; phasors are in both."""
+    room = (1 if phasor else 2) * LANES - values.shape[-1]
+    filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, room)])
+    if phasor:
+        return np.stack([filled, filled], axis=-2)
+    return filled.reshape(*values.shape[:-1], 2, LANES)
+
+
+def _rows(values: Array) -> Array:
+    """(..., 8) as rows that begin where cache lines do."""
+    found = aligned(values.size // LANES, LANES)
+    found[:] = values.reshape(-1, LANES)
+    return found
