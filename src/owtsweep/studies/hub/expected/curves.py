@@ -18,7 +18,7 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.expected import inputs, nodes
 from owtsweep.studies.hub.expected.inputs import Probe
-from owtsweep.studies.hub.expected.probing import energies
+from owtsweep.studies.hub.expected.probing import Workspace, energies
 from owtsweep.studies.hub.sensors import fix_count
 
 #: An interval is halved where reading its middle off misses by this part: of the curve, for
@@ -96,9 +96,12 @@ class _Prober:
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
         self.chain, self.sensors, self.steps, self.settled = chain, sensors, steps, settled
         self.scales = nodes.scales(chain, sensors)
+        self.space = Workspace(chain, steps, sensors)
 
     def __call__(self, probe: Probe) -> Array:
-        return energies(self.chain, self.sensors, probe, self.steps, self.settled)
+        return energies(
+            self.chain, self.sensors, probe, self.steps, self.settled, workspace=self.space
+        )
 
     def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
         """Nodes over the band and the energies at each."""

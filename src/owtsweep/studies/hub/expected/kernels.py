@@ -8,33 +8,72 @@ holds eight sines of its own.
 
 from __future__ import annotations
 
+import numpy as np
+
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.runs import estimates
-from owtsweep.studies.hub.kernels.vector import borrowed, groups, load, store
+from owtsweep.studies.hub.kernels.vector import WIDTH, borrowed, groups, load, store
 
 
 @njit
-def advance(k0, stop, end, chunk, settled, cycle, waves, state, phasor, truth, lead, force, wave,
-            fixes, chain, registers, scratch, output, sums, ring):  # fmt: skip
-    """Take two groups through the steps k0 ... stop - 1 of a record that ends at `end`.
+def advance(k0, stop, judged, every, lanes, tolerance, chunk, settled, cycle, waves, state, moving,
+            phasor, truth, lead, force, wave, fixes, chain, registers, scratch, output, sums,
+            ring):  # fmt: skip
+    """Take two groups on from step k0 until their answer repeats, or to the step `stop`.
 
-    `state` holds the step of the buffers' row 0 and the one up to which they are filled; `sums` and
-    `ring` are those of `add_squares`.
+    From the first whole chunk up to `judged` on it is judged every so many steps. `state` holds the
+    step of the buffers' row 0 and the one up to which they are filled; `moving` tells whether there
+    is any force; `sums` and `ring` are those of `add_squares`.
+
+    Returns
+    -------
+    int, bool
+        The step that was reached, and whether the answer repeats there.
     """
     room = force[0].shape[0]
     while k0 < stop:
         count = min(chunk, stop - k0)
-        if k0 + count - state[0] > room:
-            _move(force, k0 - lead - state[0], state[1] - state[0])
-            if truth:
-                _move(wave, k0 - lead - state[0], state[1] - state[0])
-            state[0] = k0 - lead
-        make_waves(state[1], k0 + count, state[0], waves, phasor, truth, force, wave)
-        state[1] = k0 + count
+        if moving:
+            if k0 + count - state[0] > room:
+                _move(force, k0 - lead - state[0], state[1] - state[0])
+                if truth:
+                    _move(wave, k0 - lead - state[0], state[1] - state[0])
+                state[0] = k0 - lead
+            make_waves(state[1], k0 + count, state[0], waves, phasor, truth, force, wave)
+            state[1] = k0 + count
+        else:
+            state[0] = k0 - lead  # zeros, whichever step they belong to
         estimates(k0, count, force, state[0], fixes, chain, registers, scratch, output)
         add_squares(k0, count, settled, cycle, output.position, output.velocity, state[0], wave,
                     waves.rate, phasor, truth, sums, ring)  # fmt: skip
         k0 += count
+        if k0 >= judged:
+            if repeats(k0 // cycle, lanes, tolerance, ring):
+                return k0, True
+            judged = k0 + every
+    return k0, False
+
+
+@njit
+def repeats(newest, lanes, tolerance, ring):
+    """Whether the sums of all whole cycles in the ring are the same, in each of so many lanes.
+
+    `newest` is the number of the cycle that is not whole.
+    """
+    slots = ring.shape[0] // 4
+    for row in range(4):
+        for lane in range(max(min(lanes - WIDTH * (row % 2), WIDTH), 0)):
+            least, most = np.inf, -np.inf
+            for slot in range(slots):
+                if slot != newest % slots:
+                    value = ring[4 * slot + row, lane]
+                    # what is no number never repeats
+                    if not value >= 0.0:
+                        return False
+                    least, most = min(least, value), max(most, value)
+            if not most - least <= tolerance * most:
+                return False
+    return True
 
 
 @njit

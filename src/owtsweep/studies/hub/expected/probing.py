@@ -12,7 +12,7 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.expected.inputs import Probe
 from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
-from owtsweep.studies.hub.kernels.layout import Output, Scratch, new_registers
+from owtsweep.studies.hub.kernels.layout import Registers, new_registers
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 
@@ -27,47 +27,99 @@ JUDGED = 32
 BLOCK = 2048
 
 
-def energies(chain: Chain, sensors: Sensors, probe: Probe, steps: int, settled: int) -> Array:
+class Workspace:
+    """Memory for the runs of one chain, used again by each: fresh pages are dear."""
+
+    def __init__(self, chain: Chain, steps: int, sensors: Sensors) -> None:
+        self.chain, self.arrays = chain, batch.arrays_of(chain)
+        self.chunk, self.lead = batch.chunk_of(chain)[0], batch.lead_of(chain)
+        self.scratch, self.output = batch.shared_memory([chain], 2)
+        self.no_fixes = aligned(fix_count(steps, sensors.fix_interval), LANES)
+        self.pairs: list[PairMemory] = []
+
+    def pair(self, number: int) -> PairMemory:
+        """Zeros for one of the pairs that run at the same time."""
+        if number == len(self.pairs):
+            rows = self.lead + 2 * self.chunk
+            self.pairs.append(
+                PairMemory(
+                    new_registers(2, self.chain.filter.window, self.chain.mhe.horizon),
+                    (aligned(rows, LANES), aligned(rows, LANES)),
+                    (aligned(rows, LANES), aligned(rows, LANES)),
+                )
+            )
+        found = self.pairs[number]
+        for array in (part for groups in found.registers for part in groups):
+            array.fill(0.0)
+        for array in found.force:
+            array.fill(0.0)
+        return found
+
+
+class PairMemory(NamedTuple):
+    """What a chain carries for two groups of lanes; rows of force and truth, (rows, 8) each."""
+
+    registers: Registers
+    force: tuple[Array, Array]
+    wave: tuple[Array, Array]
+
+
+def energies(
+    chain: Chain,
+    sensors: Sensors,
+    probe: Probe,
+    steps: int,
+    settled: int,
+    workspace: Workspace | None = None,
+) -> Array:
     """Sums of squared errors over the windows of a record, (measure, window, n).
 
     Measures are position and velocity, windows full and settled; for phasors cosine and sine count
-    together.
+    together. A `workspace` of that chain may serve many calls, one at a time.
     """
+    space = workspace or Workspace(chain, steps, sensors)
     lanes_each = 2 if probe.phasor else 1
     each = min(WIDTH // lanes_each, max(MOST_INPUTS // (steps * lanes_each), 1))
     parts = [
-        _run(chain, sensors, probe.part(first, first + each), steps, settled)
+        _run(space, sensors, probe.part(first, first + each), steps, settled)
         for first in range(0, len(probe.angle), each)
     ]
     return np.concatenate(parts, axis=-1)
 
 
-def _run(chain: Chain, sensors: Sensors, probe: Probe, steps: int, settled: int) -> Array:
+def _run(space: Workspace, sensors: Sensors, probe: Probe, steps: int, settled: int) -> Array:
     """Phasors are run until their answer repeats; the rest of the record is more of the same."""
-    n, cycle = len(probe.angle), cycle_of(chain)
+    n, cycle = len(probe.angle), cycle_of(space.chain)
     each = LANES if probe.phasor else 2 * LANES
-    chunk, memory = batch.chunk_of(chain)[0], batch.shared_memory([chain], 2)
     pairs = [
-        _Pair(chain, sensors, probe.part(first, first + each), steps, settled)
-        for first in range(0, n, each)
+        _Pair(space, number, sensors, probe.part(first, first + each), steps, settled)
+        for number, first in enumerate(range(0, n, each))
     ]
-    earliest = max(filling(chain), settled) + (JUDGED + 1) * cycle
-    done, judged, rest = 0, 0, 0.0
-    while done < steps:
-        wanted = max(earliest, judged + JUDGED * cycle) if probe.phasor else steps
-        done = min(-(-wanted // chunk) * chunk, steps)
-        for pair in pairs:
-            pair.advance(done, chunk, *memory)
-        if probe.phasor and done >= wanted:
-            judged = done
-            ring = np.concatenate([pair.ring for pair in pairs], axis=-1)
-            complete = np.delete(ring, (done // cycle) % len(ring), axis=0)
-            if np.all(np.ptp(complete, axis=0) <= TOLERANCE * complete.max(axis=0)):
-                rest = complete.mean(axis=0) * ((steps - done) / cycle)
-                break
+    # too early, or never: a sine alone swings
+    earliest = max(filling(space.chain), settled) + (JUDGED + 1) * cycle
+    done = _together(pairs, steps, earliest if probe.phasor else steps + 1)
     sums = np.concatenate([pair.sums for pair in pairs], axis=-1)
-    sums[1] += rest
+    if done < steps:
+        ring = np.concatenate([pair.ring for pair in pairs], axis=-1)
+        complete = np.delete(ring, (done // cycle) % len(ring), axis=0)
+        sums[1] += complete.mean(axis=0) * ((steps - done) / cycle)
     return np.stack([sums[0] + sums[1], sums[1]], axis=1)
+
+
+def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
+    """Run pairs to the first step at which the answers of all repeat, or to the end."""
+    done = place = agreeing = 0
+    while agreeing < len(pairs):
+        pair = pairs[place]
+        if pair.done < done:  # the others are ahead
+            pair.advance(done, done)
+        if pair.done < steps and not pair.repeats:
+            pair.advance(steps, done + JUDGED * pair.cycle if done > 0 else earliest)
+        if pair.done > done:
+            done, agreeing = pair.done, 0
+        agreeing += 1
+        place = (place + 1) % len(pairs)
+    return done
 
 
 class Waves(NamedTuple):
@@ -92,33 +144,38 @@ class _Pair:
     """
 
     def __init__(
-        self, chain: Chain, sensors: Sensors, probe: Probe, steps: int, settled: int
+        self,
+        space: Workspace,
+        number: int,
+        sensors: Sensors,
+        probe: Probe,
+        steps: int,
+        settled: int,
     ) -> None:
-        self.probe, self.steps, self.settled = probe, steps, settled
-        self.arrays, self.cycle = batch.arrays_of(chain), cycle_of(chain)
-        self.registers = new_registers(2, chain.filter.window, chain.mhe.horizon)
+        self.space, self.probe, self.settled = space, probe, settled
+        self.cycle = cycle_of(space.chain)
+        self.registers, self.force, self.wave = space.pair(number)
         self.waves = _waves(probe, sensors, steps)
-        self.fixes = _fixes(probe, sensors, steps)
-        self.lead = batch.lead_of(chain)
-        rows = self.lead + 2 * batch.chunk_of(chain)[0]
-        self.force = aligned(rows, LANES), aligned(rows, LANES)
-        kept = rows if probe.truth else 0
-        self.wave = aligned(kept, LANES), aligned(kept, LANES)
+        self.moving = bool(np.any(probe.force))
+        self.fixes = (
+            _fixes(probe, sensors, steps) if np.any(probe.fix) else (space.no_fixes, space.no_fixes)
+        )
         #: The step of the buffers' first row, and the one up to which they are filled.
-        self.state = np.array([-self.lead, 0])
-        self.done = 0
+        self.state = np.array([-space.lead, 0])
+        self.done, self.repeats = 0, False
         self._sums, self._ring = aligned(8, LANES), aligned(4 * (JUDGED + 1), LANES)
 
-    def advance(self, stop: int, chunk: int, scratch: Scratch, output: Output) -> None:
-        """Go on up to the step `stop`."""
+    def advance(self, stop: int, judged: int) -> None:
+        """Go on until the answer repeats, from the step `judged` on, or up to the step `stop`."""
         from owtsweep.studies.hub.expected.kernels import advance
 
-        advance(
-            self.done, stop, self.steps, chunk, self.settled, self.cycle, self.waves, self.state,
-            self.probe.phasor, self.probe.truth, self.lead, self.force, self.wave, self.fixes,
-            self.arrays, self.registers, scratch, output, self._sums, self._ring,
+        space, probe = self.space, self.probe
+        self.done, self.repeats = advance(
+            self.done, stop, judged, JUDGED * self.cycle, len(probe.angle), TOLERANCE, space.chunk,
+            self.settled, self.cycle, self.waves, self.state, self.moving, probe.phasor,
+            probe.truth, space.lead, self.force, self.wave, self.fixes, space.arrays,
+            self.registers, space.scratch, space.output, self._sums, self._ring,
         )  # fmt: skip
-        self.done = stop
 
     @property
     def sums(self) -> Array:
