@@ -12,13 +12,14 @@ from tools import SMALL, configure
 import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import spectrum
-from owtsweep.motion.synthesis import lines, synthesise
+from owtsweep.motion.synthesis import displacement, lines, synthesise
+from owtsweep.streams import stream
 from owtsweep.studies.hub import HubStudy, batch
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.expected import answers, cache, engine, inputs, probing
+from owtsweep.studies.hub.expected import answers, cache, engine, inputs, peak, probing
 from owtsweep.studies.hub.expected.curves import Curves, curves
 from owtsweep.studies.hub.expected.peak import peak_factors
 from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
@@ -171,6 +172,20 @@ def test_records_scatter_around_the_expectation(
     # the x, y and position of one cell add up
     wide = found.pivot(index=[*keys[:3], "window"], columns="measure", values="mean")
     np.testing.assert_allclose(wide["x"] + wide["y"], wide["position"], rtol=1e-12)
+
+
+@pytest.mark.parametrize("steps", [1200, 38400])
+def test_records_of_peak_factors_have_the_bits_of_single_ones(
+    steps: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(peak, "RECORDS", 11)
+    shape, band, step = spectrum("translated", 4.0, 2.4e-4), (0.05, 0.6), 2000.0 / 38400
+    found = list(peak._records(shape, 3, steps, step, band))
+    assert len(found) == 11
+    for record, position in enumerate(found):
+        phases = stream(3, "hub", 0.0, record, peak.STREAM)
+        alone = displacement(shape, phases, steps=steps, step=step, band=band)
+        assert np.array_equal(position, alone)
 
 
 def test_a_peak_factor_is_that_of_records() -> None:

@@ -127,12 +127,18 @@ def shared(kernel: Kernel) -> Kernel:
         sections = tuple(repr(attrgetter(section)(tuning)) for section in self.sections)
         key = (type(self), sensors, steps, for_runs, *sections)
         with _LOCK:
-            if key not in _CHAINS:
+            making = _MAKING.setdefault(key, Lock())
+        with making:  # who needs the same chain waits for it, and nobody else
+            with _LOCK:
+                found = _CHAINS.get(key)
+            if found is None:
                 made = kernel(self, sensors, tuning, steps)
-                _CHAINS[key] = made.for_runs() if for_runs else made
-                while len(_CHAINS) > _KEPT_CHAINS:
-                    _CHAINS.popitem(last=False)
-            return _CHAINS[key]
+                found = made.for_runs() if for_runs else made
+                with _LOCK:
+                    _CHAINS[key] = found
+                    while len(_CHAINS) > _KEPT_CHAINS:
+                        _MAKING.pop(_CHAINS.popitem(last=False)[0], None)
+            return found
 
     vars(cached)["keeps_chains"] = True
     return cached
@@ -144,6 +150,7 @@ _ROWS_AT_ONCE = 8192
 #: One of each registered scheme: with slowly settling gains a chain is some 100 MB.
 _KEPT_CHAINS = 4
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
+_MAKING: dict[Any, Lock] = {}
 _LOCK = Lock()
 
 

@@ -72,13 +72,15 @@ def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -
 
     The kernels release the GIL, so threads share the work; what each computes is its own.
     """
-    work: list[Callable[[], object]] = [partial(curves_of, config, name) for name in names]
+    # The schemes that take longest are commonly last; to begin with them keeps all cores busy.
+    work: list[Callable[[], object]] = [partial(curves_of, config, name) for name in names[::-1]]
     if config.normalise == "peak":
         work += [partial(factor_at, config, end) for end in ladder(config, periods)]
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         for done in [pool.submit(part) for part in work]:
             done.result()
-    return pd.concat([rows(config, name, periods) for name in names], ignore_index=True)
+        parts = list(pool.map(lambda name: rows(config, name, periods), names))
+    return pd.concat(parts, ignore_index=True)
 
 
 def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame:
