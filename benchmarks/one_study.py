@@ -15,15 +15,15 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from benchmarks.scale import peak_megabytes
-from benchmarks.timing import median_time, samples, timed
+from benchmarks.timing import samples, timed
 from owtsweep.config import compose
 from owtsweep.memory import keep_freed_memory
 from owtsweep.studies import get_study
 from owtsweep.sweep.run import Outcome, sweep
 
 
-def run(overrides: list[str], repeats: int) -> dict[str, float]:
-    """Seconds (medians), peak memory of the process (10^6 bytes), bytes of all shards, cases.
+def run(overrides: list[str], repeats: int) -> dict[str, list[float]]:
+    """Seconds (each time's), peak memory of the process (10^6 bytes), bytes of all shards, cases.
 
     `wall` is planning, computing, writing and tables; `compute` the core-seconds of computing
     alone, with one thread; `compute_wall` the same on the clock with all workers.
@@ -43,19 +43,19 @@ def run(overrides: list[str], repeats: int) -> dict[str, float]:
         peak = peak_megabytes()
         shards = (outcome.run.folder / "cases").glob("*.parquet")
         found = {
-            "wall": median_time(times).wall,
-            "peak": float(peak),
-            "bytes": float(sum(path.stat().st_size for path in shards)),
-            "cases": float(outcome.computed),
+            "wall": [time.wall for time in times],
+            "peak": [float(peak)],
+            "bytes": [float(sum(path.stat().st_size for path in shards))],
+            "cases": [float(outcome.computed)],
         }
     if repeats:
         config = compose(overrides)
         workers = getattr(config.compute, "workers", None) or 1
-        alone = median_time(samples(lambda: compute(config, 1), repeats=repeats, warm=0))
-        found["compute"] = alone.cpu
+        alone = samples(lambda: compute(config, 1), repeats=repeats, warm=0)
+        found["compute"] = [time.cpu for time in alone]
         if workers > 1:
-            alone = median_time(samples(lambda: compute(config, workers), repeats=repeats, warm=0))
-        found["compute_wall"] = alone.wall
+            alone = samples(lambda: compute(config, workers), repeats=repeats, warm=0)
+        found["compute_wall"] = [time.wall for time in alone]
     return found
 
 

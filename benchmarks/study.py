@@ -60,15 +60,18 @@ def measure_whole(repeats: int = REPEATS, overrides: Sequence[str] = WHOLE) -> d
     found = []
     for _ in range(repeats):
         run, time = timed(lambda: _process(overrides, 0))
-        found.append({**run, "process": time.wall})
-    return {key: median(run[key] for run in found) for key in found[0]}
+        found.append({**run, "process": [time.wall]})
+    return _medians(found)
 
 
 def measure_axis(name: str, repeats: int = REPEATS, scale: float = 1.0) -> dict[str, Any]:
     """Points along one axis, and the exponent of the computing alone over it."""
-    points = [
-        {"value": value, **_process(overrides, repeats)} for value, overrides in axes(scale)[name]
-    ]
+    at = dict(axes(scale)[name])
+    runs: dict[float, list[dict[str, list[float]]]] = {value: [] for value in at}
+    # There and back, half of the repeats each: a machine that slows down meanwhile tilts no line.
+    for value in [*at, *reversed(at)]:
+        runs[value].append(_process(at[value], -(-repeats // 2)))
+    points = [{"value": value, **_medians(found)} for value, found in runs.items()]
     key = "compute_wall" if name == "workers" else "compute"
     return {
         "axis": name,
@@ -86,13 +89,18 @@ def slope(points: Sequence[tuple[float, float]]) -> float:
     return above / sum((a - mean_x) ** 2 for a in x) if len(x) > 1 else math.nan
 
 
-def _process(overrides: Sequence[str], repeats: int) -> dict[str, float]:
+def _medians(runs: Sequence[dict[str, list[float]]]) -> dict[str, float]:
+    """Of all that some processes measured."""
+    return {key: median(value for run in runs for value in run[key]) for key in runs[0]}
+
+
+def _process(overrides: Sequence[str], repeats: int) -> dict[str, list[float]]:
     root = Path(__file__).resolve().parents[1]
     command = [sys.executable, "-m", "benchmarks.one_study", json.dumps([*overrides])]
     done = subprocess.run(
         [*command, str(repeats)], check=True, stdout=subprocess.PIPE, text=True, cwd=root
     )
-    result: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
+    result: dict[str, list[float]] = json.loads(done.stdout.splitlines()[-1])
     return result
 
 
