@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from operator import attrgetter
 from typing import Any
 
@@ -179,9 +180,14 @@ def _by_kernels(
     """Rows of several schemes at one amplitude, or what keeps a scheme from having a chain."""
     chains: dict[int, Chain] = {}
     result: dict[int, list[dict[str, Any]] | Exception] = {}
-    for number, scheme in schemes.items():
+    with ThreadPoolExecutor(_threads(config, list(schemes.values()))) as pool:
+        making = {
+            number: pool.submit(chain_for_runs, scheme, records.sensors, config, records.steps)
+            for number, scheme in schemes.items()
+        }
+    for number, made in making.items():
         try:
-            chains[number] = chain_for_runs(scheme, records.sensors, config, records.steps)
+            chains[number] = made.result()
         except Exception as error:  # raised when its block is due: the others come first
             result[number] = error
     if not chains:
@@ -196,6 +202,16 @@ def _by_kernels(
     for number, own in zip(chains, sums, strict=True):
         result[number] = list(_rows(own, schemes[number].name, records, amplitude))
     return result
+
+
+def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
+    """How many chains may be made at once: where workers are threads, the others wait for them."""
+    from joblib import cpu_count
+
+    compute = config.compute
+    if compute.backend not in ("auto", "threading") or backend(config, schemes) != "threading":
+        return 1
+    return compute.workers or int(cpu_count())
 
 
 def _rows(
