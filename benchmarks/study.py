@@ -41,7 +41,7 @@ def axes(scale: float = 1.0) -> dict[str, list[tuple[float, tuple[str, ...]]]]:
     return {
         "replicates": [(n, (*one, f"grid.replicates={n}")) for n in (16, 32, 64, 128)],
         "duration": [
-            (s, (*one[::2], "grid.replicates=16", f"record.duration={s:g}")) for s in durations
+            (s, (*one[::2], "grid.replicates=32", f"record.duration={s:g}")) for s in durations
         ],
         "amplitudes": [
             (n, (*base, "compute.workers=1", _amplitudes(n))) for n in (10, 100, 1000)
