@@ -44,12 +44,6 @@ def together(threads: int) -> Iterator[Callable[[Callable[[int], object]], Time]
         yield lambda work: timed(lambda: list(pool.map(work, range(threads))))[1]
 
 
-def on_threads(work: Callable[[int], object], threads: int, repeats: int = REPEATS) -> list[Time]:
-    """What that took each time, after a run that does not count."""
-    with together(threads) as once:
-        return [once(work) for _ in range(1 + repeats)][1:]
-
-
 def seconds(work: Callable[[], object], *, repeats: int = REPEATS, warm: int = 1) -> float:
     """Median wall time of `work`, s."""
     return median_time(samples(work, repeats=repeats, warm=warm)).wall

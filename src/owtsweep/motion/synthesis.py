@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,8 @@ NORMALISATIONS = ("peak", "rms")
 #: Longest records (2621 s at 100 Hz) whose three series are transformed side by side: that takes
 #: two thirds of the time and three times the memory, for the same bits.
 MOST_TOGETHER = 2**18
+#: Samples and records that `displacements` transforms together at most.
+SAMPLES_TOGETHER, RECORDS_TOGETHER = 500_000, 8
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,8 @@ def synthesise(
     out
         (3, steps) to put position, velocity and acceleration into.
     """
-    numbers, frequency, line = _drawn_lines(spectrum, phase, steps, step, band)
+    numbers, frequency, amplitude = _lines(spectrum, steps, step, band)
+    line = _drawn(phase, numbers, amplitude, steps)
     result = np.empty((3, steps)) if out is None else out
     omega = 2.0 * np.pi * frequency
     bins = np.zeros((3, numbers[-1] + 1), dtype=complex)
@@ -135,35 +138,45 @@ def synthesise(
     return Motion(step, result[0], result[1], result[2], before)
 
 
-def displacement(
+def displacements(
     spectrum: Spectrum,
-    phase: np.random.Generator,
+    phases: Sequence[np.random.Generator],
     *,
     steps: int,
     step: float,
     band: tuple[float, float],
-) -> Array:
-    """The displacement alone of what `synthesise` draws, (steps,) in m, not scaled."""
-    numbers, _, line = _drawn_lines(spectrum, phase, steps, step, band)
-    bins = np.zeros((1, numbers[-1] + 1), dtype=complex)
-    bins[0, numbers] = line
-    return next(_transformed(bins, 2 * steps))[:steps]
+) -> Iterator[Array]:
+    """The displacement alone of what `synthesise` draws of each stream, (steps,) in m, not scaled.
+
+    Several records share a transform, which then works on some at once, for the same bits.
+    """
+    numbers, _, amplitude = _lines(spectrum, steps, step, band)
+    count = min(max(SAMPLES_TOGETHER // steps, 1), RECORDS_TOGETHER)
+    bins = np.zeros((count, steps + 1), dtype=complex)
+    for first in range(0, len(phases), count):
+        some = phases[first : first + count]
+        for row, phase in zip(bins, some, strict=False):
+            row[numbers] = _drawn(phase, numbers, amplitude, steps)
+        for position in _transformed(bins[: len(some)], 2 * steps):
+            yield position[:steps]
 
 
-def _drawn_lines(
-    spectrum: Spectrum,
-    phase: np.random.Generator,
-    steps: int,
-    step: float,
-    band: tuple[float, float],
-) -> tuple[NDArray[np.int64], Array, NDArray[np.complex128]]:
-    """Numbers, frequencies (Hz) and complex amplitudes of a record's lines."""
+def _lines(
+    spectrum: Spectrum, steps: int, step: float, band: tuple[float, float]
+) -> tuple[NDArray[np.int64], Array, Array]:
+    """Numbers, frequencies (Hz) and amplitudes (m) of a record's lines."""
     period = 2 * steps * step
     numbers, frequency = lines(band, period)
-    amplitude = np.sqrt(2.0 * spectrum.density(frequency) / period)
+    return numbers, frequency, np.sqrt(2.0 * spectrum.density(frequency) / period)
+
+
+def _drawn(
+    phase: np.random.Generator, numbers: NDArray[np.int64], amplitude: Array, steps: int
+) -> NDArray[np.complex128]:
+    """The lines with random phases, as `irfft` takes them: it divides by 2 steps."""
     phases = 2.0 * np.pi * phase.random(numbers[-1] + 1)[numbers]
-    # irfft divides by 2 steps, a cosine is half
-    return numbers, frequency, amplitude * np.exp(1j * phases) * steps
+    drawn: NDArray[np.complex128] = amplitude * np.exp(1j * phases) * steps  # a cosine is half
+    return drawn
 
 
 def _transformed(bins: NDArray[np.complex128], samples: int) -> Iterator[Array]:

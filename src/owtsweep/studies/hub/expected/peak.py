@@ -7,15 +7,15 @@ periods and read off in between: no result depends on which periods a grid holds
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
-from owtsweep.motion.spectra import Spectrum, spectrum
-from owtsweep.motion.synthesis import lines
+from owtsweep.motion.spectra import spectrum
+from owtsweep.motion.synthesis import displacements
 from owtsweep.streams import stream
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.cache import cached
@@ -26,8 +26,6 @@ RECORDS = 400
 PER_OCTAVE = 2
 #: Samples per shortest period of the band: a peak between two of them is at most 0.5 % higher.
 SAMPLES = 32
-#: Samples and records that are transformed together: the transforms then work on several at once.
-TOGETHER, MOST_TOGETHER = 500_000, 8
 #: A name that no record of a sweep has.
 STREAM = "phase of a peak factor"
 
@@ -78,29 +76,9 @@ def _mean(config: HubConfig, period: float) -> float:
     steps = int(np.ceil(duration * config.band[1] * SAMPLES))
     shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
     band = (config.band[0], config.band[1])
+    drawn = [stream(config.seed, "hub", 0.0, record, STREAM) for record in range(RECORDS)]
     total = 0.0
-    for position in _records(shape, config.seed, steps, duration / steps, band):
+    for position in displacements(shape, drawn, steps=steps, step=duration / steps, band=band):
         scale = 1.0 / np.max(np.abs(position))
         total += float(np.var(scale * position))
     return total / RECORDS
-
-
-def _records(
-    shape: Spectrum, seed: int, steps: int, step: float, band: tuple[float, float]
-) -> Iterator[Array]:
-    """`motion.synthesis.displacement` of each record, (steps,), some of them in one transform."""
-    from scipy.fft import irfft
-
-    period = 2 * steps * step
-    numbers, frequency = lines(band, period)
-    amplitude = np.sqrt(2.0 * shape.density(frequency) / period)
-    count = min(max(TOGETHER // steps, 1), MOST_TOGETHER)
-    bins = np.zeros((count, steps + 1), dtype=complex)
-    for first in range(0, RECORDS, count):
-        rows = bins[: min(count, RECORDS - first)]
-        for record, row in enumerate(rows, start=first):
-            drawn = stream(seed, "hub", 0.0, record, STREAM).random(numbers[-1] + 1)
-            # irfft divides by 2 steps, a cosine is half
-            row[numbers] = amplitude * np.exp(1j * (2.0 * np.pi * drawn[numbers])) * steps
-        for position in irfft(rows, n=2 * steps):
-            yield position[:steps]

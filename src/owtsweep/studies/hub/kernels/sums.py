@@ -35,6 +35,14 @@ def begin(k0, first, force, base, predictor, scratch):
 
 
 @njit
+def estimate(i, at, shift, v, p, newest, oldest, force, predictor, scratch, position, velocity):
+    """What the next step goes on from, and the position and velocity of the chunk's step i."""
+    if predictor.steps > 0:
+        return predict(i, load(force, at - 1), v, p, newest, oldest, predictor, scratch)
+    return v, p, newest, oldest, load(position, i - shift), load(velocity, i - shift)
+
+
+@njit
 def superposed_innovations(k0, first, stop, top, output, direction, chain, weights, sums):
     """Add the innovations of the chunk's steps first ... stop - 1 to the rows from `top`."""
     cx, cy = direction[0], direction[1]
@@ -62,7 +70,6 @@ def superposed_span(k0, first, stop, shift, top, position, velocity, force, base
     cx, cy = direction[0], direction[1]
     precision, cycle, predictor = weights.precision, chain.filter.cycle, chain.predictor
     rows = precision.shape[0]
-    ahead = predictor.steps > 0
     positions, velocities = output.position, output.velocity
     t0, t1, t2 = load(sums, top), load(sums, top + 1), load(sums, top + 2)
     t3, t4, t5 = load(sums, top + 3), load(sums, top + 4), load(sums, top + 5)
@@ -73,11 +80,9 @@ def superposed_span(k0, first, stop, shift, top, position, velocity, force, base
     sv, sp, newest, oldest = begin(k0, first, force, base, predictor, scratch)
     for i in range(first, stop):
         at = k0 + i - base
-        if ahead:
-            u = load(force, at - 1)
-            sv, sp, newest, oldest, x, w = predict(i, u, sv, sp, newest, oldest, predictor, scratch)
-        else:
-            x, w = load(positions, i - shift), load(velocities, i - shift)
+        sv, sp, newest, oldest, x, w = estimate(
+            i, at, shift, sv, sp, newest, oldest, force, predictor, scratch, positions, velocities
+        )
         m, px, py = groups(x)
         mv, vx, vy = groups(w)
         pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
@@ -132,7 +137,6 @@ def direct_span(k0, first, stop, shift, top, position, velocity, force, base, sc
     cx, cy = direction[0], direction[1]
     precision, cycle, fresh = weights.precision, chain.filter.cycle, weights.fresh
     rows, predictor = precision.shape[0], chain.predictor
-    ahead = predictor.steps > 0
     positions, velocities = output.position, output.velocity
     sx, sy = groups(output.innovation)
     weight = weights.innovation
@@ -142,11 +146,9 @@ def direct_span(k0, first, stop, shift, top, position, velocity, force, base, sc
     sv, sp, newest, oldest = begin(k0, first, force, base, predictor, scratch)
     for i in range(first, stop):
         at = k0 + i - base
-        if ahead:
-            u = load(force, at - 1)
-            sv, sp, newest, oldest, x, w = predict(i, u, sv, sp, newest, oldest, predictor, scratch)
-        else:
-            x, w = load(positions, i - shift), load(velocities, i - shift)
+        sv, sp, newest, oldest, x, w = estimate(
+            i, at, shift, sv, sp, newest, oldest, force, predictor, scratch, positions, velocities
+        )
         ex, ey = groups(x)
         evx, evy = groups(w)
         pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
