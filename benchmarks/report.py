@@ -128,11 +128,11 @@ def _kernels(found: dict[str, Any]) -> Iterator[str]:
         "Operations and bytes are counted per step and series as the algorithm needs them (the "
         "formula stands in `benchmarks/kernels.py`). The limit is max(bytes / triad, operations / "
         "peak); triad on arrays of 4 x the last cache; the peak is the higher of multiply-then-add "
-        "and fused multiply-add (our kernels do not fuse, so that bits do not hang on the "
-        "machine). Limits and kernels take turns: *share* is the median, over rounds, of a round's "
-        "limit over the same round's time; *of the best* sets the best limit of all rounds, in the "
-        "table below, against the median time, so it also holds what other work on the hardware "
-        "takes.\n"
+        "and fused multiply-add, which counts as two (our kernels fuse by name, so their bits do "
+        "not hang on the machine). Limits and kernels take turns: *share* is the median, over "
+        "rounds, of a round's limit over the same round's time; *of the best* sets the best limit "
+        "of all rounds, in the table below, against the median time, so it also holds what other "
+        "work on the hardware takes.\n"
     )
     yield from table(
         ("threads", "triad, GB/s", "multiply, add, Gflop/s", "fused, Gflop/s"),

@@ -135,21 +135,27 @@ def test_same_stream_same_bits_other_replicate_other_record() -> None:
 
 
 @pytest.mark.parametrize("steps", [4001, 20_000])
-def test_series_transformed_together_have_the_bits_of_those_one_by_one(steps, monkeypatch):
-    from owtsweep.motion import synthesis
+def test_a_record_is_one_plain_transform_of_its_lines(steps: int) -> None:
+    shape, step, history = translated(5.0), 0.05, 7
 
-    def draw():
-        return synthesise(
-            translated(5.0), stream(1, "test", 5.0, 0, "phase"),
-            steps=steps, step=0.05, band=(0.05, 0.6), history=7,
-        )  # fmt: skip
+    def phases() -> np.random.Generator:
+        return stream(1, "test", 5.0, 0, "phase")
 
-    together = draw()
-    monkeypatch.setattr(synthesis, "MOST_TOGETHER", 0)
-    apart = draw()
-    for name in ("position", "velocity", "acceleration", "before"):
-        assert np.array_equal(getattr(together, name), getattr(apart, name))
+    found = synthesise(shape, phases(), steps=steps, step=step, band=BAND, history=history)
+    numbers, frequency = lines(BAND, 2 * steps * step)
+    drawn = phases().random(numbers[-1] + 1)[numbers]
+    bins = np.zeros((3, steps + 1), dtype=complex)
+    for order, row in enumerate(bins):
+        rate = (2j * np.pi * frequency) ** order
+        row[numbers] = rate * np.sqrt(shape.density(frequency)) * np.exp(2j * np.pi * drawn)
+    plain = np.fft.irfft(bins, n=2 * steps)
+    plain /= np.max(np.abs(plain[0, :steps]))
+    for one, series in zip(
+        plain, (found.position, found.velocity, found.acceleration), strict=True
+    ):
+        np.testing.assert_allclose(series, one[:steps], rtol=0, atol=1e-13 * np.max(np.abs(one)))
+    np.testing.assert_allclose(found.before, plain[0, -history:], rtol=0, atol=1e-13)
     for first in (-7, -3, 0, 2):
-        whole = np.concatenate([apart.before, apart.position])
+        whole = np.concatenate([found.before, found.position])
         expected = whole[7 + first :: 3][:900]
-        assert np.array_equal(apart.position_at(first, 3, 900), expected)
+        assert np.array_equal(found.position_at(first, 3, 900), expected)

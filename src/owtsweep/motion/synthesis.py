@@ -11,14 +11,10 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum
+from owtsweep.motion.transform import interleaved
 from owtsweep.paging import fill
 
 NORMALISATIONS = ("peak", "rms")
-#: Longest records (2621 s at 100 Hz) whose three series are transformed side by side: that takes
-#: two thirds of the time and three times the memory, for the same bits.
-MOST_TOGETHER = 2**18
-#: Samples and records that `displacements` transforms together at most.
-SAMPLES_TOGETHER, RECORDS_TOGETHER = 500_000, 8
 
 
 @dataclass(frozen=True)
@@ -114,27 +110,25 @@ def synthesise(
         (3, steps) to put position, velocity and acceleration into.
     """
     numbers, frequency, amplitude = _lines(spectrum, steps, step, band)
-    line = _drawn(phase, numbers, amplitude, steps)
+    line = _drawn(phase, numbers, amplitude)
     result = np.empty((3, steps)) if out is None else out
     omega = 2.0 * np.pi * frequency
-    bins = np.zeros((3, numbers[-1] + 1), dtype=complex)
-    bins[0, numbers] = line * 1.0
-    bins[1, numbers] = line * (1j * omega)
-    bins[2, numbers] = line * (-(omega**2) + 0j)
-    series = _transformed(bins, 2 * steps)
-    position = next(series)
-    record = position[:steps]
+    position = _sampled(numbers, line, steps)
+    apart, half = len(position), position.shape[1] // 2
+    record = position[:, :half]
     if normalise == "peak":
         scale = 1.0 / np.max(np.abs(record))
     elif normalise == "rms":
         scale = 1.0 / np.std(record)
     else:
         raise InputError(f"normalise: {normalise!r} is none of {', '.join(NORMALISATIONS)}")
-    before = scale * position[2 * steps - history :]
-    fill(result[0], record, scale)
+    past = position[:, 2 * half - -(-history // apart) :].T.reshape(-1)
+    before = scale * past[len(past) - history :]
+    fill(result[0].reshape(half, apart), record.T, scale)
     del position, record
-    for row in (1, 2):
-        fill(result[row], next(series)[:steps], scale)
+    for row, factor in ((1, 1j * omega), (2, -(omega**2))):
+        record = _sampled(numbers, line * factor, steps)[:, :half]
+        fill(result[row].reshape(half, apart), record.T, scale)
     return Motion(step, result[0], result[1], result[2], before)
 
 
@@ -146,19 +140,11 @@ def displacements(
     step: float,
     band: tuple[float, float],
 ) -> Iterator[Array]:
-    """The displacement alone of what `synthesise` draws of each stream, (steps,) in m, not scaled.
-
-    Several records share a transform, which then works on some at once, for the same bits.
-    """
+    """The displacement alone of what `synthesise` draws of each stream, (steps,), m, not scaled."""
     numbers, _, amplitude = _lines(spectrum, steps, step, band)
-    count = min(max(SAMPLES_TOGETHER // steps, 1), RECORDS_TOGETHER)
-    bins = np.zeros((count, steps + 1), dtype=complex)
-    for first in range(0, len(phases), count):
-        some = phases[first : first + count]
-        for row, phase in zip(bins, some, strict=False):
-            row[numbers] = _drawn(phase, numbers, amplitude, steps)
-        for position in _transformed(bins[: len(some)], 2 * steps):
-            yield position[:steps]
+    for phase in phases:
+        position = _sampled(numbers, _drawn(phase, numbers, amplitude), steps)
+        yield position[:, : position.shape[1] // 2].T.reshape(-1)
 
 
 def _lines(
@@ -171,23 +157,16 @@ def _lines(
 
 
 def _drawn(
-    phase: np.random.Generator, numbers: NDArray[np.int64], amplitude: Array, steps: int
+    phase: np.random.Generator, numbers: NDArray[np.int64], amplitude: Array
 ) -> NDArray[np.complex128]:
-    """The lines with random phases, as `irfft` takes them: it divides by 2 steps."""
+    """The lines with random phases."""
     phases = 2.0 * np.pi * phase.random(numbers[-1] + 1)[numbers]
-    drawn: NDArray[np.complex128] = amplitude * np.exp(1j * phases) * steps  # a cosine is half
+    drawn: NDArray[np.complex128] = amplitude * np.exp(1j * phases)
     return drawn
 
 
-def _transformed(bins: NDArray[np.complex128], samples: int) -> Iterator[Array]:
-    """The inverse real Fourier transforms of some rows, each `samples` long, one after the other.
-
-    The rows may be shorter: bins beyond their end are zero.
-    """
-    if samples <= 2 * MOST_TOGETHER:
-        from scipy.fft import irfft
-
-        yield from irfft(bins, n=samples)
-    else:
-        for row in bins:  # numpy's, not scipy's, which would make a longer copy of the row
-            yield np.asarray(np.fft.irfft(row, n=samples))
+def _sampled(numbers: NDArray[np.int64], line: NDArray[np.complex128], steps: int) -> Array:
+    """A whole period of 2 steps, interleaved; the record is the first half of the columns."""
+    bins = np.zeros(numbers[-1] + 1, dtype=complex)
+    bins[numbers] = line
+    return interleaved(bins, 2 * steps)

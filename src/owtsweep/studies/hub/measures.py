@@ -13,10 +13,12 @@ from owtsweep.studies.hub.loop import Trajectory
 
 QUANTITIES = ("x", "y", "vx", "vy", "nees", "nis")
 WINDOWS = ("full", "settled")
-COLUMNS = (
-    "natural_period", "replicate", "scheme", "measure", "window", "amplitude", "motion", "cross",
-    "noise", "value", "n_samples", "status", "reason",
-)  # fmt: skip
+#: Columns of a shard, in order, and what they hold.
+COLUMNS = {
+    "natural_period": float, "replicate": int, "scheme": str, "measure": str, "window": str,
+    "amplitude": float, "motion": float, "cross": float, "noise": float, "value": float,
+    "n_samples": int, "status": str, "reason": str,
+}  # fmt: skip
 PRODUCTS = ("motion", "cross", "noise")
 
 

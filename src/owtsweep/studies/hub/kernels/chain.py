@@ -33,7 +33,7 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
         filter_steps(k0, first, stop, force, source, fixes, q, k0 + first - q * M, M, arrays, x,
                      scratch, output, shift, width, after)  # fmt: skip
         return
-    positions = scratch.positions
+    positions, begun = scratch.positions, first
     while first < stop:
         q = (k0 + first) // M
         end = min((q + 1) * M - k0, stop)
@@ -42,16 +42,16 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
             horizon_fix(q, fixes, mhe, registers)
         horizon_steps(k0, first, end, force, source, q, fixes, mhe, M, registers, positions)
         if at_fix and mhe.arrival:  # register 3 takes the state that this fix has corrected
-            filter_steps(k0, first, first + 1, force, source, positions, first, 0, 1, arrays, x,
+            filter_steps(k0, begun, first + 1, force, source, positions, begun, 0, 1, arrays, x,
                          scratch, output, shift, width, after)  # fmt: skip
             oldest = 3 * (q % (mhe.horizon + 1))
             store(registers.arrival, oldest, load(x, 0))
             store(registers.arrival, oldest + 1, load(x, 1))
             store(registers.arrival, oldest + 2, load(x, 3))
-            first += 1
-        filter_steps(k0, first, end, force, source, positions, first, 0, 1, arrays, x, scratch,
-                     output, shift, width, after)  # fmt: skip
+            begun = first + 1
         first = end
+    filter_steps(k0, begun, stop, force, source, positions, begun, 0, 1, arrays, x, scratch,
+                 output, shift, width, after)  # fmt: skip
 
 
 @njit
@@ -76,10 +76,10 @@ def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, wh
     keep(count, window, width, registers, scratch)
     if window > 0:  # group by group: there is enough to do while a step waits, and it all fits
         X, r, s, e = groups(scratch.X), groups(scratch.r), groups(scratch.s), groups(scratch.e)
-        late = groups(after)
+        late, u = groups(after), groups(force)
         for g in range(len(X)):
             smooth_chunk(k0, count, chain.filter, predictor, width, X[g], r[g], s[g], e[g],
-                         late[g % len(late)], k0 - base)  # fmt: skip
+                         late[g % len(late)], u[g], k0 - base)  # fmt: skip
     elif width == PREDICTED:
         carry_states(count, predictor, scratch.X)
 

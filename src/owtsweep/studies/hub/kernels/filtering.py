@@ -39,7 +39,7 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
     is one), `width` rows a state: position, velocity, bias, and the acceleration if it is WHOLE.
     Where it is FINAL, with neither smoother nor predictor to come, position and velocity go to row
     i - shift of the output. `after` are rows, based as the force's, that will be read next: they
-    are asked for here, unless a smoother comes in between.
+    and the force are asked for here, unless there is a smoother to do so.
     """
     A, B, h, K = arrays.A, arrays.B, arrays.h, arrays.K
     a01, a02, a03, a12, a13, a22 = A[0, 1], A[0, 2], A[0, 3], A[1, 2], A[1, 3], A[2, 2]
@@ -55,24 +55,22 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
     position, velocity, innovation = output.position, output.velocity, output.innovation
     for i in range(first, stop):
         now = load(force, source + i)
-        prefetch(force, source + i + AHEAD)
         if window == 0:
+            prefetch(force, source + i + AHEAD)
             prefetch(after, source + i + AHEAD)
         m0 = x0 + a01 * x1 + a02 * x2 + a03 * x3 + b0 * before
         m1 = x1 + a12 * x2 + a13 * x3 + b1 * before
         m2 = a22 * x2
         r = now - h2 * m2 - h3 * x3
-        e0, e1, e2, e3 = K[row, 0, 1] * r, K[row, 1, 1] * r, K[row, 2, 1] * r, K[row, 3, 1] * r
+        x0, x1 = m0 + K[row, 0, 1] * r, m1 + K[row, 1, 1] * r
+        x2, x3 = m2 + K[row, 2, 1] * r, x3 + K[row, 3, 1] * r
         if applied[row]:
             s = load(fixes, q) - m0
             store(innovation, i, s)
             if window > 0:
                 store(s_rows, window + i, s)
-            e0 = e0 + K[row, 0, 0] * s
-            e1 = e1 + K[row, 1, 0] * s
-            e2 = e2 + K[row, 2, 0] * s
-            e3 = e3 + K[row, 3, 0] * s
-        x0, x1, x2, x3 = m0 + e0, m1 + e1, m2 + e2, x3 + e3
+            x0, x1 = x0 + K[row, 0, 0] * s, x1 + K[row, 1, 0] * s
+            x2, x3 = x2 + K[row, 2, 0] * s, x3 + K[row, 3, 0] * s
         if width == FINAL:
             store(position, i - shift, x0)
             store(velocity, i - shift, x1)

@@ -33,7 +33,7 @@ def horizon_fix(q, fixes, mhe, registers):
         at = oldest_input
         for j in range(n):
             gp, gv = G[i, n + 1 + 3 * j], G[i, n + 2 + 3 * j]
-            node = node + (gp * load(ip, at) + gv * load(iv, at))
+            node = node + gp * load(ip, at) + gv * load(iv, at)
             at = at + 1 if at + 1 < nm else 0
         if mhe.arrival and q >= nm:
             at = 3 * ((q - nm) % (nm + 1))
@@ -80,7 +80,7 @@ def horizon_steps(
                     mean = u
                 gathered = zero(running)
             u = mean
-        p = p + (T * v + half * u)
+        p = p + T * v + half * u
         v = v + T * u
         since_fix += 1
         phase += 1

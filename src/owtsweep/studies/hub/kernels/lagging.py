@@ -8,7 +8,7 @@ from owtsweep.studies.hub.kernels.vector import load, prefetch, store, zero
 
 
 @njit
-def smooth_chunk(k0, count, arrays, predictor, width, X, r, s, e, after, source):
+def smooth_chunk(k0, count, arrays, predictor, width, X, r, s, e, after, force, source):
     """Replace X of the steps k0 - window ... by their smoothed states (Algorithm 8).
 
     With e_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed state is x_{k|k} + S_k, where
@@ -18,7 +18,9 @@ def smooth_chunk(k0, count, arrays, predictor, width, X, r, s, e, after, source)
     ring keeps it until it leaves the window.
     States have `width` rows, as the filter left them. Unless they are WHOLE, what the predictor
     takes of the smoothed ones is left in the first two.
-    Row source + i of `after` is asked for on the way, for each of the chunk's steps k0 + i.
+    Row source + i of `after` is asked for on the way, for each of the chunk's steps k0 + i, and the
+    row of `force` that lies a chunk further: there is more time to fetch them here than in filter
+    and MHE, which work through their rows faster than memory gives them.
     """
     window, C, W = arrays.window, arrays.C, arrays.W
     rows, cycle = C.shape[0], arrays.cycle
@@ -28,39 +30,37 @@ def smooth_chunk(k0, count, arrays, predictor, width, X, r, s, e, after, source)
     for at in range(4 * window):
         store(e, at, nothing)
     s0, s1, s2, s3 = nothing, nothing, nothing, nothing
-    w0, w1, w2, w3 = nothing, nothing, nothing, nothing
     row = schedule_row(k0 + count - 1, rows, cycle)
     slot = (window + count - 1) % window
     for j in range(window + count - 2, max(window - k0, 0) - 1, -1):
+        at = 4 * slot
+        l0, l1, l2, l3 = load(e, at), load(e, at + 1), load(e, at + 2), load(e, at + 3)
         seen = load(r, j + 1)
         e0, e1 = K[row, 0, 1] * seen, K[row, 1, 1] * seen
         e2, e3 = K[row, 2, 1] * seen, K[row, 3, 1] * seen
         if applied[row]:
             seen = load(s, j + 1)
-            e0 = e0 + K[row, 0, 0] * seen
-            e1 = e1 + K[row, 1, 0] * seen
-            e2 = e2 + K[row, 2, 0] * seen
-            e3 = e3 + K[row, 3, 0] * seen
-        at = 4 * slot
+            e0, e1 = e0 + K[row, 0, 0] * seen, e1 + K[row, 1, 0] * seen
+            e2, e3 = e2 + K[row, 2, 0] * seen, e3 + K[row, 3, 0] * seen
         store(e, at, e0)
         store(e, at + 1, e1)
         store(e, at + 2, e2)
         store(e, at + 3, e3)
-        y0, y1, y2, y3 = e0 + (s0 - w0), e1 + (s1 - w1), e2 + (s2 - w2), e3 + (s3 - w3)
+        # what does not wait for the step before comes first
+        e0 = e0 - W[row, 0, 0] * l0 - W[row, 0, 1] * l1 - W[row, 0, 2] * l2 - W[row, 0, 3] * l3
+        e1 = e1 - W[row, 1, 0] * l0 - W[row, 1, 1] * l1 - W[row, 1, 2] * l2 - W[row, 1, 3] * l3
+        e2 = e2 - W[row, 2, 0] * l0 - W[row, 2, 1] * l1 - W[row, 2, 2] * l2 - W[row, 2, 3] * l3
+        e3 = e3 - W[row, 3, 0] * l0 - W[row, 3, 1] * l1 - W[row, 3, 2] * l2 - W[row, 3, 3] * l3
+        y0, y1, y2, y3 = e0 + s0, e1 + s1, e2 + s2, e3 + s3
         row = row_before(k0 - window + j + 1, row, rows, cycle)
         slot = slot - 1 if slot > 0 else window - 1
-        at = 4 * slot
-        l0, l1, l2, l3 = load(e, at), load(e, at + 1), load(e, at + 2), load(e, at + 3)
-        w0 = W[row, 0, 0] * l0 + W[row, 0, 1] * l1 + W[row, 0, 2] * l2 + W[row, 0, 3] * l3
-        w1 = W[row, 1, 0] * l0 + W[row, 1, 1] * l1 + W[row, 1, 2] * l2 + W[row, 1, 3] * l3
-        w2 = W[row, 2, 0] * l0 + W[row, 2, 1] * l1 + W[row, 2, 2] * l2 + W[row, 2, 3] * l3
-        w3 = W[row, 3, 0] * l0 + W[row, 3, 1] * l1 + W[row, 3, 2] * l2 + W[row, 3, 3] * l3
         s0 = C[row, 0, 0] * y0 + C[row, 0, 1] * y1 + C[row, 0, 2] * y2 + C[row, 0, 3] * y3
         s1 = C[row, 1, 0] * y0 + C[row, 1, 1] * y1 + C[row, 1, 2] * y2 + C[row, 1, 3] * y3
         s2 = C[row, 2, 0] * y0 + C[row, 2, 1] * y1 + C[row, 2, 2] * y2 + C[row, 2, 3] * y3
         s3 = C[row, 3, 0] * y0 + C[row, 3, 1] * y1 + C[row, 3, 2] * y2 + C[row, 3, 3] * y3
         if j < count:
             prefetch(after, source + j)
+            prefetch(force, source + j + count)
             at = width * j
             x0, x1, x3 = load(X, at) + s0, load(X, at + 1) + s1, load(X, at + 2) + s3
             if width == WHOLE:

@@ -5,6 +5,11 @@ not overlap, and keeps the state in memory between steps. A `Vector` is one LLVM
 doubles: it stays in registers, and every operation on it is packed. Lanes never meet, and each
 operation is the IEEE operation of its lane, so the bits are those of a loop over lanes.
 
+A product that is next added to something, or subtracted, is not rounded in between: `x + a * b` is
+IEEE's fused multiply-add, by name, so it is the same on every machine and no compiler's choice. Of
+two products the left one is rounded: `a * b + c * d` is fma(c, d, a * b). So a product is a type
+of its own, which becomes a vector wherever else it is used.
+
 A filter's step waits for the step before it. A vector may hold several groups of lanes side by
 side, one instruction each: the processor works on one group while the other waits, and the gains
 are read once for all.
@@ -22,6 +27,8 @@ from typing import Any
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.datamodel import models
+from numba.core.imputils import lower_cast
+from numba.core.typeconv import Conversion
 from numba.core.types import containers
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, register_model
@@ -45,7 +52,19 @@ class _VectorType(types.Type):
         super().__init__(name=f"Vector8x{parts}")
 
 
+class _ProductType(types.Type):
+    """Two factors that have not been multiplied yet."""
+
+    def __init__(self, parts: int) -> None:
+        self.parts = parts
+        super().__init__(name=f"Product8x{parts}")
+
+    def can_convert_to(self, typingctx: Any, other: Any) -> Any:
+        return Conversion.safe if other is VECTORS[self.parts] else None
+
+
 VECTORS = {parts: _VectorType(parts) for parts in range(1, PARTS + 1)}
+PRODUCTS = {parts: _ProductType(parts) for parts in range(1, PARTS + 1)}
 VECTOR = VECTORS[1]
 
 
@@ -53,6 +72,12 @@ VECTOR = VECTORS[1]
 class _VectorModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
         super().__init__(manager, kind, ir.LiteralStructType([_LLVM] * kind.parts))
+
+
+@register_model(_ProductType)
+class _ProductModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, ir.LiteralStructType([_LLVM] * (2 * kind.parts)))
 
 
 def _join(builder: Any, parts: Any) -> Any:
@@ -206,43 +231,97 @@ def zero(typingctx: Any, rows: Any) -> Any:
 
 
 def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
-    """A float in all lanes; a vector as it is."""
+    """A float in all lanes; a vector as it is; a product multiplied."""
     if isinstance(kind, _VectorType):
         return _split(builder, kind, value)
+    if isinstance(kind, _ProductType):
+        return [builder.fmul(*pair) for pair in _factors(builder, kind, value)]
     undefined = ir.Constant(_LLVM, ir.Undefined)
     lanes = ir.VectorType(ir.IntType(32), WIDTH)
     first = builder.insert_element(undefined, value, ir.Constant(ir.IntType(32), 0))
     return [builder.shuffle_vector(first, undefined, ir.Constant(lanes, [0] * WIDTH))] * parts
 
 
-def _define(function: Any, instruction: str) -> None:
-    floating = types.float64
+def _factors(builder: Any, kind: Any, value: Any) -> list[tuple[Any, Any]]:
+    """The two factors of each group of lanes."""
+    found = [builder.extract_value(value, i) for i in range(2 * kind.parts)]
+    return list(zip(found[: kind.parts], found[kind.parts :], strict=True))
+
+
+def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
+    """a * b + c, rounded once."""
+    kind = ir.FunctionType(_LLVM, [_LLVM] * 3)
+    function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fma.v{WIDTH}f64")
+    return builder.call(function, [a, b, c])
+
+
+def _sum(context: Any, builder: Any, sig: Any, args: Any, *, minus: bool) -> Any:
+    parts = sig.return_type.parts
+    (left, right), (first, second) = sig.args, args
+    if isinstance(right, _ProductType):
+        terms = _spread(builder, left, first, parts)
+        pairs = _factors(builder, right, second)
+        if minus:
+            pairs = [(builder.fneg(a), b) for a, b in pairs]
+    elif isinstance(left, _ProductType):
+        terms = _spread(builder, right, second, parts)
+        if minus:
+            terms = [builder.fneg(term) for term in terms]
+        pairs = _factors(builder, left, first)
+    else:
+        operation = builder.fsub if minus else builder.fadd
+        both = (_spread(builder, *pair, parts) for pair in zip(sig.args, args, strict=True))
+        return _join(builder, [operation(a, b) for a, b in zip(*both, strict=True)])
+    fused = [_fused(builder, *pair, term) for pair, term in zip(pairs, terms, strict=True)]
+    return _join(builder, fused)
+
+
+def _add(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _sum(context, builder, sig, args, minus=False)
+
+
+def _subtract(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return _sum(context, builder, sig, args, minus=True)
+
+
+def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    parts = sig.return_type.parts
+    both = (_spread(builder, *pair, parts) for pair in zip(sig.args, args, strict=True))
+    return _join(builder, [factor for factors in both for factor in factors])
+
+
+def _divide(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    parts = sig.return_type.parts
+    both = (_spread(builder, *pair, parts) for pair in zip(sig.args, args, strict=True))
+    return _join(builder, [builder.fdiv(a, b) for a, b in zip(*both, strict=True)])
+
+
+def _define(function: Any, codegen: Any, results: dict[int, Any]) -> None:
     pairs = [
-        (vector, *pair)
-        for vector in VECTORS.values()
-        for pair in ((vector, vector), (floating, vector), (vector, floating))
+        (result, left, right)
+        for parts, result in results.items()
+        for left in (VECTORS[parts], PRODUCTS[parts], types.float64)
+        for right in (VECTORS[parts], PRODUCTS[parts], types.float64)
+        if (left, right) != (types.float64, types.float64)
     ]
 
     @infer_global(function)
     class _Operator(ConcreteTemplate):
         cases = [signature(*pair) for pair in pairs]  # noqa: RUF012
 
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        parts = sig.return_type.parts
-        left, right = (
-            _spread(builder, kind, value, parts) for kind, value in zip(sig.args, args, strict=True)
-        )
-        operation = getattr(builder, instruction)
-        return _join(builder, [operation(a, b) for a, b in zip(left, right, strict=True)])
-
     for _, *pair in pairs:
         lower_builtin(function, *pair)(codegen)
 
 
-for _function, _instruction in (
-    (operator.add, "fadd"),
-    (operator.sub, "fsub"),
-    (operator.mul, "fmul"),
-    (operator.truediv, "fdiv"),
-):
-    _define(_function, _instruction)
+_define(operator.add, _add, VECTORS)
+_define(operator.sub, _subtract, VECTORS)
+_define(operator.mul, _multiply, PRODUCTS)
+_define(operator.truediv, _divide, VECTORS)
+
+
+def _cast(context: Any, builder: Any, source: Any, target: Any, value: Any) -> Any:
+    return _join(builder, _spread(builder, source, value, source.parts))
+
+
+for _parts in VECTORS:
+    lower_cast(PRODUCTS[_parts], VECTORS[_parts])(_cast)
