@@ -7,6 +7,7 @@ import shutil
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -19,7 +20,7 @@ from owtsweep.sweep.runs import Run, load
 from owtsweep.sweep.shard import decode
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
-VERSIONS = ["store-v1"]
+VERSIONS = ["store-v1", "store-v2"]
 
 
 @pytest.fixture(params=VERSIONS)
@@ -83,6 +84,20 @@ def test_keys_are_stable_and_nothing_is_computed_again(run: Run) -> None:
     assert shards(run) == before
     pd.testing.assert_frame_equal(run.cases(), cases, check_exact=True)
     pd.testing.assert_frame_equal(run.summary(), summary, rtol=1e-12)
+
+
+def test_numbers_are_those_of_the_fixture(run: Run, tmp_path: Path) -> None:
+    """Computed anew, of any numerics_version: a version stands for last digits, not for more."""
+    outcome = sweep(run.study, replace(run.config, results=str(tmp_path / "anew")))
+    before, after = (
+        frame.sort_values(["scheme", "replicate", "measure", "window"], ignore_index=True)
+        for frame in (run.store.read_all(shards(run))[0], outcome.run.cases())
+    )
+    assert list(before["measure"].astype(str)) == list(after["measure"].astype(str))
+    for name in ("motion", "noise"):
+        np.testing.assert_allclose(after[name], before[name], rtol=1e-10, err_msg=name)
+    scale = np.sqrt(before["motion"] * before["noise"])
+    assert np.all(np.abs(after["cross"] - before["cross"]) <= 1e-10 * scale)
 
 
 def versions(run: Run) -> tuple[int, int]:
