@@ -46,8 +46,10 @@ def axes(scale: float = 1.0) -> dict[str, list[tuple[float, tuple[str, ...]]]]:
         "amplitudes": [
             (n, (*base, "compute.workers=1", _amplitudes(n))) for n in (10, 100, 1000)
         ],
+        # twice as many blocks, so that the last one, which a worker does alone, counts for little
         "workers": [
-            (n, (*base, f"compute.workers={n}")) for n in sorted({1, os.cpu_count() or 1})
+            (n, (*base[::2], "grid.replicates=96", f"compute.workers={n}"))
+            for n in sorted({1, os.cpu_count() or 1})
         ],
     }  # fmt: skip
 
