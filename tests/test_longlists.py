@@ -16,6 +16,8 @@ LISTS = [
     [float(x) for x in RANDOM.lognormal(0.0, 1.0, 50)],
     [float(x) for x in RANDOM.lognormal(0.0, 9.0, 50)],  # some with exponents
     [0.5, *range(1, 40), 0.25],
+    [*(0.5 + i for i in range(40)), 1e-07],  # YAML writes 1.0e-07
+    [*(0.5 + i for i in range(40)), 1e22],
 ]
 
 

@@ -41,6 +41,20 @@ def test_releasing_a_part_of_a_part_touches_no_other_rows():
     assert np.array_equal(array, np.arange(len(array)))
 
 
+def test_what_the_system_reads_and_writes_piece_by_piece_is_whole(monkeypatch):
+    read, write = os.preadv, os.pwrite
+    monkeypatch.setattr(os, "preadv", lambda file, parts, at: read(file, [parts[0][:1000]], at))
+    monkeypatch.setattr(os, "pwrite", lambda file, part, at: write(file, part[:100_000], at))
+    numbers = np.arange(500_000.0)
+    array = paging.room(len(numbers))
+    assert paging.outside(array)
+    paging.fill(array, numbers)
+    found = np.empty(20_000)
+    paging.read(array, 300_000, found)
+    assert np.array_equal(found, numbers[300_000:320_000])
+    assert np.array_equal(array, numbers)
+
+
 @pytest.mark.parametrize("missing", ["small", "full"])
 def test_without_a_file_there_is_memory(missing, monkeypatch):
     if missing == "full":
