@@ -33,7 +33,7 @@ from benchmarks.machine import Limits, best, thread_counts
 from benchmarks.timing import together
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
-#: Times that all series are run through in one measurement: some 30 ms on two cores, against .2 ms
+#: Times that all series are run through in one measurement: 10 to 30 ms on two cores, against .2 ms
 #: until the last thread has been woken and its end been noticed.
 PASSES = 3
 

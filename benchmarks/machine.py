@@ -20,7 +20,7 @@ from benchmarks.timing import Time, together
 #: Taken where the machine does not say how large its last cache is.
 DEFAULT_CACHE = 32 * 2**20
 
-#: Steps of the loop that measures the peak of arithmetic: some 20 ms, about as long as a scheme.
+#: Steps of the loop that measures the peak of arithmetic: some 20 ms, about as long as a scheme's.
 STEPS = 10_000_000
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -159,3 +161,15 @@ def test_a_record_is_one_plain_transform_of_its_lines(steps: int) -> None:
         whole = np.concatenate([found.before, found.position])
         expected = whole[7 + first :: 3][:900]
         assert np.array_equal(found.position_at(first, 3, 900), expected)
+
+
+def test_a_long_record_takes_little_more_memory_than_two_of_its_series() -> None:
+    steps = 400_000
+    out = np.empty((3, steps))
+    tracemalloc.start()
+    try:
+        draw(steps=steps, history=40, out=out)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 2.2 * 2 * out[0].nbytes

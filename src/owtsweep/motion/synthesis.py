@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,9 +86,9 @@ def synthesise(
     """Draw one record of a spectrum.
 
     Lines at f_m = m / (2 duration) inside the band carry the amplitude sqrt(2 S(f_m) df) and a
-    uniform random phase; position, velocity and acceleration are one inverse FFT each. The first
-    half of the FFT's period is the record, so nothing repeats inside it; what stands before t = 0
-    is the end of the second half.
+    uniform random phase; position, velocity and acceleration are one inverse Fourier transform
+    each (`transform.interleaved`). The first half of the transform's period is the record, so
+    nothing repeats inside it; what stands before t = 0 is the end of the second half.
 
     Parameters
     ----------
@@ -113,38 +112,36 @@ def synthesise(
     line = _drawn(phase, numbers, amplitude)
     result = np.empty((3, steps)) if out is None else out
     omega = 2.0 * np.pi * frequency
-    position = _sampled(numbers, line, steps)
-    apart, half = len(position), position.shape[1] // 2
-    record = position[:, :half]
+    whole = _sampled(numbers, line, steps)
+    record = whole[:, : whole.shape[1] // 2]
     if normalise == "peak":
-        scale = 1.0 / np.max(np.abs(record))
+        scale = 1.0 / float(max(np.max(record), -np.min(record)))
     elif normalise == "rms":
-        scale = 1.0 / np.std(record)
+        scale = 1.0 / float(np.std(record))
     else:
         raise InputError(f"normalise: {normalise!r} is none of {', '.join(NORMALISATIONS)}")
-    past = position[:, 2 * half - -(-history // apart) :].T.reshape(-1)
-    before = scale * past[len(past) - history :]
-    fill(result[0].reshape(half, apart), record.T, scale)
-    del position, record
+    before = scale * _newest(whole, history)
+    _put(record, scale, result[0])
     for row, factor in ((1, 1j * omega), (2, -(omega**2))):
-        record = _sampled(numbers, line * factor, steps)[:, :half]
-        fill(result[row].reshape(half, apart), record.T, scale)
+        del record, whole  # of a long record: before the next is made
+        whole = _sampled(numbers, line * factor, steps)
+        record = whole[:, : whole.shape[1] // 2]
+        _put(record, scale, result[row])
     return Motion(step, result[0], result[1], result[2], before)
 
 
-def displacements(
+def displacement(
     spectrum: Spectrum,
-    phases: Sequence[np.random.Generator],
+    phase: np.random.Generator,
     *,
     steps: int,
     step: float,
     band: tuple[float, float],
-) -> Iterator[Array]:
-    """The displacement alone of what `synthesise` draws of each stream, (steps,), m, not scaled."""
+) -> Array:
+    """The displacement alone of what `synthesise` draws, (steps,) in m, not scaled."""
     numbers, _, amplitude = _lines(spectrum, steps, step, band)
-    for phase in phases:
-        position = _sampled(numbers, _drawn(phase, numbers, amplitude), steps)
-        yield position[:, : position.shape[1] // 2].T.reshape(-1)
+    position = _sampled(numbers, _drawn(phase, numbers, amplitude), steps)
+    return position[:, : position.shape[1] // 2].T.reshape(-1)
 
 
 def _lines(
@@ -170,3 +167,15 @@ def _sampled(numbers: NDArray[np.int64], line: NDArray[np.complex128], steps: in
     bins = np.zeros(numbers[-1] + 1, dtype=complex)
     bins[numbers] = line
     return interleaved(bins, 2 * steps)
+
+
+def _newest(whole: Array, count: int) -> Array:
+    """The last `count` samples of interleaved ones."""
+    columns = -(-count // len(whole))
+    some = whole[:, whole.shape[1] - columns :].T.reshape(-1)
+    return some[len(some) - count :]
+
+
+def _put(rows: Array, scale: float, out: Array) -> None:
+    """Write scale * the samples of some interleaved columns, in their order."""
+    fill(out.reshape(rows.T.shape), rows.T, scale)

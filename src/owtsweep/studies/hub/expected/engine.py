@@ -28,7 +28,7 @@ from owtsweep.studies.hub.expected.peak import RECORDS, factor_at, ladder, peak_
 from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
 from owtsweep.studies.hub.schemes import resolve, resolve_all
 
-#: Raised by hand whenever the numbers of this engine change.
+#: Raised by hand whenever the numbers of this engine change but not the study's `numerics_version`.
 EXPECTED_VERSION = 2
 MEASURES = ("position", "velocity")
 AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}

@@ -15,7 +15,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.motion.spectra import spectrum
-from owtsweep.motion.synthesis import displacements
+from owtsweep.motion.synthesis import displacement
 from owtsweep.streams import stream
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.expected.cache import cached
@@ -76,9 +76,10 @@ def _mean(config: HubConfig, period: float) -> float:
     steps = int(np.ceil(duration * config.band[1] * SAMPLES))
     shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
     band = (config.band[0], config.band[1])
-    drawn = [stream(config.seed, "hub", 0.0, record, STREAM) for record in range(RECORDS)]
     total = 0.0
-    for position in displacements(shape, drawn, steps=steps, step=duration / steps, band=band):
+    for record in range(RECORDS):
+        phase = stream(config.seed, "hub", 0.0, record, STREAM)
+        position = displacement(shape, phase, steps=steps, step=duration / steps, band=band)
         scale = 1.0 / np.max(np.abs(position))
         total += float(np.var(scale * position))
     return total / RECORDS

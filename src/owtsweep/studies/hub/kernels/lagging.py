@@ -14,8 +14,8 @@ def smooth_chunk(k0, count, arrays, predictor, width, X, r, s, e, after, force, 
     With e_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed state is x_{k|k} + S_k, where
     S_k = C_k (e_{k+1} + S_{k+1} - W_{k+1} e_{k+1+window}). The recursion is stable backwards in
     time only, so each chunk starts it anew at its end with the window as run-up. e = K (s, r) is
-    made again of the innovations, by the filter's operations: that is cheaper than to fetch it. A
-    ring keeps it until it leaves the window.
+    made again of the innovations: that is cheaper than to fetch it. A ring keeps it until it leaves
+    the window.
     States have `width` rows, as the filter left them. Unless they are WHOLE, what the predictor
     takes of the smoothed ones is left in the first two.
     Row source + i of `after` is asked for on the way, for each of the chunk's steps k0 + i, and the

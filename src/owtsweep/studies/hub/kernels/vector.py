@@ -3,12 +3,13 @@
 LLVM turns a plain loop over lanes into packed instructions only where it can prove that arrays do
 not overlap, and keeps the state in memory between steps. A `Vector` is one LLVM value of eight
 doubles: it stays in registers, and every operation on it is packed. Lanes never meet, and each
-operation is the IEEE operation of its lane, so the bits are those of a loop over lanes.
+operation is an IEEE operation of its lane.
 
-A product that is next added to something, or subtracted, is not rounded in between: `x + a * b` is
-IEEE's fused multiply-add, by name, so it is the same on every machine and no compiler's choice. Of
-two products the left one is rounded: `a * b + c * d` is fma(c, d, a * b). So a product is a type
-of its own, which becomes a vector wherever else it is used.
+A product that something is added to, or subtracted from, is not rounded in between: `x + a * b` is
+IEEE's fused multiply-add, by name, so it is the same on every machine and no compiler's choice
+(where the processor has none it is a slow call of the C library). Of two products the left one is
+rounded: `a * b + c * d` is fma(c, d, a * b). So a product is a type of its own, which holds its two
+factors, also in a variable, and is multiplied wherever else it is used.
 
 A filter's step waits for the step before it. A vector may hold several groups of lanes side by
 side, one instruction each: the processor works on one group while the other waits, and the gains
@@ -161,12 +162,15 @@ def borrowed(typingctx: Any, value: Any) -> Any:
 def groups(typingctx: Any, whole: Any) -> Any:
     """The rows, or the vector, of each group alone."""
 
+    kind, alone = (
+        (whole, ROWS[1]) if isinstance(whole, _RowsType) else (VECTORS[whole.parts], VECTOR)
+    )
+
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        parts = [_join(builder, [one]) for one in _split(builder, whole, args[0])]
+        parts = [_join(builder, [one]) for one in _split(builder, kind, args[0])]
         return context.make_tuple(builder, sig.return_type, parts)
 
-    alone = ROWS[1] if isinstance(whole, _RowsType) else VECTOR
-    return containers.UniTuple(alone, whole.parts)(whole), codegen
+    return containers.UniTuple(alone, whole.parts)(kind), codegen
 
 
 def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
