@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ def aligned(*shape: int) -> Array:
     Rows of eight lanes are one line long. Wherever else they began, each would lie across two, and
     every access would be two.
     """
-    size = 8 * int(np.prod(shape))
+    size = 8 * math.prod(shape)
     raw = np.zeros(size + LINE, dtype=np.uint8)
     skipped = -raw.ctypes.data % LINE
     return raw[skipped : skipped + size].view(np.float64).reshape(shape)

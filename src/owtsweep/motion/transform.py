@@ -15,9 +15,10 @@ from owtsweep.arrays import Array
 SHORT = 8
 #: Samples that each has at least: shorter ones are more work to call than to do.
 LEAST = 1024
-#: How many are made at once, which then go through the processor side by side; at most a quarter of
-#: all, so that what is copied for them on the way stays small.
-SIDE_BY_SIDE = 4
+#: How many are made at once, which then go through the processor side by side; of long ones at most
+#: a quarter of all, so that what is copied for them on the way stays small, and of short ones so
+#: many that they have together as many samples.
+SIDE_BY_SIDE, TOGETHER = 4, 2**16
 #: Samples of transforms, which then are few, that NumPy makes: for lengths of large prime factors
 #: SciPy keeps some hundred bytes per sample as long as the process lives.
 LONG = 2**19
@@ -48,7 +49,7 @@ def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
     turns = _turns(len(bins), samples, length)
     transform: Any = irfft if length <= LONG else np.fft.irfft
     rows = np.empty((len(turns), length))
-    count = min(max(len(turns) // 4, 1), SIDE_BY_SIDE)
+    count = max(min(len(turns) // 4, SIDE_BY_SIDE), TOGETHER // length, 1)
     for first in range(0, len(turns), count):
         some = slice(first, first + count)
         rows[some] = transform(bins * turns[some], n=length, axis=1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple, get_type_hints
 
 import numpy as np
 
@@ -13,13 +13,28 @@ from owtsweep.studies.hub.loop import Trajectory
 
 QUANTITIES = ("x", "y", "vx", "vy", "nees", "nis")
 WINDOWS = ("full", "settled")
+
+
+class Row(NamedTuple):
+    """One row of a shard."""
+
+    natural_period: float
+    replicate: int
+    scheme: str
+    measure: str
+    window: str
+    amplitude: float
+    motion: float
+    cross: float
+    noise: float
+    value: float
+    n_samples: int
+    status: str
+    reason: str
+
+
 #: Columns of a shard, in order, and what they hold.
-COLUMNS = {
-    "natural_period": float, "replicate": int, "scheme": str, "measure": str, "window": str,
-    "amplitude": float, "motion": float, "cross": float, "noise": float, "value": float,
-    "n_samples": int, "status": str, "reason": str,
-}  # fmt: skip
-PRODUCTS = ("motion", "cross", "noise")
+COLUMNS: dict[str, type] = get_type_hints(Row)
 
 
 class Measured(NamedTuple):
@@ -33,19 +48,18 @@ class Measured(NamedTuple):
 
 def from_sums(sums: Sums, replicate: int) -> Iterator[Measured]:
     """The measures of the replicate with this index in the sums."""
+    own = sums.products[..., replicate]
     for w, window in enumerate(WINDOWS):
-        parts = slice(0, 2) if window == "full" else slice(1, 2)
-        products = sums.products[parts, :, :, replicate].sum(axis=0)
+        parts = slice(w, None)
         steps, innovations = int(sums.steps[parts].sum()), int(sums.innovations[parts].sum())
-        means = {}
-        for quantity, name in enumerate(QUANTITIES):
-            count = innovations if name == "nis" else steps
+        counts = [innovations if name == "nis" else steps for name in QUANTITIES]
+        means = own[parts].sum(axis=0) / np.maximum(counts, 1)[:, None]
+        x, y, vx, vy = means[:4]
+        found = [*means.tolist(), (x + y).tolist(), (vx + vy).tolist()]
+        names = (*QUANTITIES, "position", "velocity")
+        for name, mean, count in zip(names, found, [*counts, steps, steps], strict=True):
             if count:
-                means[name] = (products[quantity] / count, count)
-        means["position"] = (means["x"][0] + means["y"][0], steps)
-        means["velocity"] = (means["vx"][0] + means["vy"][0], steps)
-        for name, (mean, count) in means.items():
-            yield Measured(name, window, (float(mean[0]), float(mean[1]), float(mean[2])), count)
+                yield Measured(name, window, tuple(mean), count)
         if len(sums.squared):
             kept = sums.squared[0 if w == 0 else int(sums.steps[0]) :, replicate]
             yield from _extremes(kept, window)
@@ -125,30 +139,19 @@ def row(
     scheme: str,
     measured: Measured,
     amplitude: float | None,
-) -> dict[str, Any]:
+) -> Row:
     """One row of a shard; with an amplitude the noise x noise product is the value itself."""
-    base: dict[str, Any] = {
-        "natural_period": natural_period,
-        "replicate": replicate,
-        "scheme": scheme,
-        "measure": measured.measure,
-        "window": measured.window,
-        "amplitude": np.nan if amplitude is None else amplitude,
-        "n_samples": measured.n_samples,
-        "status": "ok",
-        "reason": "",
-    }
+    measure, window, products, n_samples = measured
+    name = (natural_period, replicate, scheme, measure, window)
     if amplitude is None:
-        base.update(zip(PRODUCTS, measured.products, strict=True), value=np.nan)
-    else:
-        base.update(dict.fromkeys(PRODUCTS, np.nan), value=measured.products[2])
-    return base
+        return Row(*name, np.nan, *products, np.nan, n_samples, "ok", "")
+    return Row(*name, amplitude, np.nan, np.nan, np.nan, products[2], n_samples, "ok", "")
 
 
 def failed_row(
     natural_period: float, replicate: int, scheme: str, reason: str, amplitude: float | None
-) -> dict[str, Any]:
+) -> Row:
     """The one row of a failed case."""
     nothing = Measured("", "", (np.nan, np.nan, np.nan), 0)
     base = row(natural_period, replicate, scheme, nothing, amplitude)
-    return {**base, "status": "failed", "reason": reason, "value": np.nan}
+    return base._replace(status="failed", reason=reason)
