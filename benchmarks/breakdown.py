@@ -1,19 +1,23 @@
 """Where the time of a study goes: core-seconds per default replicate of all six periods, by part.
 
-Each part is run alone on one core for the eight records of a block; what the sweep does per block
-besides comes from a whole sweep of such blocks, as what is left.
+On one core, for the eight records of a block, in the turns that a sweep takes; what it does per
+block besides (plan, shards, tables) is not in it.
 """
 
 from __future__ import annotations
 
+import time
+from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 from benchmarks.timing import REPEATS, median_time, samples
 from owtsweep.config import compose
 from owtsweep.studies.hub import batch
-from owtsweep.studies.hub.chain import chain_for_runs
+from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.feed import Feed
-from owtsweep.studies.hub.records import make_records
+from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve
 
 #: Records of a block, periods of the default grid.
@@ -22,35 +26,42 @@ SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 
 
 def measure(repeats: int = REPEATS, duration: float = 2000.0) -> list[dict[str, Any]]:
-    """One row per part: core-milliseconds per replicate of the default grid, in the order run.
-
-    A scheme's row is what it adds to its feed: the feed (noise, lanes) is made once for all.
-    """
+    """One row per part: core-milliseconds per replicate of the default grid, in the order run."""
     config: Any = compose([f"record.duration={duration:g}"])
     replicates = list(range(BLOCK))
     records = make_records(config, 4.0, replicates)
     settled = round(config.measures.settling_time / records.sensors.step)
     chains = [chain_for_runs(resolve(s), records.sensors, config, records.steps) for s in SCHEMES]
-    lead = max(batch.chunk_of(chain)[1] for chain in chains)
-
-    def feed() -> None:
-        made = Feed(records)
-        _ = made.fixes
-        for _ in made.spans(lead):
-            pass
-
-    def seconds(work: Any) -> float:
-        return median_time(samples(work, repeats=repeats)).cpu
-
+    motion = median_time(samples(lambda: make_records(config, 4.0, replicates), repeats=repeats))
+    rounds = [_spans(chains, records, settled) for _ in range(1 + repeats)][1:]
+    sensors, *schemes = np.median(rounds, axis=0).tolist()
     spent = {
-        "motion (spectrum, inverse FFT)": seconds(lambda: make_records(config, 4.0, replicates))
+        "motion (spectrum, inverse FFT)": motion.cpu,
+        "sensors (noise, lanes)": sensors,
+        **{f"{s}: estimate, error sums": t for s, t in zip(SCHEMES, schemes, strict=True)},
     }
-    spent["sensors (noise, lanes)"] = fed = seconds(feed)
-    for name, chain in zip(SCHEMES, chains, strict=True):
-        work = lambda c=chain: batch.superposed_sums_of([c], records, settled)  # noqa: E731
-        spent[f"{name}: estimate, error sums"] = max(0.0, seconds(work) - fed)
     scale = 1e3 * PERIODS / BLOCK
     return [{"part": part, "ms": scale * value} for part, value in spent.items()]
+
+
+def _spans(chains: Sequence[Chain], records: Records, settled: int) -> list[float]:
+    """Core-seconds of the feed and of each chain, in turns as in `batch.superposed_sums_of`."""
+    scratch, output = batch.shared_memory(chains, 3)
+    started = time.thread_time()
+    feed = Feed(records)
+    runs = [
+        batch.Run(chain, batch.weights_of(chain), feed, settled, scratch, output)
+        for chain in chains
+    ]
+    spent = [0.0] * (1 + len(runs))
+    for span in feed.spans(max(run.lead for run in runs)):
+        spent[0] += time.thread_time() - started
+        for part, run in enumerate(runs, start=1):
+            started = time.thread_time()
+            run.advance(span)
+            spent[part] += time.thread_time() - started
+        started = time.thread_time()
+    return spent
 
 
 if __name__ == "__main__":

@@ -166,8 +166,8 @@ def _breakdown(found: dict[str, Any]) -> Iterator[str]:
     total = sum(row["ms"] for row in rows)
     yield "## Where the time goes\n"
     yield (
-        "Core-milliseconds per replicate of the default grid's six periods, each part alone on "
-        f"one core: {total:.0f} ms in all. Shards and tables come on top (*Bookkeeping*).\n"
+        "Core-milliseconds per replicate of the default grid's six periods, on one core, in the "
+        f"turns of a sweep: {total:.0f} ms in all. Shards and tables come on top (*Bookkeeping*).\n"
     )
     yield from table(
         ("part", "ms", "share"),
