@@ -102,9 +102,7 @@ def _all_rounded(rows: NDArray[np.float64], found: NDArray[np.float64]) -> bool:
 
 
 @pytest.mark.skipif(ELSEWHERE in os.environ, reason="this is the other processor")
-def test_bits_are_those_of_a_processor_without_fused_instructions(
-    tmp_path: Path,
-) -> None:
+def test_bits_are_those_of_a_processor_without_fused_instructions(tmp_path: Path) -> None:
     changes = {ELSEWHERE: "1", "NUMBA_CPU_NAME": "generic", "NUMBA_CACHE_DIR": str(tmp_path)}
     mine = {
         k: v for k, v in os.environ.items() if k not in ("NUMBA_CPU_FEATURES", "PYTEST_ADDOPTS")

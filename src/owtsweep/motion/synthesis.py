@@ -108,12 +108,11 @@ def synthesise(
     out
         (3, steps) to put position, velocity and acceleration into.
     """
-    numbers, frequency, amplitude = _lines(spectrum, steps, step, band)
-    line = _drawn(phase, numbers, amplitude)
+    numbers, frequency, line = _drawn_lines(spectrum, phase, steps, step, band)
     result = np.empty((3, steps)) if out is None else out
     omega = 2.0 * np.pi * frequency
     whole = _sampled(numbers, line, steps)
-    record = whole[:, : whole.shape[1] // 2]
+    record = _first_half(whole)
     if normalise == "peak":
         scale = 1.0 / float(max(np.max(record), -np.min(record)))
     elif normalise == "rms":
@@ -125,7 +124,7 @@ def synthesise(
     for row, factor in ((1, 1j * omega), (2, -(omega**2))):
         del record, whole  # of a long record: before the next is made
         whole = _sampled(numbers, line * factor, steps)
-        record = whole[:, : whole.shape[1] // 2]
+        record = _first_half(whole)
         _put(record, scale, result[row])
     return Motion(step, result[0], result[1], result[2], before)
 
@@ -139,34 +138,35 @@ def displacement(
     band: tuple[float, float],
 ) -> Array:
     """The displacement alone of what `synthesise` draws, (steps,) in m, not scaled."""
-    numbers, _, amplitude = _lines(spectrum, steps, step, band)
-    position = _sampled(numbers, _drawn(phase, numbers, amplitude), steps)
-    return position[:, : position.shape[1] // 2].T.reshape(-1)
+    numbers, _, line = _drawn_lines(spectrum, phase, steps, step, band)
+    return _first_half(_sampled(numbers, line, steps)).T.reshape(-1)
 
 
-def _lines(
-    spectrum: Spectrum, steps: int, step: float, band: tuple[float, float]
-) -> tuple[NDArray[np.int64], Array, Array]:
-    """Numbers, frequencies (Hz) and amplitudes (m) of a record's lines."""
+def _drawn_lines(
+    spectrum: Spectrum,
+    phase: np.random.Generator,
+    steps: int,
+    step: float,
+    band: tuple[float, float],
+) -> tuple[NDArray[np.int64], Array, NDArray[np.complex128]]:
+    """Numbers, frequencies (Hz) and complex amplitudes (m) of a record's lines."""
     period = 2 * steps * step
     numbers, frequency = lines(band, period)
-    return numbers, frequency, np.sqrt(2.0 * spectrum.density(frequency) / period)
-
-
-def _drawn(
-    phase: np.random.Generator, numbers: NDArray[np.int64], amplitude: Array
-) -> NDArray[np.complex128]:
-    """The lines with random phases."""
+    amplitude = np.sqrt(2.0 * spectrum.density(frequency) / period)
     phases = 2.0 * np.pi * phase.random(numbers[-1] + 1)[numbers]
-    drawn: NDArray[np.complex128] = amplitude * np.exp(1j * phases)
-    return drawn
+    return numbers, frequency, amplitude * np.exp(1j * phases)
 
 
 def _sampled(numbers: NDArray[np.int64], line: NDArray[np.complex128], steps: int) -> Array:
-    """A whole period of 2 steps, interleaved; the record is the first half of the columns."""
+    """A whole period of 2 steps, interleaved."""
     bins = np.zeros(numbers[-1] + 1, dtype=complex)
     bins[numbers] = line
     return interleaved(bins, 2 * steps)
+
+
+def _first_half(whole: Array) -> Array:
+    """The columns that hold the record, of a whole period interleaved."""
+    return whole[:, : whole.shape[1] // 2]
 
 
 def _newest(whole: Array, count: int) -> Array:

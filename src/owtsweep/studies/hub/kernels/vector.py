@@ -273,9 +273,7 @@ def _sum(context: Any, builder: Any, sig: Any, args: Any, *, minus: bool) -> Any
             terms = [builder.fneg(term) for term in terms]
         pairs = _factors(builder, left, first)
     else:
-        operation = builder.fsub if minus else builder.fadd
-        both = (_spread(builder, *pair, parts) for pair in zip(sig.args, args, strict=True))
-        return _join(builder, [operation(a, b) for a, b in zip(*both, strict=True)])
+        return _lane_by_lane(builder, builder.fsub if minus else builder.fadd, sig, args)
     fused = [_fused(builder, *pair, term) for pair, term in zip(pairs, terms, strict=True)]
     return _join(builder, fused)
 
@@ -288,16 +286,24 @@ def _subtract(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return _sum(context, builder, sig, args, minus=True)
 
 
-def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    parts = sig.return_type.parts
-    both = (_spread(builder, *pair, parts) for pair in zip(sig.args, args, strict=True))
-    return _join(builder, [factor for factors in both for factor in factors])
-
-
 def _divide(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-    parts = sig.return_type.parts
-    both = (_spread(builder, *pair, parts) for pair in zip(sig.args, args, strict=True))
-    return _join(builder, [builder.fdiv(a, b) for a, b in zip(*both, strict=True)])
+    return _lane_by_lane(builder, builder.fdiv, sig, args)
+
+
+def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    left, right = _operands(builder, sig, args)
+    return _join(builder, [*left, *right])
+
+
+def _operands(builder: Any, sig: Any, args: Any) -> Any:
+    """The registers of both operands."""
+    pairs = zip(sig.args, args, strict=True)
+    return [_spread(builder, *pair, sig.return_type.parts) for pair in pairs]
+
+
+def _lane_by_lane(builder: Any, operation: Any, sig: Any, args: Any) -> Any:
+    pairs = zip(*_operands(builder, sig, args), strict=True)
+    return _join(builder, [operation(*pair) for pair in pairs])
 
 
 def _define(function: Any, codegen: Any, results: dict[int, Any]) -> None:
