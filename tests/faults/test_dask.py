@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import threading
@@ -81,6 +82,11 @@ def test_same_bits_from_a_cluster(study, on, folder, undisturbed):
     assert (again.computed, again.reused) == (0, 48)
 
 
+class Interrupts(SilentProgress):
+    def advance(self, cases):
+        raise KeyboardInterrupt
+
+
 class KillsOneWorker(SilentProgress):
     """SIGKILLs a worker process once a third of the cases are there."""
 
@@ -111,6 +117,17 @@ def test_blocks_that_fail_on_a_cluster_fail_alone(faulty, on, folder):
     assert "INFO A3.0: at work" in log
     assert "WARNING A3.0: a user's word" in log
     assert "UserWarning: watch out" in log
+
+
+def test_dask_is_heard_again_after_a_sweep(study, on):
+    """Its remarks on connections are kept back while they are closed, and no longer."""
+    network = logging.getLogger("distributed.batched")
+    silent = logging.getLogger("distributed.silent")
+    silent.disabled = True  # by the user
+    with pytest.raises(KeyboardInterrupt):
+        sweep(study, on(level=LEVELS), progress=Interrupts())
+    assert not network.disabled
+    assert silent.disabled
 
 
 def test_workers_limit(faulty, on, tmp_path):

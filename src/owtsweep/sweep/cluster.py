@@ -6,6 +6,7 @@ Imported on demand: `dask[distributed]` is an extra, and takes half a second to 
 from __future__ import annotations
 
 import asyncio
+import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -27,6 +28,7 @@ PATIENCE_AT_START = 10.0
 #: Seconds without a scheduler or without any worker until what is left counts as failed.
 PATIENCE = 60.0
 _LOOK = 1.0
+_NETWORK = ("distributed", "tornado")
 
 
 @dataclass(frozen=True)
@@ -54,12 +56,28 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
             f"compute.scheduler: no scheduler answers at {address} ({type(error).__name__}); "
             "start one with `dask scheduler`, or use compute.backend=auto"
         ) from error
+    loud = _loggers()
     try:
         _check_workers(client, address, study, metadata)
         yield client
     finally:
+        _hush()
         # What this client has asked for and nobody has begun is dropped with it.
         client.close(timeout=1.0)
+        for logger in loud:
+            logger.disabled = False
+
+
+def _loggers() -> list[logging.Logger]:
+    """Those of dask and of its network library that may speak."""
+    names = [n for n in logging.root.manager.loggerDict if n.split(".")[0] in _NETWORK]
+    return [logger for name in names if not (logger := logging.getLogger(name)).disabled]
+
+
+def _hush() -> None:
+    """Until the connection is closed: dask shows a traceback of each that was in use meanwhile."""
+    for logger in _loggers():
+        logger.disabled = True
 
 
 def _check_workers(client: Client, address: str, study: Study, metadata: Mapping[str, str]) -> None:
@@ -108,6 +126,7 @@ class Backend(_Base):  # type: ignore[misc]
         return super().submit(func, _Numbered(arguments[1], callback))
 
     def abort_everything(self, ensure_ready: bool = True) -> None:
+        _hush()  # `connected` lets them speak again
         super().abort_everything(ensure_ready)
         # The scheduler drops what nobody waits for and no worker has begun.
         self._callbacks.clear()
