@@ -54,6 +54,8 @@ def test_fresh_marks_the_steps_with_a_slow_measurement() -> None:
         start_interval=6, start_steps=12,
     )  # fmt: skip
     assert np.flatnonzero(gains.fresh[:18]).tolist() == [0, 6, 12, 14, 16]
+    whole = gains.fresh[gains.row(np.arange(700))]
+    assert [gains.fresh_before(k) for k in range(700)] == [*np.cumsum([0, *whole[:-1]])]
     assert gains.applied.all()  # the literal row mask goes on using the last one
 
 

@@ -145,12 +145,12 @@ def settled_hme1() -> dict[str, tuple[float, float, float]]:
     config, records = setting(0.2)
     chain = resolve("HME1").kernel(records.sensors, config, records.steps)
     sums = superposed_sums(chain, Lanes(records), settled=6000)
-    found: dict[str, list[tuple[float, float, float]]] = {}
-    for i in range(len(records.replicates)):
-        for measured in measures.from_sums(sums, i):
-            if measured.window == "settled":
-                found.setdefault(measured.measure, []).append(measured.products)
-    return {name: tuple(np.mean(values, axis=0)) for name, values in found.items()}
+    found = measures.from_sums(sums)
+    return {
+        name: tuple(products.mean(axis=1))
+        for name, window, products in zip(*found[:3], strict=True)
+        if window == "settled"
+    }
 
 
 @pytest.mark.parametrize("amplitude", [0.2, 1.0])

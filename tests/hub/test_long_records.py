@@ -33,7 +33,6 @@ def _rows(overrides):
     ],
 )
 def test_files_change_no_bit(overrides, monkeypatch):
-    monkeypatch.setattr(batch, "SPAN", 700)
     monkeypatch.setattr(feed, "SPAN", 700)
     whole = _rows(overrides)
     monkeypatch.setattr(paging, "KEPT_ROWS", 300)

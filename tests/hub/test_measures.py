@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 from tools import Key, configure, rows_of, run_batch, whole_series
 
-from owtsweep.studies.hub import measures
+from owtsweep.studies.hub import blocks, measures
+from owtsweep.studies.hub.batch import Sums
 from owtsweep.studies.hub.loop import Trajectory
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
@@ -71,12 +73,16 @@ def trajectory(seed: int, steps: int = 40) -> Trajectory:
     return Trajectory(random.normal(size=(steps, 4)), covariance, innovation, innovation_covariance)
 
 
+def entries(measured: measures.Measured) -> dict[tuple[str, str], tuple[list[float], int]]:
+    """The products and the number of samples of one record by measure and window."""
+    (record,) = measured.products.transpose(2, 0, 1).tolist()
+    names = zip(measured.measures, measured.windows, strict=True)
+    return dict(zip(names, zip(record, measured.n_samples, strict=True), strict=True))
+
+
 def test_trajectory_measures_are_numpy_means() -> None:
     run, truth = trajectory(0), np.random.default_rng(1).normal(size=(40, 4))
-    found = {
-        (m.measure, m.window): m
-        for m in measures.from_trajectories(None, run, truth, 10, extremes=True)
-    }
+    found = entries(measures.from_trajectories(None, run, truth, 10, extremes=True))
     error = run.state - truth
     assert run.covariance is not None
     assert run.innovation is not None
@@ -86,14 +92,15 @@ def test_trajectory_measures_are_numpy_means() -> None:
                 for k in range(max(start, 3), 40)]  # fmt: skip
         nis = [run.innovation[k] @ np.linalg.inv(run.innovation_covariance[k]) @ run.innovation[k]
                for k in range(start, 40) if k % 4 == 0]  # fmt: skip
-        assert found["nees", window].products[2] == pytest.approx(np.mean(nees))
-        assert found["nees", window].n_samples == len(nees)
-        assert found["nis", window].products[2] == pytest.approx(np.mean(nis))
-        assert found["nis", window].n_samples == len(nis)
         x2, y2 = np.mean(error[start:, :2] ** 2, axis=0)
-        assert found["position", window].products == pytest.approx((0.0, 0.0, x2 + y2))
         largest = np.max(np.hypot(*error[start:, :2].T))
-        assert found["position_max", window].products[2] == pytest.approx(largest)
+        for name, mean, count in (
+            ("nees", np.mean(nees), len(nees)),
+            ("nis", np.mean(nis), len(nis)),
+            ("position", x2 + y2, 40 - start),
+            ("position_max", largest, 40 - start),
+        ):
+            assert found[name, window] == (pytest.approx((0.0, 0.0, mean)), count)
 
 
 def test_trajectory_products_superpose() -> None:
@@ -107,15 +114,39 @@ def test_trajectory_products_superpose() -> None:
     whole = noise._replace(
         state=N * motion.state + noise.state, innovation=N * motion.innovation + noise.innovation
     )
-    apart = list(measures.from_trajectories(motion, noise, truth, 10))
-    together = list(measures.from_trajectories(None, whole, N * truth, 10))
-    assert [m[:2] for m in apart] == [m[:2] for m in together]
-    for a, b in zip(apart, together, strict=True):
-        mm, mn, nn = a.products
-        assert N**2 * mm + 2 * N * mn + nn == pytest.approx(b.products[2], rel=1e-11), a.measure
+    apart = entries(measures.from_trajectories(motion, noise, truth, 10))
+    together = entries(measures.from_trajectories(None, whole, N * truth, 10))
+    assert list(apart) == list(together)
+    for name, ((mm, mn, nn), _) in apart.items():
+        (_, _, value), _ = together[name]
+        assert N**2 * mm + 2 * N * mn + nn == pytest.approx(value, rel=1e-11), name
 
 
 def test_an_estimator_without_covariance_has_no_nees() -> None:
     bare = Trajectory(np.ones((40, 4)), None, None, None)
-    names = {m.measure for m in measures.from_trajectories(None, bare, np.zeros((40, 4)), 10)}
-    assert names == {"x", "y", "vx", "vy", "position", "velocity"}
+    names = measures.from_trajectories(None, bare, np.zeros((40, 4)), 10).measures
+    assert set(names) == {"x", "y", "vx", "vy", "position", "velocity"}
+
+
+@pytest.mark.usefixtures("kernels")
+def test_a_record_that_is_not_finite_fails_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    config = configure("schemes=[HME1]", "grid.replicates=3")
+    ((_, whole),) = blocks.run(config, blocks.plan(config))
+    original = blocks.superposed_sums_of
+
+    def spoilt(*arguments: object) -> list[Sums]:
+        (sums,) = original(*arguments)  # type: ignore[arg-type]
+        sums.products[0, 4, 1, 1] = np.inf
+        return [sums]
+
+    monkeypatch.setattr(blocks, "superposed_sums_of", spoilt)
+    ((_, rows),) = blocks.run(config, blocks.plan(config))
+    assert rows["replicate"].is_monotonic_increasing
+    failed = rows["replicate"] == 1
+    assert rows.loc[failed, ["status", "reason"]].to_numpy().tolist() == [
+        ["failed", "the estimate is not finite"]
+    ]
+    others = rows[~failed].reset_index(drop=True)
+    pd.testing.assert_frame_equal(
+        others, whole[whole["replicate"] != 1].reset_index(drop=True), check_exact=True
+    )

@@ -70,6 +70,14 @@ class GainSchedule:
         settled = self.rows - self.cycle
         return np.where(step < self.rows, step, settled + (step - settled) % self.cycle)
 
+    def fresh_before(self, step: int) -> int:
+        """How many of the steps before this one have a new slow measurement."""
+        stored = self.fresh[:step]
+        cycles, rest = divmod(step - len(stored), self.cycle)
+        last = self.fresh[self.rows - self.cycle :]
+        before, each, begun = (int(np.count_nonzero(f)) for f in (stored, last, last[:rest]))
+        return before + cycles * each + begun
+
 
 def schedule(
     model: Discrete,

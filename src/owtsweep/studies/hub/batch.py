@@ -12,7 +12,7 @@ from owtsweep.arrays import Array, aligned
 from owtsweep.paging import release
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.feed import SPAN, Feed, Span
+from owtsweep.studies.hub.feed import Feed, Span
 from owtsweep.studies.hub.feed import Lanes as Lanes  # where others look for it
 from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
@@ -174,21 +174,13 @@ def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output
 
 def _sums(runs: Sequence[Run], chain: Chain, replicates: int) -> Sums:
     steps, settled = runs[0].steps, runs[0].settled
-    early, late = (_fresh(chain, *part) for part in ((0, settled), (settled, steps)))
+    early, all_of_them = (chain.gains.fresh_before(step) for step in (settled, steps))
     products = np.concatenate([run.sums for run in runs], axis=1)[:, :replicates]
     return Sums(
         products=products.reshape(2, 6, 3, replicates),
         steps=np.array([settled, steps - settled]),
-        innovations=np.array([early, late]),
+        innovations=np.array([early, all_of_them - early]),
         squared=np.concatenate([run.squared for run in runs], axis=1)[:, :replicates],
-    )
-
-
-def _fresh(chain: Chain, first: int, stop: int) -> int:
-    """Innovations of the steps first ... stop - 1."""
-    return sum(
-        int(np.count_nonzero(chain.gains.fresh[chain.gains.row(np.arange(k, min(k + SPAN, stop)))]))
-        for k in range(first, stop, SPAN)
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from operator import attrgetter
 from typing import Any
@@ -132,7 +132,7 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
     """
     records: Records | None = None
     schemes = {s.name: under(s, config) for s in resolve_all(config.schemes)}
-    ready: dict[int, list[measures.Row] | Exception] = {}
+    ready: dict[int, pd.DataFrame | Exception] = {}
     for number, block in enumerate(blocks):
         content = block.content
         if records is None:
@@ -154,8 +154,8 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
             rows = found
         else:
             settled = _settled(config, records)
-            rows = list(_by_loop(config, scheme, records, settled, amplitude))
-        yield block, _frame(rows)
+            rows = _frame(_by_loop(config, scheme, records, settled, amplitude))
+        yield block, rows
 
 
 def _settled(config: HubConfig, records: Records) -> int:
@@ -163,15 +163,11 @@ def _settled(config: HubConfig, records: Records) -> int:
     return round(config.measures.settling_time / records.sensors.step)
 
 
-def _frame(rows: Sequence[measures.Row]) -> pd.DataFrame:
-    # column by column: a fifth of the time from rows, for which other workers' threads wait
-    columns = zip(measures.COLUMNS.items(), zip(*rows, strict=True), strict=True)
-    return pd.DataFrame(
-        {
-            name: values if kind is str else np.array(values, dtype=kind)
-            for (name, kind), values in columns
-        }
-    )
+def _frame(tables: Iterable[measures.Table]) -> pd.DataFrame:
+    first, *others = tables
+    if not others:
+        return pd.DataFrame(first)
+    return pd.concat([pd.DataFrame(table) for table in (first, *others)], ignore_index=True)
 
 
 def _by_kernels(
@@ -179,20 +175,16 @@ def _by_kernels(
     schemes: Mapping[int, Any],
     records: Records,
     amplitude: float | None,
-) -> dict[int, list[measures.Row] | Exception]:
+) -> dict[int, pd.DataFrame | Exception]:
     """Rows of several schemes at one amplitude, or what keeps a scheme from having a chain."""
+    made = dict(zip(schemes, _chains(config, list(schemes.values()), records), strict=True))
+    result: dict[int, pd.DataFrame | Exception] = {}
     chains: dict[int, Chain] = {}
-    result: dict[int, list[measures.Row] | Exception] = {}
-    with ThreadPoolExecutor(_threads(config, list(schemes.values()))) as pool:
-        making = {
-            number: pool.submit(chain_for_runs, scheme, records.sensors, config, records.steps)
-            for number, scheme in schemes.items()
-        }
-    for number, made in making.items():
-        try:
-            chains[number] = made.result()
-        except Exception as error:  # raised when its block is due: the others come first
-            result[number] = error
+    for number, chain in made.items():
+        if isinstance(chain, Exception):  # raised when its block is due: the others come first
+            result[number] = chain
+        else:
+            chains[number] = chain
     if not chains:
         return result
     settled = _settled(config, records)
@@ -203,8 +195,26 @@ def _by_kernels(
         keep = config.measures.extremes
         sums = direct_sums_of(every, records, amplitude, settled, keep_squared=keep)
     for number, own in zip(chains, sums, strict=True):
-        result[number] = list(_rows(own, schemes[number].name, records, amplitude))
+        result[number] = _frame(_from_sums(own, schemes[number].name, records, amplitude))
     return result
+
+
+def _chains(
+    config: HubConfig, schemes: Sequence[Any], records: Records
+) -> Iterable[Chain | Exception]:
+    """The schemes' chains; several at once where nobody else has work for the cores."""
+
+    def made(scheme: Any) -> Chain | Exception:
+        try:
+            return chain_for_runs(scheme, records.sensors, config, records.steps)
+        except Exception as error:
+            return error
+
+    threads = min(_threads(config, schemes), len(schemes))
+    if threads == 1:
+        return map(made, schemes)
+    with ThreadPoolExecutor(threads) as pool:
+        return list(pool.map(made, schemes))
 
 
 def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
@@ -217,18 +227,21 @@ def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
     return compute.workers or int(cpu_count())
 
 
-def _rows(
+def _from_sums(
     sums: Sums, scheme: str, records: Records, amplitude: float | None
-) -> Iterator[measures.Row]:
-    period = records.natural_period
+) -> Iterator[measures.Table]:
+    period, replicates = records.natural_period, records.replicates
     finite = np.all(np.isfinite(sums.products), axis=(0, 1, 2))
-    for index, replicate in enumerate(records.replicates):
+    if finite.all():
+        yield measures.table(period, replicates, scheme, measures.from_sums(sums), amplitude)
+        return
+    for index, replicate in enumerate(replicates):
         if finite[index]:
-            for measured in measures.from_sums(sums, index):
-                yield measures.row(period, replicate, scheme, measured, amplitude)
+            measured = measures.from_sums(sums, [index])
+            yield measures.table(period, [replicate], scheme, measured, amplitude)
         else:
             reason = "the estimate is not finite"
-            yield measures.failed_row(period, replicate, scheme, reason, amplitude)
+            yield measures.failed(period, replicate, scheme, reason, amplitude)
 
 
 def _by_loop(
@@ -237,15 +250,15 @@ def _by_loop(
     records: Records,
     settled: int,
     amplitude: float | None,
-) -> Iterator[measures.Row]:
+) -> Iterator[measures.Table]:
     period = records.natural_period
     for index, replicate in enumerate(records.replicates):
         try:
-            for measured in _looped(config, scheme, records, settled, amplitude, index):
-                yield measures.row(period, replicate, scheme.name, measured, amplitude)
+            measured = _looped(config, scheme, records, settled, amplitude, index)
+            yield measures.table(period, [replicate], scheme.name, measured, amplitude)
         except (Exception, SystemExit) as error:  # whatever a user's scheme does: the rest goes on
             reason = as_text(error)
-            yield measures.failed_row(period, replicate, scheme.name, reason, amplitude)
+            yield measures.failed(period, replicate, scheme.name, reason, amplitude)
 
 
 def _looped(
@@ -255,7 +268,7 @@ def _looped(
     settled: int,
     amplitude: float | None,
     index: int,
-) -> list[measures.Measured]:
+) -> measures.Measured:
     sensors = records.sensors
     motion, noise = records.motion[index], records.noise[index]
     observed = observe(motion, records.direction, sensors)
@@ -267,13 +280,11 @@ def _looped(
             run_estimator(start(config, scheme, sensors), part, sensors)
             for part in (observed, noise)
         ]
-        return list(measures.from_trajectories(responses[0], responses[1], truth, settled))
+        return measures.from_trajectories(responses[0], responses[1], truth, settled)
     whole = Measurements(
         amplitude * observed.specific_force + noise.specific_force,
         amplitude * observed.fixes + noise.fixes,
     )
     response = run_estimator(start(config, scheme, sensors), whole, sensors)
     extremes = config.measures.extremes
-    return list(
-        measures.from_trajectories(None, response, amplitude * truth, settled, extremes=extremes)
-    )
+    return measures.from_trajectories(None, response, amplitude * truth, settled, extremes=extremes)

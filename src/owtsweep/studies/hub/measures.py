@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple, get_type_hints
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.batch import Sums
@@ -15,61 +16,79 @@ QUANTITIES = ("x", "y", "vx", "vy", "nees", "nis")
 WINDOWS = ("full", "settled")
 
 
-class Row(NamedTuple):
-    """One row of a shard."""
-
-    natural_period: float
-    replicate: int
-    scheme: str
-    measure: str
-    window: str
-    amplitude: float
-    motion: float
-    cross: float
-    noise: float
-    value: float
-    n_samples: int
-    status: str
-    reason: str
-
-
-#: Columns of a shard, in order, and what they hold.
-COLUMNS: dict[str, type] = get_type_hints(Row)
+#: Some columns by name: numbers or words.
+Table = dict[str, Array | NDArray[np.int64] | list[str]]
+#: Columns of a shard, in order.
+COLUMNS = (
+    "natural_period",
+    "replicate",
+    "scheme",
+    "measure",
+    "window",
+    "amplitude",
+    "motion",
+    "cross",
+    "noise",
+    "value",
+    "n_samples",
+    "status",
+    "reason",
+)
 
 
 class Measured(NamedTuple):
-    """One measure of one record: means of the three products, and the number of samples."""
+    """Some measures of some records.
 
-    measure: str
-    window: str
-    products: tuple[float, float, float]
-    n_samples: int
+    measures and windows (n): their names; products (n, 3, records): means of the three products;
+    n_samples (n): of how many samples.
+    """
+
+    measures: list[str]
+    windows: list[str]
+    products: Array
+    n_samples: list[int]
 
 
-def from_sums(sums: Sums, replicate: int) -> Iterator[Measured]:
-    """The measures of the replicate with this index in the sums."""
-    own = sums.products[..., replicate]
+#: A measure's name, its window, (3, records) means of its products, and of how many samples.
+_Entry = tuple[str, str, Array, int]
+
+
+def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measured:
+    """The measures of the replicates with these indices in the sums."""
+    return _gathered(_of_sums(sums, chosen))
+
+
+def _of_sums(sums: Sums, chosen: slice | Sequence[int]) -> Iterator[_Entry]:
+    products = sums.products[..., chosen]
     for w, window in enumerate(WINDOWS):
         parts = slice(w, None)
         steps, innovations = int(sums.steps[parts].sum()), int(sums.innovations[parts].sum())
         counts = [innovations if name == "nis" else steps for name in QUANTITIES]
-        means = own[parts].sum(axis=0) / np.maximum(counts, 1)[:, None]
+        means = products[parts].sum(axis=0) / np.maximum(counts, 1)[:, None, None]
         x, y, vx, vy = means[:4]
-        found = [*means.tolist(), (x + y).tolist(), (vx + vy).tolist()]
-        names = (*QUANTITIES, "position", "velocity")
-        for name, mean, count in zip(names, found, [*counts, steps, steps], strict=True):
+        names, found = (*QUANTITIES, "position", "velocity"), (*means, x + y, vx + vy)
+        for name, mean, count in zip(names, found, (*counts, steps, steps), strict=True):
             if count:
-                yield Measured(name, window, tuple(mean), count)
+                yield name, window, mean, count
         if len(sums.squared):
-            kept = sums.squared[0 if w == 0 else int(sums.steps[0]) :, replicate]
+            kept = sums.squared[0 if w == 0 else int(sums.steps[0]) :, chosen]
             yield from _extremes(kept, window)
 
 
-def _extremes(squared: Array, window: str) -> Iterator[Measured]:
+def _gathered(entries: Iterable[_Entry]) -> Measured:
+    measures, windows, means, samples = zip(*entries, strict=True)
+    return Measured(list(measures), list(windows), np.stack(means), list(samples))
+
+
+def _extremes(squared: Array, window: str) -> Iterator[_Entry]:
+    """The largest error and its 95 % quantile, of (steps, records) squared errors."""
     error = np.sqrt(squared)
-    largest, p95 = float(np.max(error)), float(np.percentile(error, 95.0))
-    yield Measured("position_max", window, (0.0, 0.0, largest), len(error))
-    yield Measured("position_p95", window, (0.0, 0.0, p95), len(error))
+    for name, values in (
+        ("position_max", np.max(error, axis=0)),
+        ("position_p95", np.percentile(error, 95.0, axis=0)),
+    ):
+        nothing = np.zeros(len(values))
+        yield name, window, np.stack([nothing, nothing, values]), len(error)
 
 
 def from_trajectories(
@@ -79,7 +98,7 @@ def from_trajectories(
     settled: int,
     *,
     extremes: bool = False,
-) -> Iterator[Measured]:
+) -> Measured:
     """The measures of a record that was run step by step.
 
     Parameters
@@ -93,6 +112,17 @@ def from_trajectories(
     settled
         The first settled step.
     """
+    return _gathered(_of_trajectories(motion, noise, truth, settled, extremes=extremes))
+
+
+def _of_trajectories(
+    motion: Trajectory | None,
+    noise: Trajectory,
+    truth: Array,
+    settled: int,
+    *,
+    extremes: bool,
+) -> Iterator[_Entry]:
     whole = motion is None
     errors = [noise.state - truth] if motion is None else [motion.state - truth, noise.state]
     for window, start in zip(WINDOWS, (0, settled), strict=True):
@@ -114,9 +144,9 @@ def from_trajectories(
             if have.any():
                 means["nis"] = (_products(chosen, weights), int(have.sum()))
         for name, (mean, count) in means.items():
-            yield Measured(name, window, (float(mean[0]), float(mean[1]), float(mean[2])), count)
+            yield name, window, mean[:, None], count
         if extremes and whole:
-            yield from _extremes(np.sum(errors[0][start:, :2] ** 2, axis=1), window)
+            yield from _extremes(np.sum(errors[0][start:, :2] ** 2, axis=1)[:, None], window)
 
 
 def _products(errors: list[Array], weights: Array | None) -> Array:
@@ -133,25 +163,49 @@ def _products(errors: list[Array], weights: Array | None) -> Array:
     return np.array([mean(motion, motion), mean(motion, noise), mean(noise, noise)])
 
 
-def row(
+def table(
     natural_period: float,
-    replicate: int,
+    replicates: Sequence[int],
     scheme: str,
     measured: Measured,
     amplitude: float | None,
-) -> Row:
-    """One row of a shard; with an amplitude the noise x noise product is the value itself."""
-    measure, window, products, n_samples = measured
-    name = (natural_period, replicate, scheme, measure, window)
-    if amplitude is None:
-        return Row(*name, np.nan, *products, np.nan, n_samples, "ok", "")
-    return Row(*name, amplitude, np.nan, np.nan, np.nan, products[2], n_samples, "ok", "")
+) -> Table:
+    """Rows of a shard, record by record; with an amplitude the noise x noise product is the value.
+
+    Parameters
+    ----------
+    natural_period, amplitude
+        In s and in m; no amplitude for superposed records, of which all have these products.
+    replicates
+        Their numbers, as many as `measured` has records.
+    """
+    measures, windows, means, samples = measured
+    records, rows = len(replicates), len(measures) * len(replicates)
+    products = means.transpose(1, 2, 0).reshape(3, rows)
+    at, value = np.full((2, rows), np.nan)
+    if amplitude is not None:
+        at, value, products = np.full(rows, amplitude), products[2], np.full((3, rows), np.nan)
+    return {
+        "natural_period": np.full(rows, natural_period),
+        "replicate": np.repeat(np.array(replicates, dtype=np.int64), len(measures)),
+        "scheme": [scheme] * rows,
+        "measure": measures * records,
+        "window": windows * records,
+        "amplitude": at,
+        "motion": products[0],
+        "cross": products[1],
+        "noise": products[2],
+        "value": value,
+        "n_samples": np.tile(np.array(samples, dtype=np.int64), records),
+        "status": ["ok"] * rows,
+        "reason": [""] * rows,
+    }
 
 
-def failed_row(
+def failed(
     natural_period: float, replicate: int, scheme: str, reason: str, amplitude: float | None
-) -> Row:
+) -> Table:
     """The one row of a failed case."""
-    nothing = Measured("", "", (np.nan, np.nan, np.nan), 0)
-    base = row(natural_period, replicate, scheme, nothing, amplitude)
-    return base._replace(status="failed", reason=reason)
+    nothing = Measured([""], [""], np.full((1, 3, 1), np.nan), [0])
+    row = table(natural_period, [replicate], scheme, nothing, amplitude)
+    return {**row, "status": ["failed"], "reason": [reason]}

@@ -147,7 +147,7 @@ def new_output(groups: int, chunk: int) -> Output:
 
 
 def _zeros(groups: int, rows: int) -> Groups:
-    return tuple(aligned(rows, WIDTH) for _ in range(groups))
+    return tuple(aligned(groups, rows, WIDTH))
 
 
 class Weights(NamedTuple):
