@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,8 +13,9 @@ from owtsweep.studies.hub.batch import Sums
 from owtsweep.studies.hub.loop import Trajectory
 
 QUANTITIES = ("x", "y", "vx", "vy", "nees", "nis")
+#: Of the position's error, where each record is run at its amplitude.
+EXTREMES = ("position_max", "position_p95")
 WINDOWS = ("full", "settled")
-
 
 #: Some columns by name: numbers or words.
 Table = dict[str, Array | NDArray[np.int64] | list[str]]
@@ -49,46 +50,34 @@ class Measured(NamedTuple):
     n_samples: list[int]
 
 
-#: A measure's name, its window, (3, records) means of its products, and of how many samples.
-_Entry = tuple[str, str, Array, int]
-
-
 def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measured:
     """The measures of the replicates with these indices in the sums."""
-    return _gathered(_of_sums(sums, chosen))
-
-
-def _of_sums(sums: Sums, chosen: slice | Sequence[int]) -> Iterator[_Entry]:
+    names = [*QUANTITIES, "position", "velocity", *(EXTREMES if len(sums.squared) else ())]
+    # of the whole record and settled, as all that follows
+    steps, innovations = (np.array([sum(n), n[1]]) for n in (sums.steps, sums.innovations))
+    counts = np.stack([innovations if name == "nis" else steps for name in names], axis=1)
     products = sums.products[..., chosen]
-    for w, window in enumerate(WINDOWS):
-        parts = slice(w, None)
-        steps, innovations = int(sums.steps[parts].sum()), int(sums.innovations[parts].sum())
-        counts = [innovations if name == "nis" else steps for name in QUANTITIES]
-        means = products[parts].sum(axis=0) / np.maximum(counts, 1)[:, None, None]
-        x, y, vx, vy = means[:4]
-        names, found = (*QUANTITIES, "position", "velocity"), (*means, x + y, vx + vy)
-        for name, mean, count in zip(names, found, (*counts, steps, steps), strict=True):
-            if count:
-                yield name, window, mean, count
-        if len(sums.squared):
-            kept = sums.squared[0 if w == 0 else int(sums.steps[0]) :, chosen]
-            yield from _extremes(kept, window)
+    own = np.stack([products.sum(axis=0), products[1]])
+    means = own / np.maximum(counts[:, : own.shape[1]], 1)[..., None, None]
+    x, y, vx, vy = means.swapaxes(0, 1)[:4]
+    parts = [means, np.stack([x + y, vx + vy], axis=1)]
+    if len(sums.squared):
+        kept = (sums.squared[first:, chosen] for first in (0, int(sums.steps[0])))
+        parts.append(np.stack([_extremes(squared) for squared in kept]))
+    have = counts > 0  # no fix after the settling time: no innovation
+    entries = [(name, window) for window in WINDOWS for name in names]
+    measures, windows = zip(*(entries[i] for i in np.flatnonzero(have)), strict=True)
+    found = np.concatenate(parts, axis=1)[have]
+    return Measured(list(measures), list(windows), found, counts[have].tolist())
 
 
-def _gathered(entries: Iterable[_Entry]) -> Measured:
-    measures, windows, means, samples = zip(*entries, strict=True)
-    return Measured(list(measures), list(windows), np.stack(means), list(samples))
-
-
-def _extremes(squared: Array, window: str) -> Iterator[_Entry]:
-    """The largest error and its 95 % quantile, of (steps, records) squared errors."""
+def _extremes(squared: Array) -> Array:
+    """`EXTREMES` of (steps, records) squared errors, as product 2."""
     error = np.sqrt(squared)
-    for name, values in (
-        ("position_max", np.max(error, axis=0)),
-        ("position_p95", np.percentile(error, 95.0, axis=0)),
-    ):
-        nothing = np.zeros(len(values))
-        yield name, window, np.stack([nothing, nothing, values]), len(error)
+    result = np.zeros((2, 3, error.shape[1]))
+    result[0, 2] = np.max(error, axis=0)
+    result[1, 2] = np.percentile(error, 95.0, axis=0)
+    return result
 
 
 def from_trajectories(
@@ -112,19 +101,9 @@ def from_trajectories(
     settled
         The first settled step.
     """
-    return _gathered(_of_trajectories(motion, noise, truth, settled, extremes=extremes))
-
-
-def _of_trajectories(
-    motion: Trajectory | None,
-    noise: Trajectory,
-    truth: Array,
-    settled: int,
-    *,
-    extremes: bool,
-) -> Iterator[_Entry]:
     whole = motion is None
     errors = [noise.state - truth] if motion is None else [motion.state - truth, noise.state]
+    entries = []
     for window, start in zip(WINDOWS, (0, settled), strict=True):
         steps = len(truth) - start
         means: dict[str, tuple[Array, int]] = {}
@@ -143,10 +122,14 @@ def _of_trajectories(
             chosen = [part[start:][have] for part in parts if part is not None]
             if have.any():
                 means["nis"] = (_products(chosen, weights), int(have.sum()))
-        for name, (mean, count) in means.items():
-            yield name, window, mean[:, None], count
         if extremes and whole:
-            yield from _extremes(np.sum(errors[0][start:, :2] ** 2, axis=1)[:, None], window)
+            squared = np.sum(errors[0][start:, :2] ** 2, axis=1)[:, None]
+            found = zip(EXTREMES, _extremes(squared)[..., 0], strict=True)
+            means |= {name: (mean, steps) for name, mean in found}
+        for name, (mean, count) in means.items():
+            entries.append((name, window, mean[:, None], count))
+    names, windows, products, counts = zip(*entries, strict=True)
+    return Measured(list(names), list(windows), np.stack(products), list(counts))
 
 
 def _products(errors: list[Array], weights: Array | None) -> Array:

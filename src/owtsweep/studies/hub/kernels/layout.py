@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -131,7 +132,9 @@ def new_registers(groups: int, window: int, horizon: int) -> Registers:
     rows = (
         4, window, window, 4 * window, horizon + 1, horizon, horizon, 3 * (horizon + 1), 4, 3, 1,
     )  # fmt: skip
-    return Registers(*(_zeros(groups, max(n, 1)) for n in rows))
+    block = aligned(groups, sum(max(n, 1) for n in rows), WIDTH)  # one: to make it takes a while
+    stops = np.cumsum([max(n, 1) for n in rows]).tolist()
+    return Registers(*(tuple(block[:, a:b]) for a, b in pairwise([0, *stops])))
 
 
 def new_scratch(groups: int, chunk: int, window: int, prediction: int) -> Scratch:
