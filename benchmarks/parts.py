@@ -45,16 +45,16 @@ def _startup(quick: bool) -> Any:
 
 
 def _study(quick: bool) -> Any:
-    from benchmarks.study import WHOLE, axes, measure_axis, measure_whole
+    from benchmarks.study import ROUNDS, WHOLE, axes, measure_axis, measure_whole
 
     if quick:
         small = ("grid.replicates=8", "record.duration=500")
         found = {"replicates": 8, "whole": measure_whole(1, small)}
-        scale, repeats = 0.1, 2
+        scale, rounds = 0.1, 2
     else:
         found = {"replicates": 100, "whole": measure_whole(5, WHOLE)}
-        scale, repeats = 1.0, 5
-    return {**found, "axes": [measure_axis(name, repeats, scale) for name in axes()]}
+        scale, rounds = 1.0, ROUNDS
+    return {**found, "axes": [measure_axis(name, rounds, scale) for name in axes()]}
 
 
 def _online(quick: bool) -> Any:

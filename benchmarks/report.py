@@ -236,8 +236,9 @@ def _study(found: dict[str, Any]) -> Iterator[str]:
         f"MB, {whole['bytes'] / 1e6:.2f} MB of shards, {whole['cases']:.0f} cases.\n"
     )
     yield (
-        "Growth along each axis, there and back, each time in a process of its own with gains and "
-        "kernels ready. "
+        "Growth along each axis: times turn about in one process with gains and kernels ready, a "
+        "small study as often in each turn as it takes as long as the largest; memory of a process "
+        "for each. "
         "*computing*: core-seconds without shards and tables, one thread; *workers*: seconds of "
         "computing on all workers; *whole*: seconds of the run, shards and tables included. The "
         "exponent is that of computing (for the workers of the time on all of them; -1 is ideal).\n"

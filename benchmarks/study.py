@@ -1,6 +1,7 @@
 """Whole studies: time and memory against replicates, duration, amplitudes and workers.
 
-Every point is a process of its own, because a peak of memory never goes down.
+Memory is that of a process for each point, because a peak never goes down; the times of an axis are
+measured in one, turn about (`benchmarks.turns`).
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 from benchmarks.timing import REPEATS, timed
 
@@ -21,7 +22,8 @@ from benchmarks.timing import REPEATS, timed
 WHOLE = ("grid.replicates=100",)
 #: Its size, for times per replicate.
 REPLICATES = 100
-PERIODS = "grid.natural_period=[4.0,7.0]"
+#: Of an axis' times.
+ROUNDS = 7
 
 
 def _amplitudes(count: int) -> str:
@@ -29,51 +31,69 @@ def _amplitudes(count: int) -> str:
     return "grid.amplitude=[" + ",".join(f"{0.01 * (i + 1):.2f}" for i in range(count)) + "]"
 
 
-def axes(scale: float = 1.0) -> dict[str, list[tuple[float, tuple[str, ...]]]]:
-    """Axis of growth -> values and overrides of its points, the smallest first.
+class Point(NamedTuple):
+    """A study on an axis; `turns`: how many of it take as long as the axis' largest."""
+
+    value: float
+    overrides: tuple[str, ...]
+    turns: int = 1
+
+
+def axes(scale: float = 1.0) -> dict[str, list[Point]]:
+    """The points of each axis of growth, the smallest first.
 
     `scale` shortens the records, for a quick look.
     """
-    # Points near a second: of a third of a second an eighth does not grow.
-    base = (PERIODS, "grid.replicates=48", f"record.duration={2000 * scale:g}")
-    one = (PERIODS, f"record.duration={2000 * scale:g}", "compute.workers=1")
-    durations = [scale * s for s in (500, 1000, 2000, 4000)]
+    duration = f"record.duration={2000 * scale:g}"
+    alone = ("grid.natural_period=[4.0]", "compute.workers=1")
+    base = ("grid.natural_period=[4.0,7.0]", duration)
     return {
-        "replicates": [(n, (*one, f"grid.replicates={n}")) for n in (16, 32, 64, 128)],
+        "replicates": [
+            Point(n, (*alone, duration, f"grid.replicates={n}"), 128 // n)
+            for n in (16, 32, 64, 128)
+        ],
+        # a quarter of the default length to four times as much
         "duration": [
-            (s, (*one[::2], "grid.replicates=32", f"record.duration={s:g}")) for s in durations
+            Point(scale * s, (*alone, "grid.replicates=16", f"record.duration={scale * s:g}"),
+                  8000 // s)
+            for s in (500, 1000, 2000, 4000, 8000)
         ],
         "amplitudes": [
-            (n, (*base, "compute.workers=1", _amplitudes(n))) for n in (10, 100, 1000)
+            Point(n, (*base, "grid.replicates=48", "compute.workers=1", _amplitudes(n)))
+            for n in (10, 100, 1000)
         ],
-        # twice as many blocks, so that the last one, which a worker does alone, counts for little
+        # so many blocks that the last one, which a worker does alone, counts for little
         "workers": [
-            (n, (*base[::2], "grid.replicates=96", f"compute.workers={n}"))
+            Point(n, (*base, "grid.replicates=96", f"compute.workers={n}"))
             for n in sorted({1, os.cpu_count() or 1})
         ],
     }  # fmt: skip
 
 
-def measure_whole(repeats: int = REPEATS, overrides: Sequence[str] = WHOLE) -> dict[str, Any]:
+def measure_whole(repeats: int = REPEATS, overrides: Sequence[str] = WHOLE) -> dict[str, float]:
     """The study of the goal: medians over processes.
 
     `process` is the whole process on the clock, interpreter and imports included.
     """
     found = []
     for _ in range(repeats):
-        run, time = timed(lambda: _process(overrides, 0))
-        found.append({**run, "process": [time.wall]})
-    return _medians(found)
+        run, time = timed(lambda: _process("one_study", overrides))
+        found.append({**run, "process": time.wall})
+    return {key: median(run[key] for run in found) for key in found[0]}
 
 
-def measure_axis(name: str, repeats: int = REPEATS, scale: float = 1.0) -> dict[str, Any]:
+def measure_axis(name: str, rounds: int = ROUNDS, scale: float = 1.0) -> dict[str, Any]:
     """Points along one axis, and the exponent of the computing alone over it."""
-    at = dict(axes(scale)[name])
-    runs: dict[float, list[dict[str, list[float]]]] = {value: [] for value in at}
-    # There and back, half of the repeats each: a machine that slows down meanwhile tilts no line.
-    for value in [*at, *reversed(at)]:
-        runs[value].append(_process(at[value], -(-repeats // 2)))
-    points = [{"value": value, **_medians(found)} for value, found in runs.items()]
+    on = axes(scale)[name]
+    times = _process("turns", [(point.overrides, point.turns) for point in on], rounds)
+    points = [
+        {
+            "value": point.value,
+            **_process("one_study", point.overrides),  # memory and shards
+            **{key: median(seconds) for key, seconds in own.items()},
+        }
+        for point, own in zip(on, times, strict=True)
+    ]
     key = "compute_wall" if name == "workers" else "compute"
     return {
         "axis": name,
@@ -91,22 +111,15 @@ def slope(points: Sequence[tuple[float, float]]) -> float:
     return above / sum((a - mean_x) ** 2 for a in x) if len(x) > 1 else math.nan
 
 
-def _medians(runs: Sequence[dict[str, list[float]]]) -> dict[str, float]:
-    """Of all that some processes measured."""
-    return {key: median(value for run in runs for value in run[key]) for key in runs[0]}
-
-
-def _process(overrides: Sequence[str], repeats: int) -> dict[str, list[float]]:
+def _process(module: str, what: Any, *words: object) -> Any:
+    """What a module of this package prints of something."""
+    command = [sys.executable, "-m", f"benchmarks.{module}", json.dumps(what), *map(str, words)]
     root = Path(__file__).resolve().parents[1]
-    command = [sys.executable, "-m", "benchmarks.one_study", json.dumps([*overrides])]
-    done = subprocess.run(
-        [*command, str(repeats)], check=True, stdout=subprocess.PIPE, text=True, cwd=root
-    )
-    result: dict[str, list[float]] = json.loads(done.stdout.splitlines()[-1])
-    return result
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, cwd=root)
+    return json.loads(done.stdout.splitlines()[-1])
 
 
 if __name__ == "__main__":
     print(measure_whole())
     for axis in axes():
-        print(measure_axis(axis, repeats=1))
+        print(measure_axis(axis, rounds=1))

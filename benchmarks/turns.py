@@ -1,0 +1,91 @@
+"""Studies of several sizes in this process, turn about; prints one line of JSON.
+
+    python -m benchmarks.turns '[[["grid.replicates=2"], 2], [["grid.replicates=4"], 1]]' 5
+
+From minute to minute, and within seconds, the machine's speed changes by more than an exponent may.
+So a round computes all of them, a small one as often as it takes as long as the large one: the
+number beside it says how often. The last number says how many rounds are made. Gains and kernels
+are there when a clock starts.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from statistics import fmean
+from typing import Any
+
+from benchmarks.timing import Time, timed
+from owtsweep.config import compose
+from owtsweep.memory import keep_freed_memory
+from owtsweep.studies import get_study
+from owtsweep.studies.hub import blocks, chain
+from owtsweep.sweep.run import sweep
+
+#: A study's overrides, and how often a round computes it.
+Turns = tuple[Sequence[str], int]
+
+
+def measure(studies: Sequence[Turns], rounds: int) -> list[dict[str, list[float]]]:
+    """Seconds of each study, one of each round.
+
+    `wall` is planning, computing, writing and tables; `compute` the core-seconds of computing
+    alone, with one thread; `compute_wall` the same on the clock with all workers.
+    """
+    # Gains of every length stay at hand, as those of the only length do in a sweep.
+    chain._KEPT_CHAINS *= len(studies)
+    found: list[dict[str, list[float]]] = [
+        {"wall": [], "compute": [], "compute_wall": []} for _ in studies
+    ]
+    configs = [compose([*overrides]) for overrides, _ in studies]
+    for config in configs:
+        compute(config, 1)
+    most = max(times for _, times in studies)
+    for _ in range(rounds):
+        taken: list[list[Time]] = [[] for _ in studies]
+        for turn in range(most):
+            for (_, times), config, own in zip(studies, configs, taken, strict=True):
+                if turn * times % most < times:
+                    own.append(_computed(config))
+        for (overrides, _), own, result in zip(studies, taken, found, strict=True):
+            result["compute"].append(fmean(time.cpu for time in own))
+            result["compute_wall"].append(fmean(time.wall for time in own))
+            result["wall"].append(_whole(overrides))
+    return found
+
+
+def _computed(config: Any) -> Time:
+    """Core-seconds of one thread, seconds of all workers."""
+    workers = config.compute.workers or 1
+    alone = timed(lambda: compute(config, 1))[1]
+    if workers == 1:
+        return alone
+    return alone._replace(wall=timed(lambda: compute(config, workers))[1].wall)
+
+
+def _whole(overrides: Sequence[str]) -> float:
+    with tempfile.TemporaryDirectory() as results:
+        config = compose([*overrides, f"results={results}"])
+        return timed(lambda: sweep(get_study(config.study), config))[1].wall
+
+
+def compute(config: Any, threads: int) -> None:
+    """All groups of a study's plan, computed and thrown away."""
+    groups: dict[str, list[Any]] = {}
+    for block in blocks.plan(config):
+        groups.setdefault(block.group, []).append(block)
+
+    def work(group: list[Any]) -> None:
+        for _ in blocks.run(config, group):
+            pass
+
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(work, groups.values()))
+
+
+if __name__ == "__main__":
+    keep_freed_memory()  # as the command does
+    print(json.dumps(measure(json.loads(sys.argv[1]), int(sys.argv[2]))))
