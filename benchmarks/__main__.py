@@ -1,6 +1,6 @@
 """Measure everything side by side and write the report.
 
-    python -m benchmarks                   all: some 12 minutes on two quiet cores
+    python -m benchmarks                   all: some 16 minutes on two quiet cores
     python -m benchmarks --quick           the same at smaller sizes: 2-3 minutes
     python -m benchmarks --only kernels study
     python -m benchmarks --again           the report from the numbers of the last run

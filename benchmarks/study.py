@@ -20,8 +20,6 @@ from benchmarks.timing import REPEATS, timed
 
 #: What the goal is stated for: the default grid, records of 2000 s, 100 per cell.
 WHOLE = ("grid.replicates=100",)
-#: Its size, for times per replicate.
-REPLICATES = 100
 #: Of an axis' times.
 ROUNDS = 7
 

@@ -62,10 +62,12 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
         yield client
     finally:
         _hush()
-        # What this client has asked for and nobody has begun is dropped with it.
-        client.close(timeout=1.0)
-        for logger in loud:
-            logger.disabled = False
+        try:
+            # What this client has asked for and nobody has begun is dropped with it.
+            client.close(timeout=1.0)
+        finally:
+            for logger in loud:
+                logger.disabled = False
 
 
 def _loggers() -> list[logging.Logger]:

@@ -6,7 +6,7 @@ import hashlib
 import inspect
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from itertools import chain, pairwise
+from itertools import pairwise
 from operator import attrgetter
 from typing import Any
 
@@ -178,7 +178,7 @@ def _frames(parts: Sequence[Iterable[measures.Table]]) -> list[pd.DataFrame]:
 
 def _joined(columns: list[Any]) -> Any:
     if isinstance(columns[0], list):
-        return list(chain.from_iterable(columns))
+        return [word for column in columns for word in column]
     return np.concatenate(columns)
 
 
