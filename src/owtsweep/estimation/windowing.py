@@ -1,10 +1,19 @@
-"""Window products and window covariances of a fixed-lag smoother, compiled."""
+"""Window products and window covariances of a fixed-lag smoother, compiled.
+
+There are four states. Matrices are tuples of rows while they are worked with: values that the
+compiler keeps in registers and works through side by side, which it may not do with small arrays
+that could overlap.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from owtsweep.compiled import njit
+
+_ZERO = (0.0, 0.0, 0.0, 0.0)
+_NOTHING = (_ZERO, _ZERO, _ZERO, _ZERO)
+_ONE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
 @njit
@@ -13,24 +22,16 @@ def products(first, stop, C, window, cycle, W):
 
     Rows first ... stop - 1 of W are filled.
     """
-    rows, n = C.shape[0], 4  # a constant, so that the loops unroll
-    P = np.empty((n, n))
+    rows = C.shape[0]
     for k in range(first, stop):
-        for i in range(n):
-            for j in range(n):
-                W[k, i, j] = 1.0 if i == j else 0.0
+        product = _ONE
         row = k
         for _ in range(window):
-            for i in range(n):
-                for j in range(n):
-                    total = 0.0
-                    for m in range(n):
-                        total += W[k, i, m] * C[row, m, j]
-                    P[i, j] = total
-            W[k] = P
+            product = _plus_product(_NOTHING, product, _matrix(C, row))
             row += 1
             if row == rows:
                 row = rows - cycle
+        _put(product, W, k)
 
 
 @njit
@@ -43,56 +44,97 @@ def covariances(Pf, Pm, C, window, h, response, smoothed, coupling, first=0):
     C_s ... C_{s+i-1} P_{s+i|k} h response_i', the cross-covariance of the smoothing error of s
     with what the noise of the measurements h x + v of the window does to a prediction from s.
     """
-    n = 4  # a constant, so that the loops unroll
     outputs = response.shape[1]
-    P = np.empty((window + 1, n, n))  # P_{s+i|k}
-    inner = np.empty((n, n))
-    half = np.empty((n, n))
-    product = np.empty((n, n))
-    vector = np.empty(n)
+    inputs = min(window + 1, response.shape[0])
+    row = (h[0], h[1], h[2], h[3])
+    coupled = np.empty((window + 1, 4))  # P_{s+i|k} h
     for at in range(max(window - first, 0), len(smoothed)):
         k = first + at
         s = k - window
-        P[window] = Pf[k]
-        for i in range(window - 1, -1, -1):
-            G = C[s + i]
-            for a in range(n):
-                for b in range(n):
-                    inner[a, b] = P[i + 1, a, b] - Pm[s + i + 1, a, b]
-            for a in range(n):
-                for b in range(n):
-                    total = 0.0
-                    for m in range(n):
-                        total += G[a, m] * inner[m, b]
-                    half[a, b] = total
-            for a in range(n):
-                for b in range(n):
-                    total = Pf[s + i, a, b]
-                    for m in range(n):
-                        total += half[a, m] * G[b, m]
-                    P[i, a, b] = total
-        smoothed[at] = P[0]
+        P = _matrix(Pf, k)
+        for i in range(window, -1, -1):
+            if i < window:
+                G = _matrix(C, s + i)
+                half = _plus_product(_NOTHING, G, _minus(P, _matrix(Pm, s + i + 1)))
+                P = _plus_product(_matrix(Pf, s + i), half, _transposed(G))
+            for a in range(4):
+                coupled[i, a] = _dot(P[a], row)
+        _put(P, smoothed, at)
         coupling[at] = 0.0
-        for a in range(n):
-            for b in range(n):
-                product[a, b] = 1.0 if a == b else 0.0
-        for i in range(min(window + 1, response.shape[0])):
-            for a in range(n):
-                vector[a] = 0.0
-                for b in range(n):
-                    vector[a] += P[i, a, b] * h[b]
-            for a in range(n):
-                total = 0.0
-                for m in range(n):
-                    total += product[a, m] * vector[m]
+        product = _ONE
+        for i in range(inputs):
+            vector = (coupled[i, 0], coupled[i, 1], coupled[i, 2], coupled[i, 3])
+            for a in range(4):
+                total = _dot(product[a], vector)
                 for b in range(outputs):
                     coupling[at, a, b] += total * response[i, b]
             if i < window:
-                G = C[s + i]
-                for a in range(n):
-                    for b in range(n):
-                        total = 0.0
-                        for m in range(n):
-                            total += product[a, m] * G[m, b]
-                        inner[a, b] = total
-                product[:, :] = inner
+                product = _plus_product(_NOTHING, product, _matrix(C, s + i))
+
+
+@njit
+def _matrix(A, k):
+    """Matrix k of an array."""
+    return (
+        (A[k, 0, 0], A[k, 0, 1], A[k, 0, 2], A[k, 0, 3]),
+        (A[k, 1, 0], A[k, 1, 1], A[k, 1, 2], A[k, 1, 3]),
+        (A[k, 2, 0], A[k, 2, 1], A[k, 2, 2], A[k, 2, 3]),
+        (A[k, 3, 0], A[k, 3, 1], A[k, 3, 2], A[k, 3, 3]),
+    )
+
+
+@njit
+def _put(M, A, k):
+    for i in range(4):
+        A[k, i, 0], A[k, i, 1], A[k, i, 2], A[k, i, 3] = M[i]
+
+
+@njit
+def _transposed(A):
+    a, b, c, d = A
+    return (
+        (a[0], b[0], c[0], d[0]),
+        (a[1], b[1], c[1], d[1]),
+        (a[2], b[2], c[2], d[2]),
+        (a[3], b[3], c[3], d[3]),
+    )
+
+
+@njit
+def _plus_product(M, A, B):
+    """M + A B, each element summed in its columns' order."""
+    return (
+        _plus_row_product(M[0], A[0], B),
+        _plus_row_product(M[1], A[1], B),
+        _plus_row_product(M[2], A[2], B),
+        _plus_row_product(M[3], A[3], B),
+    )
+
+
+@njit
+def _plus_row_product(row, a, B):
+    for m in range(4):
+        b = B[m]
+        x = a[m]
+        row = (row[0] + x * b[0], row[1] + x * b[1], row[2] + x * b[2], row[3] + x * b[3])
+    return row
+
+
+@njit
+def _minus(A, B):
+    return (
+        _row_minus(A[0], B[0]),
+        _row_minus(A[1], B[1]),
+        _row_minus(A[2], B[2]),
+        _row_minus(A[3], B[3]),
+    )
+
+
+@njit
+def _row_minus(a, b):
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3])
+
+
+@njit
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
