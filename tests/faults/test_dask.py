@@ -119,13 +119,24 @@ def test_blocks_that_fail_on_a_cluster_fail_alone(faulty, on, folder):
     assert "UserWarning: watch out" in log
 
 
-def test_dask_is_heard_again_after_a_sweep(study, on):
+def test_dask_is_heard_again_after_a_sweep(study, on, monkeypatch):
     """Its remarks on connections are kept back while they are closed, and no longer."""
+    from owtsweep.sweep import cluster
+
     network = logging.getLogger("distributed.batched")
     silent = logging.getLogger("distributed.silent")
     silent.disabled = True  # by the user
+    heard = []
+
+    class Closing(cluster.Client):
+        def close(self, *arguments, **options):
+            heard.append(not network.disabled)
+            return super().close(*arguments, **options)
+
+    monkeypatch.setattr(cluster, "Client", Closing)
     with pytest.raises(KeyboardInterrupt):
         sweep(study, on(level=LEVELS), progress=Interrupts())
+    assert heard[0] is False  # dask may close it again, from its destructor
     assert not network.disabled
     assert silent.disabled
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,8 +11,9 @@ from tools import Key, configure, rows_of, run_batch, whole_series
 
 from owtsweep.studies.hub import blocks, measures
 from owtsweep.studies.hub.batch import Sums
+from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.loop import Trajectory
-from owtsweep.studies.hub.records import make_records
+from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve
 
 AMPLITUDE = 0.7
@@ -134,8 +137,8 @@ def test_a_record_that_is_not_finite_fails_alone(monkeypatch: pytest.MonkeyPatch
     ((_, whole),) = blocks.run(config, blocks.plan(config))
     original = blocks.superposed_sums_of
 
-    def spoilt(*arguments: object) -> list[Sums]:
-        (sums,) = original(*arguments)  # type: ignore[arg-type]
+    def spoilt(chains: Sequence[Chain], records: Records, settled: int) -> list[Sums]:
+        (sums,) = original(chains, records, settled)
         sums.products[0, 4, 1, 1] = np.inf
         return [sums]
 
