@@ -7,8 +7,9 @@ through its share of the series in one call, so Python is left out. What is coun
 operations (additions, multiplications) per lane and step, as the algorithm needs them
     filter      27, and 9 more at steps with a position: prediction 15, innovation 4 of the specific
                 force, correction 8
-    smoother    68: window product 32, gain 28, two sums of four
-    predictor   18: running sums 6, differences 4, states 8
+    smoother    44: what leaves the window 8, gain 28, two sums of four; 8 more where a position
+                leaves the window
+    predictor   18: moving sums 10, states 8
     MHE         6 for the inputs, 1 more if averaged or sampled, 5 at each tick of T_m, and
                 3 (2 (n + 1) + 4 n + 6 with an arrival term) at each fix, n = N_m
 per series and step
@@ -58,7 +59,7 @@ def work(chain: Any, steps: int, series: int) -> Work:
     applied, fresh = chain.gains.applied[row].mean(), chain.gains.fresh[row].mean()
     lane = 27.0 + 9.0 * applied
     if window:
-        lane += 68.0
+        lane += 44.0 + 8.0 * applied
     if chain.predictor.steps:
         lane += 18.0
     mhe = chain.mhe
@@ -67,7 +68,7 @@ def work(chain: Any, steps: int, series: int) -> Work:
         at_fix = 3 * (2 * (n + 1) + 4 * n + (6 if mhe.arrival else 0))
         lane += 6.0 + (mhe.inputs != 0) + 5.0 / mhe.interval + at_fix / M
     rows = min(chain.gains.rows, steps)
-    gains = rows * (64 + 1 + 24 + 8 + 1 + (256 if window else 0)) / (steps * series)
+    gains = rows * (64 + 1 + 24 + 8 + 1 + (192 if window else 0)) / (steps * series)
     return Work(flops=2.0 * lane + 27.0 + 5.0 * fresh, bytes=32.0 + 16.0 / M + gains)
 
 

@@ -21,7 +21,7 @@ def test_aligned_arrays_are_zero_and_plain(shape):
 
 
 def test_what_kernels_read_and_write_at_each_step_is_aligned():
-    memory = (new_registers(2, 19, 20), new_scratch(2, 500, 19, 39), new_output(2, 500))
+    memory = (new_registers(2, 19, 20), new_scratch(2, 500, 19), new_output(2, 500))
     for group in (array for part in memory for field in part for array in field):
         assert group.ctypes.data % LINE == 0
         assert group.strides == (8 * np.dtype(float).itemsize, 8)

@@ -44,10 +44,15 @@ def gains() -> GainSchedule:
 
 
 class Filtered(NamedTuple):
-    """(steps, 4) each: predicted and filtered states of a run with the schedule's gains."""
+    """A run with the schedule's gains.
+
+    predicted and filtered (steps, 4) states; innovations (steps, 2) of the slow measurement, zero
+    where there is none, and of the fast one.
+    """
 
     predicted: Array
     filtered: Array
+    innovations: Array
 
 
 #: Any numbers will do: fast and slow (STEPS,), of which every seventh is used.
@@ -59,15 +64,14 @@ def run() -> Filtered:
     """The filter on the data as a plain loop over the schedule's gains."""
     A = model().A
     x = np.zeros(4)
-    result = Filtered(np.empty((STEPS, 4)), np.empty((STEPS, 4)))
+    result = Filtered(np.empty((STEPS, 4)), np.empty((STEPS, 4)), np.zeros((STEPS, 2)))
     for k in range(STEPS):
         x = A @ x
         result.predicted[k] = x
-        K = gains().K[gains().row(k)]
-        correction = K[:, 1] * (FAST_DATA[k] - FAST @ x)
+        result.innovations[k, 1] = FAST_DATA[k] - FAST @ x
         if k % INTERVAL == 0:
-            correction = correction + K[:, 0] * (SLOW_DATA[k] - SLOW @ x)
-        x = x + correction
+            result.innovations[k, 0] = SLOW_DATA[k] - SLOW @ x
+        x = x + gains().K[gains().row(k)] @ result.innovations[k]
         result.filtered[k] = x
     return result
 

@@ -37,7 +37,7 @@ def test_both_recursions_are_the_window_pass(window: int) -> None:
     gains = problem.gains()
     run = problem.run()
     A = problem.model().A
-    C, W = smoother_gains(gains, A, window)
+    C, D = smoother_gains(gains, A, window)
     e = run.filtered - run.predicted
     smoother = FixedLagSmoother(A, window)
     expected = {}
@@ -55,14 +55,16 @@ def test_both_recursions_are_the_window_pass(window: int) -> None:
         for j in range(1, window + 1):
             product = product @ C[gains.row(k + j - 1)]
             total = total + product @ e[k + j]
-        np.testing.assert_allclose(product, W[gains.row(k)], rtol=1e-9, atol=1e-12)
+        leaving = product @ gains.K[gains.row(k + window)]
+        np.testing.assert_allclose(-D[gains.row(k)], leaving, rtol=1e-9, atol=1e-12)
         return total
 
     last = problem.STEPS - 1 - window
     S = streamed(last)
     for k in range(last, -1, -1):
         if k < last:  # DESIGN.md: backwards in O(1)
-            S = C[k] @ (e[k + 1] + S - W[gains.row(k + 1)] @ e[k + 1 + window])
+            taken_back = D[gains.row(k + 1)] @ run.innovations[k + 1 + window]
+            S = C[k] @ (e[k + 1] + S + taken_back)
         np.testing.assert_allclose(S, streamed(k), rtol=1e-8, atol=1e-11)
         np.testing.assert_allclose(run.filtered[k] + S, expected[k], rtol=1e-8, atol=1e-11)
 

@@ -10,11 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba import TypingError
 from numpy.typing import NDArray
 
 from owtsweep.arrays import aligned
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.vector import borrowed, groups, load, store
+from owtsweep.studies.hub.kernels.vector import borrowed, element, groups, load, store
 
 ELSEWHERE = "OWTSWEEP_TEST_GENERIC_PROCESSOR"
 NAMES = (
@@ -95,6 +96,23 @@ def test_products_are_fused_with_what_they_are_added_to(parts: int, more: bool) 
         assert not any("vfmadd" in text for text in _evaluated.inspect_asm().values())
 
 
+@njit
+def _elements(array, count):
+    return [element(array, i) for i in range(count)]
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.bool_])
+@pytest.mark.parametrize("shape", [(24,), (8, 3), (2, 4, 3)])
+def test_elements_count_as_they_lie(kind: type, shape: tuple[int, ...]) -> None:
+    array = np.random.default_rng(1).normal(size=24) > 0.0 if kind is np.bool_ else np.arange(24.0)
+    assert _elements(array.reshape(shape), 24) == list(array)
+
+
+def test_elements_of_what_does_not_lie_in_one_piece_are_refused() -> None:
+    with pytest.raises(TypingError):
+        _elements(np.arange(24.0)[::2], 12)
+
+
 def _all_rounded(rows: NDArray[np.float64], found: NDArray[np.float64]) -> bool:
     """Whether the numbers would not tell a fused from a rounded product."""
     x, a, b = rows[:3]
@@ -112,4 +130,4 @@ def test_bits_are_those_of_a_processor_without_fused_instructions(tmp_path: Path
         [*command, __file__], env={**mine, **changes}, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stdout
-    assert "6 passed, 1 skipped" in done.stdout
+    assert "13 passed, 1 skipped" in done.stdout

@@ -56,16 +56,19 @@ class FixedLagSmoother:
 
 
 def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple[Array, Array]:
-    """RTS gains C_k and window products W_k = C_k ... C_{k+window-1} of every schedule row.
+    """RTS gains C_k and D_k = -C_k ... C_{k+window-1} K_{k+window} of every schedule row.
+
+    D_k takes back what the innovations of step k + window have given to the smoothed state of step
+    k: the window of step k - 1 does not reach so far.
 
     Returns
     -------
-    C, W
-        (rows, states, states) each.
+    C, D
+        (rows, states, states), and (rows, states, 2) for the slow and the fast measurement.
     """
-    from owtsweep.estimation.windowing import products
+    from owtsweep.estimation.windowing import leaving
 
-    C, W = room(*gains.filtered.shape), room(*gains.filtered.shape)
+    C, D = room(*gains.filtered.shape), room(*gains.K.shape)
     for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
         stop = min(first + _ROWS_AT_ONCE, gains.rows)
         rows = np.arange(first, stop)
@@ -78,7 +81,7 @@ def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple
             release(worked_through, first, stop)
     for first in range(0, gains.rows, _ROWS_AT_ONCE):
         stop = min(first + _ROWS_AT_ONCE, gains.rows)
-        products(first, stop, C, window, gains.cycle, W)
-        release(C, first, stop)
-        release(W, first, stop)
-    return C, W
+        leaving(first, stop, C, gains.K, window, gains.cycle, D)
+        for worked_through in (C, gains.K, D):
+            release(worked_through, first, stop)
+    return C, D

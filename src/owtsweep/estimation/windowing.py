@@ -1,4 +1,4 @@
-"""Window products and window covariances of a fixed-lag smoother, compiled.
+"""What leaves a fixed-lag smoother's window, and the window's covariances, compiled.
 
 There are four states. Matrices are tuples of rows while they are worked with: values that the
 compiler keeps in registers and works through side by side, which it may not do with small arrays
@@ -17,21 +17,30 @@ _ONE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 
 
 
 @njit
-def products(first, stop, C, window, cycle, W):
-    """W_k = C_k C_{k+1} ... C_{k+window-1} of four states, rows repeating after `cycle`.
+def schedule_row(k, rows, cycle):
+    """The stored row of a gain schedule that serves step k; the last `cycle` rows repeat."""
+    if k < rows:
+        return k
+    settled = rows - cycle
+    return settled + (k - settled) % cycle
 
-    Rows first ... stop - 1 of W are filled.
+
+@njit
+def leaving(first, stop, C, K, window, cycle, D):
+    """D_k = -C_k C_{k+1} ... C_{k+window-1} K_{k+window} of four states and two measurements.
+
+    Rows of C and K repeat after `cycle`; rows first ... stop - 1 of D are filled.
     """
     rows = C.shape[0]
     for k in range(first, stop):
-        product = _ONE
-        row = k
-        for _ in range(window):
-            product = _plus_product(_NOTHING, product, _matrix(C, row))
-            row += 1
-            if row == rows:
-                row = rows - cycle
-        _put(product, W, k)
+        row = schedule_row(k + window, rows, cycle)
+        slow = (K[row, 0, 0], K[row, 1, 0], K[row, 2, 0], K[row, 3, 0])
+        fast = (K[row, 0, 1], K[row, 1, 1], K[row, 2, 1], K[row, 3, 1])
+        for step in range(k + window - 1, k - 1, -1):
+            gain = _matrix(C, schedule_row(step, rows, cycle))
+            slow, fast = _times(gain, slow), _times(gain, fast)
+        for a in range(4):
+            D[k, a, 0], D[k, a, 1] = -slow[a], -fast[a]
 
 
 @njit
@@ -133,6 +142,11 @@ def _minus(A, B):
 @njit
 def _row_minus(a, b):
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3])
+
+
+@njit
+def _times(A, b):
+    return (_dot(A[0], b), _dot(A[1], b), _dot(A[2], b), _dot(A[3], b))
 
 
 @njit

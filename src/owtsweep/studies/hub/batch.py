@@ -159,7 +159,7 @@ class Run:
         else:
             runs.direct(*common, direction * self.feed.amplitude, *own, self.squared)
         filter_, weights = self.arrays.filter, self.weights
-        for rows in (filter_.K, filter_.C, filter_.W, weights.precision, weights.innovation):
+        for rows in (filter_.K, filter_.C, filter_.D, weights.precision, weights.innovation):
             release(rows, self.done, ready)  # of a long schedule: read, and done with
         self.done = ready
 
@@ -168,8 +168,7 @@ def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output
     """Working memory that serves all of some chains in turn, so that it stays in the cache."""
     chunk = max(chunk_of(chain)[0] for chain in chains)
     window = max(chain.filter.window for chain in chains)
-    prediction = max(chain.predictor.steps for chain in chains)
-    return new_scratch(groups, chunk, window, prediction), new_output(groups, chunk)
+    return new_scratch(groups, chunk, window), new_output(groups, chunk)
 
 
 def _sums(runs: Sequence[Run], chain: Chain, replicates: int) -> Sums:

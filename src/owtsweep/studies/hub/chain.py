@@ -85,7 +85,7 @@ class Chain:
         result = replace(
             self,
             gains=replace(self.gains, K=K, predicted=none, filtered=none),
-            filter=self.filter._replace(K=K, C=packed(self.filter.C), W=packed(self.filter.W)),
+            filter=self.filter._replace(K=K, C=packed(self.filter.C), D=packed(self.filter.D)),
         )
         vars(result)["precision"] = self.precision
         return result
@@ -199,9 +199,9 @@ def chain(
         start_steps=horizon.first * M if horizon else 0,
     )
     if window > 0:
-        C, W = smoother_gains(gains, axis.model.A, window)
+        C, D = smoother_gains(gains, axis.model.A, window)
     else:
-        C = W = np.zeros((1, 4, 4))
+        C, D = np.zeros((1, 4, 4)), np.zeros((1, 4, 2))
     ahead = input_delay + window if predict is not None else 0
     return Chain(
         gains=gains,
@@ -212,7 +212,7 @@ def chain(
             K=gains.K,
             applied=gains.applied,
             C=C,
-            W=W,
+            D=D,
             cycle=gains.cycle,
             input_delay=input_delay,
             window=window,

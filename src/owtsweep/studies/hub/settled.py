@@ -38,7 +38,7 @@ def settled(chain: Chain) -> Chain:
     )
     changes: dict[str, Any] = {"K": kept.K, "applied": kept.applied}
     if filter_arrays.window > 0:
-        changes |= {name: getattr(filter_arrays, name)[last].copy() for name in ("C", "W")}
+        changes |= {name: getattr(filter_arrays, name)[last].copy() for name in ("C", "D")}
     mhe = chain.mhe
     if mhe.active:
         maps = np.concatenate([mhe.maps[: mhe.horizon], mhe.maps[-1:]])

@@ -12,13 +12,13 @@ from owtsweep.studies.hub.kernels.filtering import FINAL, PREDICTED, WHOLE, filt
 from owtsweep.studies.hub.kernels.horizon import horizon_fix, horizon_steps
 from owtsweep.studies.hub.kernels.lagging import (
     begin_prediction,
-    carry_states,
     keep,
+    leave_prediction,
     predict,
     recall,
     smooth_chunk,
 )
-from owtsweep.studies.hub.kernels.vector import groups, load, store
+from owtsweep.studies.hub.kernels.vector import ROOMY, groups, load, store
 
 
 @njit
@@ -30,7 +30,7 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
     source = k0 - arrays.input_delay - base
     if not mhe.active:
         q = (k0 + first) // M
-        filter_steps(k0, first, stop, force, source, fixes, q, k0 + first - q * M, M, arrays, x,
+        filter_steps(k0, first, stop, force, source, fixes, q, k0 + first - q * M, M, chain, x,
                      scratch, output, shift, width, after)  # fmt: skip
         return
     positions, begun = scratch.positions, first
@@ -42,7 +42,7 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
             horizon_fix(q, fixes, mhe, registers)
         horizon_steps(k0, first, end, force, source, q, fixes, mhe, M, registers, positions)
         if at_fix and mhe.arrival:  # register 3 takes the state that this fix has corrected
-            filter_steps(k0, begun, first + 1, force, source, positions, begun, 0, 1, arrays, x,
+            filter_steps(k0, begun, first + 1, force, source, positions, begun, 0, 1, chain, x,
                          scratch, output, shift, width, after)  # fmt: skip
             oldest = 3 * (q % (mhe.horizon + 1))
             store(registers.arrival, oldest, load(x, 0))
@@ -50,7 +50,7 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
             store(registers.arrival, oldest + 2, load(x, 3))
             begun = first + 1
         first = end
-    filter_steps(k0, begun, stop, force, source, positions, begun, 0, 1, arrays, x, scratch,
+    filter_steps(k0, begun, stop, force, source, positions, begun, 0, 1, chain, x, scratch,
                  output, shift, width, after)  # fmt: skip
 
 
@@ -64,8 +64,8 @@ def is_filter(chain):
 def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, whole, after):
     """Leave filtered or smoothed states in scratch.X, `window` steps late.
 
-    There are four rows per step, (p, v, b, a); unless they are wanted `whole`, three, of which two
-    hold what the predictor takes.
+    There are four rows per step, (p, v, b, a); unless they are wanted `whole`, two, of what the
+    predictor takes of them.
     `after` are rows, based as the force's, that are read once the states are there.
     """
     window, predictor = chain.filter.window, chain.predictor
@@ -74,14 +74,17 @@ def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, wh
     filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, width,
                 after)  # fmt: skip
     keep(count, window, width, registers, scratch)
-    if window > 0:  # group by group: there is enough to do while a step waits, and it all fits
-        X, r, s, e = groups(scratch.X), groups(scratch.r), groups(scratch.s), groups(scratch.e)
+    if window == 0:
+        return
+    if ROOMY:
+        smooth_chunk(k0, count, chain.filter, predictor, width, scratch.X, scratch.r, scratch.s,
+                     after, force, k0 - base)  # fmt: skip
+    else:  # group by group: a group has enough to do while a step waits, and all of it fits
+        X, r, s = groups(scratch.X), groups(scratch.r), groups(scratch.s)
         late, u = groups(after), groups(force)
         for g in range(len(X)):
-            smooth_chunk(k0, count, chain.filter, predictor, width, X[g], r[g], s[g], e[g],
+            smooth_chunk(k0, count, chain.filter, predictor, width, X[g], r[g], s[g],
                          late[g % len(late)], u[g], k0 - base)  # fmt: skip
-    elif width == PREDICTED:
-        carry_states(count, predictor, scratch.X)
 
 
 @njit
@@ -95,12 +98,13 @@ def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, outpu
                     FINAL, after)  # fmt: skip
     elif chain.predictor.steps > 0:
         predictor = chain.predictor
-        v, p, newest, oldest = begin_prediction(k0, first, force, base, predictor, scratch)
+        dv, dp = begin_prediction(k0, first, force, base, predictor, scratch)
         for i in range(first, stop):
-            u = load(force, k0 + i - 1 - base)
-            v, p, newest, oldest, x, w = predict(i, u, v, p, newest, oldest, predictor, scratch)
+            at = k0 + i - base
+            x, w, dv, dp = predict(i, at, dv, dp, force, predictor, scratch.X)
             store(output.position, i - first, x)
             store(output.velocity, i - first, w)
+        leave_prediction(dv, dp, scratch)
     else:
         for i in range(first, stop):
             store(output.position, i - first, load(scratch.X, WHOLE * i))

@@ -3,21 +3,14 @@
 from __future__ import annotations
 
 from owtsweep.compiled import njit
+from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.horizon import ALL as ALL  # where others look for it
 from owtsweep.studies.hub.kernels.horizon import AVERAGED as AVERAGED
-from owtsweep.studies.hub.kernels.vector import AHEAD, load, prefetch, store
+from owtsweep.studies.hub.kernels.vector import AHEAD, element, load, prefetch, store
 
-#: Rows per state in the scratch: without the acceleration, with it; none where it is the estimate.
-PREDICTED, WHOLE, FINAL = 3, 4, 0
-
-
-@njit
-def schedule_row(k, rows, cycle):
-    """The stored row of the gain schedule that serves step k."""
-    if k < rows:
-        return k
-    settled = rows - cycle
-    return settled + (k - settled) % cycle
+#: Rows per state in the scratch: what the predictor takes of it, or all of it; none where it is
+#: the estimate.
+PREDICTED, WHOLE, FINAL = 2, 4, 0
 
 
 @njit
@@ -29,18 +22,33 @@ def row_before(k, row, rows, cycle):
 
 
 @njit
-def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, scratch, output,
+def corrected(x0, x1, x2, x3, gains, row, column, innovation):
+    """A state and what one innovation adds to it, by a row of gains (4, 2)."""
+    at = 8 * row + column
+    return (
+        x0 + element(gains, at) * innovation,
+        x1 + element(gains, at + 2) * innovation,
+        x2 + element(gains, at + 4) * innovation,
+        x3 + element(gains, at + 6) * innovation,
+    )
+
+
+@njit
+def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, chain, x, scratch, output,
                  shift, width, after):  # fmt: skip
     """Algorithm 6 over steps k0 + first ... k0 + stop - 1.
 
     The specific force of step k0 + i is row source + i. The position that the first step may take
     is row q of `fixes`; the next is due after M - phase steps, then every M. Filtered states and
     innovations go behind the window in the scratch (of step k0 + i, the position's only where there
-    is one), `width` rows a state: position, velocity, bias, and the acceleration if it is WHOLE.
-    Where it is FINAL, with neither smoother nor predictor to come, position and velocity go to row
+    is one), `width` rows a state: position, velocity, bias and acceleration if it is WHOLE; what
+    they add to position and velocity at the end of the prediction if it is PREDICTED. Where it is
+    FINAL, with neither smoother nor predictor to come, position and velocity go to row
     i - shift of the output. `after` are rows, based as the force's, that will be read next: they
     and the force are asked for here, unless there is a smoother to do so.
     """
+    arrays, predictor = chain.filter, chain.predictor
+    pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
     A, B, h, K = arrays.A, arrays.B, arrays.h, arrays.K
     a01, a02, a03, a12, a13, a22 = A[0, 1], A[0, 2], A[0, 3], A[1, 2], A[1, 3], A[2, 2]
     b0, b1 = B[0], B[1]
@@ -62,25 +70,26 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, arrays, x, 
         m1 = x1 + a12 * x2 + a13 * x3 + b1 * before
         m2 = a22 * x2
         r = now - h2 * m2 - h3 * x3
-        x0, x1 = m0 + K[row, 0, 1] * r, m1 + K[row, 1, 1] * r
-        x2, x3 = m2 + K[row, 2, 1] * r, x3 + K[row, 3, 1] * r
-        if applied[row]:
+        x0, x1, x2, x3 = corrected(m0, m1, m2, x3, K, row, 1, r)
+        if element(applied, row):
             s = load(fixes, q) - m0
             store(innovation, i, s)
             if window > 0:
                 store(s_rows, window + i, s)
-            x0, x1 = x0 + K[row, 0, 0] * s, x1 + K[row, 1, 0] * s
-            x2, x3 = x2 + K[row, 2, 0] * s, x3 + K[row, 3, 0] * s
+            x0, x1, x2, x3 = corrected(x0, x1, x2, x3, K, row, 0, s)
         if width == FINAL:
             store(position, i - shift, x0)
             store(velocity, i - shift, x1)
         else:
             at = width * (window + i)
-            store(X, at, x0)
-            store(X, at + 1, x1)
-            store(X, at + 2, x3)
             if width == WHOLE:
+                store(X, at, x0)
+                store(X, at + 1, x1)
+                store(X, at + 2, x3)
                 store(X, at + 3, x2)
+            else:
+                store(X, at, x0 + pv * x1 + pb * x3)
+                store(X, at + 1, x1 + vb * x3)
             if window > 0:
                 store(r_rows, window + i, r)
         before = now

@@ -9,6 +9,12 @@ ALL, AVERAGED, SAMPLED = 0, 1, 2
 
 
 @njit
+def added(n0, n1, n2, G, column, datum):
+    """A node and what one datum adds to it: three sums side by side, as each waits for its last."""
+    return n0 + G[0, column] * datum, n1 + G[1, column] * datum, n2 + G[2, column] * datum
+
+
+@njit
 def horizon_fix(q, fixes, mhe, registers):
     """A fix arrives: push the finished interval, solve the window, start a new interval."""
     nm = mhe.horizon
@@ -23,23 +29,23 @@ def horizon_fix(q, fixes, mhe, registers):
         return
     n = min(q, nm)
     G = mhe.maps[min(q, mhe.maps.shape[0] - 1)]
-    oldest_fix, oldest_input = (q - n) % (nm + 1), (q - n) % nm
-    for i in range(3):
-        node = zero(running)
-        at = oldest_fix
-        for j in range(n + 1):
-            node = node + G[i, j] * load(z, at)
-            at = at + 1 if at < nm else 0
-        at = oldest_input
-        for j in range(n):
-            gp, gv = G[i, n + 1 + 3 * j], G[i, n + 2 + 3 * j]
-            node = node + gp * load(ip, at) + gv * load(iv, at)
-            at = at + 1 if at + 1 < nm else 0
-        if mhe.arrival and q >= nm:
-            at = 3 * ((q - nm) % (nm + 1))
-            for m in range(3):
-                node = node + G[i, n + 1 + 3 * n + m] * load(registers.arrival, at + m)
-        store(registers.node, i, node)
+    n0, n1, n2 = zero(running), zero(running), zero(running)
+    at = (q - n) % (nm + 1)
+    for j in range(n + 1):
+        n0, n1, n2 = added(n0, n1, n2, G, j, load(z, at))
+        at = at + 1 if at < nm else 0
+    at = (q - n) % nm
+    for j in range(n + 1, 4 * n + 1, 3):
+        n0, n1, n2 = added(n0, n1, n2, G, j, load(ip, at))
+        n0, n1, n2 = added(n0, n1, n2, G, j + 1, load(iv, at))
+        at = at + 1 if at + 1 < nm else 0
+    if mhe.arrival and q >= nm:
+        at = 3 * ((q - nm) % (nm + 1))
+        for m in range(3):
+            n0, n1, n2 = added(n0, n1, n2, G, 4 * n + 1 + m, load(registers.arrival, at + m))
+    store(registers.node, 0, n0)
+    store(registers.node, 1, n1)
+    store(registers.node, 2, n2)
 
 
 @njit

@@ -21,9 +21,9 @@ Groups = tuple[Array, ...]
 class FilterArrays(NamedTuple):
     """One axis of the Kalman filter: states (p, v, a, b).
 
-    A (4, 4), B (4,) input column, h (4,) force row, K (rows, 4, 2), applied (rows,), C and W
-    (rows, 4, 4) smoother gains and window products, cycle, input_delay and window in steps,
-    fix_interval M.
+    A (4, 4), B (4,) input column, h (4,) force row, K (rows, 4, 2), applied (rows,), C (rows, 4, 4)
+    smoother gains and D (rows, 4, 2) what leaves its window, cycle, input_delay and window in
+    steps, fix_interval M.
     """
 
     A: Array
@@ -32,7 +32,7 @@ class FilterArrays(NamedTuple):
     K: Array
     applied: NDArray[np.bool_]
     C: Array
-    W: Array
+    D: Array
     cycle: int
     input_delay: int
     window: int
@@ -106,17 +106,15 @@ class Scratch(NamedTuple):
 
     Each field has an array per group of lanes.
     r and s (window + chunk, 8) innovations; X (4 (window + chunk), 8) states, up to four rows per
-    step; V and P (prediction + 1, 8) sums of inputs; positions (chunk, 8) what the MHE gives the
-    filter; e (4 window, 8) corrections that the smoother has still to take back.
+    step; inputs (2, 8) what the predictor has of them; positions (chunk, 8) what the MHE gives the
+    filter.
     """
 
     r: Groups
     s: Groups
     X: Groups
-    V: Groups
-    P: Groups
+    inputs: Groups
     positions: Groups
-    e: Groups
 
 
 class Output(NamedTuple):
@@ -137,10 +135,10 @@ def new_registers(groups: int, window: int, horizon: int) -> Registers:
     return Registers(*(tuple(block[:, a:b]) for a, b in pairwise([0, *stops])))
 
 
-def new_scratch(groups: int, chunk: int, window: int, prediction: int) -> Scratch:
+def new_scratch(groups: int, chunk: int, window: int) -> Scratch:
     """Working memory for chunks of that many steps."""
     steps = window + chunk
-    rows = (steps, steps, 4 * steps, prediction + 1, prediction + 1, chunk, 4 * max(window, 1))
+    rows = (steps, steps, 4 * steps, 2, chunk)
     return Scratch(*(_zeros(groups, n) for n in rows))
 
 

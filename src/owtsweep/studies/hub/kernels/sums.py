@@ -15,9 +15,9 @@ vy, NEES, NIS; window 0 is the part before settling, window 1 the part after.
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.filtering import schedule_row
-from owtsweep.studies.hub.kernels.lagging import begin_prediction, predict
-from owtsweep.studies.hub.kernels.vector import groups, load, store, zero
+from owtsweep.estimation.windowing import schedule_row
+from owtsweep.studies.hub.kernels.lagging import begin_prediction, leave_prediction, predict
+from owtsweep.studies.hub.kernels.vector import element, groups, load, store, zero
 
 
 @njit
@@ -27,19 +27,26 @@ def add(sums, row, term):
 
 
 @njit
-def begin(k0, first, force, base, predictor, scratch):
-    """What the first step's prediction goes on from; zeros where nothing is predicted."""
-    if predictor.steps > 0:
-        return begin_prediction(k0, first, force, base, predictor, scratch)
-    return zero(force), zero(force), 0, 0
+def precision_of(precision, row):
+    """The elements pp, pv, vv of a row."""
+    at = 3 * row
+    return element(precision, at), element(precision, at + 1), element(precision, at + 2)
 
 
 @njit
-def estimate(i, at, shift, v, p, newest, oldest, force, predictor, scratch, position, velocity):
-    """What the next step goes on from, and the position and velocity of the chunk's step i."""
+def begin(k0, first, force, base, predictor, scratch):
+    """What the first step's prediction starts from; zeros where nothing is predicted."""
     if predictor.steps > 0:
-        return predict(i, load(force, at - 1), v, p, newest, oldest, predictor, scratch)
-    return v, p, newest, oldest, load(position, i - shift), load(velocity, i - shift)
+        return begin_prediction(k0, first, force, base, predictor, scratch)
+    return zero(force), zero(force)
+
+
+@njit
+def estimate(i, at, shift, dv, dp, force, predictor, scratch, position, velocity):
+    """Position and velocity of the chunk's step i, and what the next step's prediction needs."""
+    if predictor.steps > 0:
+        return predict(i, at, dv, dp, force, predictor, scratch.X)
+    return load(position, i - shift), load(velocity, i - shift), dv, dp
 
 
 @njit
@@ -51,7 +58,7 @@ def superposed_innovations(k0, first, stop, top, output, direction, chain, weigh
     sm, sx, sy = groups(output.innovation)
     for i in range(first, stop):
         row = schedule_row(k0 + i, rows, chain.filter.cycle)
-        if fresh[row]:
+        if element(fresh, row):
             w = weight[row]
             s, x, y = load(sm, i), load(sx, i), load(sy, i)
             add(sums, top, w * s * s)
@@ -77,15 +84,15 @@ def superposed_span(k0, first, stop, shift, top, position, velocity, force, base
     t9, t10, t11 = load(sums, top + 9), load(sums, top + 10), load(sums, top + 11)
     t12, t13, t14 = load(sums, top + 12), load(sums, top + 13), load(sums, top + 14)
     row = schedule_row(k0 + first, rows, cycle)
-    sv, sp, newest, oldest = begin(k0, first, force, base, predictor, scratch)
+    dv, dp = begin(k0, first, force, base, predictor, scratch)
     for i in range(first, stop):
         at = k0 + i - base
-        sv, sp, newest, oldest, x, w = estimate(
-            i, at, shift, sv, sp, newest, oldest, force, predictor, scratch, positions, velocities
+        x, w, dv, dp = estimate(
+            i, at, shift, dv, dp, force, predictor, scratch, positions, velocities
         )
         m, px, py = groups(x)
         mv, vx, vy = groups(w)
-        pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
+        pp, pv, vv = precision_of(precision, row)
         p, v = m - load(position, at), mv - load(velocity, at)
         pn, vn = cx * px + cy * py, cx * vx + cy * vy
         t0 = t0 + cx * cx * p * p
@@ -108,6 +115,7 @@ def superposed_span(k0, first, stop, shift, top, position, velocity, force, base
         row += 1
         if row == rows:
             row = rows - cycle
+    leave_prediction(dv, dp, scratch)
     store(sums, top, t0)
     store(sums, top + 1, t1)
     store(sums, top + 2, t2)
@@ -143,15 +151,15 @@ def direct_span(k0, first, stop, shift, top, position, velocity, force, base, sc
     t2, t5, t8 = load(sums, top + 2), load(sums, top + 5), load(sums, top + 8)
     t11, t14, t17 = load(sums, top + 11), load(sums, top + 14), load(sums, top + 17)
     row = schedule_row(k0 + first, rows, cycle)
-    sv, sp, newest, oldest = begin(k0, first, force, base, predictor, scratch)
+    dv, dp = begin(k0, first, force, base, predictor, scratch)
     for i in range(first, stop):
         at = k0 + i - base
-        sv, sp, newest, oldest, x, w = estimate(
-            i, at, shift, sv, sp, newest, oldest, force, predictor, scratch, positions, velocities
+        x, w, dv, dp = estimate(
+            i, at, shift, dv, dp, force, predictor, scratch, positions, velocities
         )
         ex, ey = groups(x)
         evx, evy = groups(w)
-        pp, pv, vv = precision[row, 0], precision[row, 1], precision[row, 2]
+        pp, pv, vv = precision_of(precision, row)
         p, v = load(position, at), load(velocity, at)
         px, py = ex - cx * p, ey - cy * p
         vx, vy = evx - cx * v, evy - cy * v
@@ -164,12 +172,13 @@ def direct_span(k0, first, stop, shift, top, position, velocity, force, base, sc
         )
         if keep:
             store(squared, k0 + i, px * px + py * py)
-        if fresh[row]:
+        if element(fresh, row):
             zx, zy = load(sx, i), load(sy, i)
             t17 = t17 + weight[row] * (zx * zx + zy * zy)
         row += 1
         if row == rows:
             row = rows - cycle
+    leave_prediction(dv, dp, scratch)
     store(sums, top + 2, t2)
     store(sums, top + 5, t5)
     store(sums, top + 8, t8)

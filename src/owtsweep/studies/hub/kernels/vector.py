@@ -18,6 +18,7 @@ are read once for all.
 Inside kernels: `borrowed` makes rows of tuples of C-contiguous (n, 8) arrays, one array per group;
 `load(rows, i)` and `store(rows, i, vector)` move row i, unchecked; `prefetch(rows, i)` asks for one
 early; `zero(rows)` is as many zeros; `groups` takes both apart; `+ - * /` take vectors and floats.
+`element(array, i)` is an element of any C-contiguous array, unchecked.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ import operator
 from typing import Any
 
 from llvmlite import ir
-from numba.core import cgutils, types
+from numba.core import cgutils, config, types
+from numba.core.codegen import get_host_cpu_features
 from numba.core.datamodel import models
 from numba.core.imputils import lower_cast
 from numba.core.typeconv import Conversion
@@ -36,6 +38,11 @@ from numba.extending import intrinsic, lower_builtin, register_model
 
 #: Lanes of a vector: one 512-bit register, two of 256 bits, four of 128.
 WIDTH = 8
+
+#: Whether registers hold all that two groups of lanes need at once: 32 of 512 bits, or 16 of 256.
+ROOMY = "+avx512f" in (
+    get_host_cpu_features() if config.CPU_FEATURES is None else config.CPU_FEATURES
+)
 
 #: Rows ahead of their use that streams from memory are asked for.
 AHEAD = 128
@@ -171,6 +178,24 @@ def groups(typingctx: Any, whole: Any) -> Any:
         return context.make_tuple(builder, sig.return_type, parts)
 
     return containers.UniTuple(alone, whole.parts)(kind), codegen
+
+
+@intrinsic
+def element(typingctx: Any, array: Any, i: Any) -> Any:
+    """Element i of a C-contiguous array as it lies in memory, unchecked, whatever its shape.
+
+    With an index for each dimension numba must take care of negative ones and of strides that it
+    does not know: for each row of a small matrix that is as much work as the sum it is needed for.
+    """
+    if array.layout != "C":
+        return None
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        whole = context.make_array(sig.args[0])(context, builder, args[0])
+        value = builder.load(builder.gep(whole.data, [args[1]]))
+        return context.data_model_manager[array.dtype].from_data(builder, value)
+
+    return array.dtype(array, types.intp), codegen
 
 
 def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
