@@ -196,7 +196,7 @@ def compose(
     if marks.lists:
         plain = None
         # whatever is wrong with it is told by the ordinary way
-        with suppress(HydraException, OmegaConfBaseException, ValueError):
+        with suppress(HydraException, OmegaConfBaseException, ValueError, TypeError):
             marked = _composed(primary, [*search, *short])
             plain = marks.back(OmegaConf.to_container(marked, resolve=True))
         if plain is not None:
@@ -204,7 +204,7 @@ def compose(
             return _from_plain(plain)
     try:
         composed = _composed(primary, [*search, *overrides])
-    except ValueError as error:  # a number where Hydra expects the name of a group's option
+    except (ValueError, TypeError) as error:  # a number where Hydra expects an option's name
         groups = {path.name for path in conf_directory().iterdir() if path.is_dir()}
         wrong = [o for o in overrides if o.split("=")[0] in groups]
         if not wrong:

@@ -43,6 +43,7 @@ COMPOSED = [
     ("grid.natural_period=[4", "grid.natural_period", r"no override; use key=value"),
     ("grid", "grid", r"no override; use key=value"),
     ("sensors=5", "sensors", r"config group"),
+    ("tuning=[1,2]", "tuning", r"config group"),
     *(
         (f"spectrum=printed grid.natural_period=[{T}]", "spectrum=printed",
          rf"no finite peak at {T} s .* use spectrum=translated")
