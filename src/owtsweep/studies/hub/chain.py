@@ -60,12 +60,7 @@ class Chain:
     @cached_property
     def precision(self) -> Array:
         """(rows, 3): elements pp, pv, vv of the inverse of the output's covariance."""
-        result = room(self.gains.rows, 3)
-        for first, part in self._covariances():
-            stop = first + len(part)
-            result[first:stop] = np.linalg.inv(part)[:, [0, 0, 1], [0, 1, 1]]
-            release(result, first, stop)
-        return packed(result)
+        return self._precision()
 
     @cached_property
     def innovation_weight(self) -> Array:
@@ -87,8 +82,17 @@ class Chain:
             gains=replace(self.gains, K=K, predicted=none, filtered=none),
             filter=self.filter._replace(K=K, C=packed(self.filter.C), D=packed(self.filter.D)),
         )
-        vars(result)["precision"] = self.precision
+        # Until Python 3.12 a cached property has one lock for all chains: they would wait in turn.
+        vars(result)["precision"] = self._precision()
         return result
+
+    def _precision(self) -> Array:
+        result = room(self.gains.rows, 3)
+        for first, part in self._covariances():
+            stop = first + len(part)
+            result[first:stop] = np.linalg.inv(part)[:, [0, 0, 1], [0, 1, 1]]
+            release(result, first, stop)
+        return packed(result)
 
     def _covariances(self) -> Iterator[tuple[int, Array]]:
         steps = self.predictor.steps

@@ -96,6 +96,11 @@ class Feed:
         The first replicate's index in the records; the next seven follow, as far as there are any.
     amplitude
         None for motion and noise apart.
+
+    Attributes
+    ----------
+    fixes
+        (groups, fixes, 8) positions that the GNSS reports, m; the same for all chains.
     """
 
     def __init__(self, records: Records, first: int = 0, amplitude: float | None = None) -> None:
@@ -103,10 +108,9 @@ class Feed:
         self.indices = range(first, min(first + WIDTH, len(records.replicates)))
         self.amplitude = amplitude
         self.groups = 3 if amplitude is None else 2
+        self.fixes = self._fixes()
 
-    @cached_property
-    def fixes(self) -> Array:
-        """(groups, fixes, 8) positions that the GNSS reports, m; the same for all chains."""
+    def _fixes(self) -> Array:
         sensors = self.records.sensors
         count = fix_count(self.records.steps, sensors.fix_interval)
         motion = np.zeros((count, WIDTH))
