@@ -50,9 +50,13 @@ def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
     transform: Any = irfft if length <= LONG else np.fft.irfft
     rows = np.empty((len(turns), length))
     count = max(min(len(turns) // 4, SIDE_BY_SIDE), TOGETHER // length, 1)
+    # as long as the transform takes them: it would make longer ones itself, each time anew
+    padded = np.zeros((min(count, len(turns)), length // 2 + 1), dtype=complex)
     for first in range(0, len(turns), count):
-        some = slice(first, first + count)
-        rows[some] = transform(bins * turns[some], n=length, axis=1)
+        own = turns[first : first + count]
+        some = padded[: len(own)]
+        np.multiply(bins, own, out=some[:, : len(bins)])
+        rows[first : first + count] = transform(some, n=length, axis=1)
     return rows
 
 
