@@ -169,6 +169,16 @@ def test_smoothing_side_by_side_is_smoothing_group_by_group(k0: int) -> None:
     [
         ("matched", ("hme.mhe.inputs=sampled",)),
         ("paper", ("sensors.gnss.delay=0.65", "hme.smoother_window=8")),
+        # ticks that chunks of 500 steps cut through
+        (
+            "paper",
+            (
+                "sensors.gnss.rate=1.25",
+                "hme.mhe.interval=0.8",
+                "hme2.update_rule=mask_rows",
+                "hme2.r_gnss.scale=100",
+            ),
+        ),
     ],
 )
 def test_kernels_are_the_algorithms(name: str, tuning: str, changes: tuple[str, ...]) -> None:

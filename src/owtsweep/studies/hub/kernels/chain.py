@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import FINAL, PREDICTED, WHOLE, filter_steps
-from owtsweep.studies.hub.kernels.horizon import horizon_fix, horizon_steps
+from owtsweep.studies.hub.kernels.horizon import horizon_fix, horizon_steps, tick_of
 from owtsweep.studies.hub.kernels.lagging import (
     begin_prediction,
     keep,
@@ -42,16 +42,18 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
             horizon_fix(q, fixes, mhe, registers)
         horizon_steps(k0, first, end, force, source, q, fixes, mhe, M, registers, positions)
         if at_fix and mhe.arrival:  # register 3 takes the state that this fix has corrected
-            filter_steps(k0, begun, first + 1, force, source, positions, begun, 0, 1, chain, x,
-                         scratch, output, shift, width, after)  # fmt: skip
+            filter_steps(k0, begun, first + 1, force, source, positions,
+                         tick_of(k0, begun, mhe.interval), (k0 + begun) % mhe.interval,
+                         mhe.interval, chain, x, scratch, output, shift, width, after)  # fmt: skip
             oldest = 3 * (q % (mhe.horizon + 1))
             store(registers.arrival, oldest, load(x, 0))
             store(registers.arrival, oldest + 1, load(x, 1))
             store(registers.arrival, oldest + 2, load(x, 3))
             begun = first + 1
         first = end
-    filter_steps(k0, begun, stop, force, source, positions, begun, 0, 1, chain, x, scratch,
-                 output, shift, width, after)  # fmt: skip
+    filter_steps(k0, begun, stop, force, source, positions, tick_of(k0, begun, mhe.interval),
+                 (k0 + begun) % mhe.interval, mhe.interval, chain, x, scratch, output, shift, width,
+                 after)  # fmt: skip
 
 
 @njit

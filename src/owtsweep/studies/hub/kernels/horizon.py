@@ -49,13 +49,19 @@ def horizon_fix(q, fixes, mhe, registers):
 
 
 @njit
+def tick_of(k0, i, interval):
+    """The row of the position that holds at a chunk's step i: its first tick has row 0."""
+    return (k0 + i) // interval - k0 // interval
+
+
+@njit
 def horizon_steps(
     k0, first, stop, force, source, q, fixes, mhe, fix_interval, registers, positions
 ):
     """The MHE's positions of steps k0 + first ... k0 + stop - 1, all after fix number q.
 
-    Row i of `positions` is that of step k0 + i, (11d) with nothing to contradict its last link;
-    between the ticks of T_m (the fixes, until there is a solution) it holds the last one. The
+    A position is (11d) with nothing to contradict its last link at the ticks of T_m, and holds
+    until the next (until there is a solution it is the last fix). Row `tick_of` a step is its. The
     specific force of step k0 + i, row source + i, is integrated as it reaches the MHE.
     """
     T = mhe.step
@@ -66,16 +72,20 @@ def horizon_steps(
     p, v, gathered, mean = load(running, 0), load(running, 1), load(running, 2), load(running, 3)
     held = load(registers.fix, 0)
     k = k0 + first
-    phase = k % interval
+    phase, tick = k % interval, tick_of(k0, first, interval)
     since_fix = k - q * fix_interval
+    if phase > 0:
+        store(positions, tick, held)
+        tick += 1
     for i in range(first, stop):
-        if solved:
-            if phase == 0:
+        if phase == 0:
+            if solved:
                 tf = since_fix * T
                 held = n0 + tf * n1 + 0.5 * tf * tf * n2 + p
-        elif since_fix == 0:
-            held = load(fixes, q)
-        store(positions, i, held)
+            elif since_fix == 0:
+                held = load(fixes, q)
+            store(positions, tick, held)
+            tick += 1
         u = load(force, source + i)
         if inputs != ALL:
             gathered = gathered + u

@@ -107,7 +107,7 @@ class Scratch(NamedTuple):
     Each field has an array per group of lanes.
     r and s (window + chunk, 8) innovations; X (4 (window + chunk), 8) states, up to four rows per
     step; inputs (2, 8) what the predictor has of them; positions (chunk, 8) what the MHE gives the
-    filter.
+    filter, one per tick of T_m.
     """
 
     r: Groups
