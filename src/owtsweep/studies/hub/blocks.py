@@ -17,13 +17,12 @@ from owtsweep.config import as_mapping
 from owtsweep.errors import as_text
 from owtsweep.studies.base import Block
 from owtsweep.studies.hub import measures
-from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.batch import Sums, direct_sums_of, superposed_sums_of
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
 from owtsweep.studies.hub.loop import run_estimator
-from owtsweep.studies.hub.records import Records, make_records, steps_of
+from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve_all, under
 from owtsweep.studies.hub.sensors import Measurements, observe
 
@@ -132,24 +131,24 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
     Schemes with a kernel share each span of the records while it is in the cache, so all blocks
     of an amplitude (or all that superpose) are run when the first of them is due.
     """
-    if not blocks:
-        return
+    records: Records | None = None
     schemes = {s.name: under(s, config) for s in resolve_all(config.schemes)}
-    records, chains = _records_and_chains(config, blocks, schemes)
     ready: dict[int, pd.DataFrame | Exception] = {}
     for number, block in enumerate(blocks):
         content = block.content
+        if records is None:
+            records = make_records(config, content["natural_period"], content["replicates"])
         scheme = schemes[content["scheme"]]
         amplitude = content.get("amplitude")
-        if scheme.name in chains:
+        if uses_kernels(config, scheme):
             if number not in ready:
                 together = {
-                    later: other.content["scheme"]
+                    later: schemes[other.content["scheme"]]
                     for later, other in enumerate(blocks[number:], number)
                     if other.content.get("amplitude") == amplitude
-                    and other.content["scheme"] in chains
+                    and uses_kernels(config, schemes[other.content["scheme"]])
                 }
-                ready.update(_by_kernels(config, together, chains, records, amplitude))
+                ready.update(_by_kernels(config, together, records, amplitude))
             found = ready.pop(number)
             if isinstance(found, Exception):
                 raise found
@@ -185,16 +184,15 @@ def _joined(columns: list[Any]) -> Any:
 
 def _by_kernels(
     config: HubConfig,
-    schemes: Mapping[int, str],
-    made: Mapping[str, Chain | Exception],
+    schemes: Mapping[int, Any],
     records: Records,
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame | Exception]:
     """Rows of several schemes at one amplitude, or what keeps a scheme from having a chain."""
+    made = dict(zip(schemes, _chains(config, list(schemes.values()), records), strict=True))
     result: dict[int, pd.DataFrame | Exception] = {}
     chains: dict[int, Chain] = {}
-    for number, scheme in schemes.items():
-        found = made[scheme]
+    for number, found in made.items():
         if isinstance(found, Exception):  # raised when its block is due: the others come first
             result[number] = found
         else:
@@ -209,39 +207,28 @@ def _by_kernels(
         keep = config.measures.extremes
         sums = direct_sums_of(every, records, amplitude, settled, keep_squared=keep)
     tables = [
-        _from_sums(own, schemes[number], records, amplitude)
+        _from_sums(own, schemes[number].name, records, amplitude)
         for number, own in zip(chains, sums, strict=True)
     ]
     return result | dict(zip(chains, _frames(tables), strict=True))
 
 
-def _records_and_chains(
-    config: HubConfig, blocks: Sequence[Block], schemes: Mapping[str, Any]
-) -> tuple[Records, dict[str, Chain | Exception]]:
-    """A group's records, and the chains of its schemes with a kernel or what keeps them from one.
-
-    All are made at once where nobody else has work for the cores.
-    """
-    sensors = sensing.sensors(config.sensors)
-    steps = steps_of(config, sensors)
+def _chains(
+    config: HubConfig, schemes: Sequence[Any], records: Records
+) -> Iterable[Chain | Exception]:
+    """The schemes' chains; several at once where nobody else has work for the cores."""
 
     def made(scheme: Any) -> Chain | Exception:
         try:
-            return chain_for_runs(scheme, sensors, config, steps)
+            return chain_for_runs(scheme, records.sensors, config, records.steps)
         except Exception as error:
             return error
 
-    content = blocks[0].content
-    names = dict.fromkeys(block.content["scheme"] for block in blocks)
-    compiled = [name for name in names if uses_kernels(config, schemes[name])]
-    threads = min(_threads(config, list(schemes.values())), len(compiled))
-    if threads < 2:
-        records = make_records(config, content["natural_period"], content["replicates"])
-        return records, {name: made(schemes[name]) for name in compiled}
+    threads = min(_threads(config, schemes), len(schemes))
+    if threads == 1:
+        return map(made, schemes)
     with ThreadPoolExecutor(threads) as pool:
-        chains = [pool.submit(made, schemes[name]) for name in compiled]
-        records = make_records(config, content["natural_period"], content["replicates"])
-    return records, {name: chain.result() for name, chain in zip(compiled, chains, strict=True)}
+        return list(pool.map(made, schemes))
 
 
 def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:

@@ -78,15 +78,10 @@ class Records:
         return len(self.motion[0].position)
 
 
-def steps_of(config: HubConfig, known: Sensors) -> int:
-    """IMU steps of a record."""
-    return round(config.record.duration / known.step)
-
-
 def make_records(config: HubConfig, natural_period: float, replicates: Sequence[int]) -> Records:
     """The records of one period and some replicates: motion now, noise when it is needed."""
     known = sensing.sensors(config.sensors)
-    steps = steps_of(config, known)
+    steps = round(config.record.duration / known.step)
     shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
     angle = np.deg2rad(config.wave_direction)
     size = (len(replicates), 3, steps)
