@@ -13,7 +13,7 @@ from tools import Array, assert_same, configure
 from owtsweep.compiled import njit
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.kernels.filtering import PREDICTED
 from owtsweep.studies.hub.kernels.lagging import smooth_chunk
@@ -141,21 +141,18 @@ def squares(chain: Chain, records: Records, settled: int) -> Array:
 @njit
 def _together(k0, count, arrays, X, r, s, u):
     c, target, force = borrowed(arrays), borrowed(X), borrowed(u)
-    smooth_chunk(k0, count, c.filter, c.predictor, PREDICTED, target, borrowed(r), borrowed(s),
-                 force, force, 0)  # fmt: skip
+    smooth_chunk(k0, count, c, PREDICTED, target, borrowed(r), borrowed(s), force, force, 0)
 
 
 @pytest.mark.parametrize("k0", [0, 400])
 def test_smoothing_side_by_side_is_smoothing_group_by_group(k0: int) -> None:
     config = configure(tuning="matched")
     sensors = sensing.sensors(config.sensors)
-    chain = resolve("HME1").kernel(sensors, config, 1000)  # type: ignore[attr-defined]
+    chain = chain_for_runs(resolve("HME1"), sensors, config, 1000)
     window, count = chain.filter.window, 300
     draw = np.random.default_rng(k0)
     rows = (PREDICTED * (window + count), window + count, window + count, window + 3 * count)
-    X, r, s, u = (
-        tuple(draw.normal(size=(n, 8)) for _ in range(3)) for n in rows
-    )  # fmt: skip
+    X, r, s, u = (tuple(draw.normal(size=(n, 8)) for _ in range(3)) for n in rows)
     alone = tuple(np.copy(rows) for rows in X)
     _together(k0, count, batch.arrays_of(chain), X, r, s, u)
     for own in zip(alone, r, s, u, strict=True):

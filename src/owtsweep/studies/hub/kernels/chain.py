@@ -70,8 +70,8 @@ def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, wh
     predictor takes of them.
     `after` are rows, based as the force's, that are read once the states are there.
     """
-    window, predictor = chain.filter.window, chain.predictor
-    width = WHOLE if whole or predictor.steps == 0 else PREDICTED
+    window = chain.filter.window
+    width = WHOLE if whole or chain.predictor.steps == 0 else PREDICTED
     recall(window, width, registers, scratch)
     filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, width,
                 after)  # fmt: skip
@@ -79,14 +79,14 @@ def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, wh
     if window == 0:
         return
     if ROOMY:
-        smooth_chunk(k0, count, chain.filter, predictor, width, scratch.X, scratch.r, scratch.s,
-                     after, force, k0 - base)  # fmt: skip
+        smooth_chunk(k0, count, chain, width, scratch.X, scratch.r, scratch.s, after, force,
+                     k0 - base)  # fmt: skip
     else:  # group by group: a group has enough to do while a step waits, and all of it fits
         X, r, s = groups(scratch.X), groups(scratch.r), groups(scratch.s)
         late, u = groups(after), groups(force)
         for g in range(len(X)):
-            smooth_chunk(k0, count, chain.filter, predictor, width, X[g], r[g], s[g],
-                         late[g % len(late)], u[g], k0 - base)  # fmt: skip
+            smooth_chunk(k0, count, chain, width, X[g], r[g], s[g], late[g % len(late)], u[g],
+                         k0 - base)  # fmt: skip
 
 
 @njit

@@ -27,7 +27,7 @@ def carried_back(y0, y1, y2, y3, C, row):
 
 
 @njit
-def smooth_chunk(k0, count, arrays, predictor, width, X, r, s, after, force, source):
+def smooth_chunk(k0, count, chain, width, X, r, s, after, force, source):
     """Replace X of the steps k0 - window ... by their smoothed states (Algorithm 8).
 
     With innovations i_k, e_k = K_k i_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed
@@ -39,6 +39,7 @@ def smooth_chunk(k0, count, arrays, predictor, width, X, r, s, after, force, sou
     row of `force` that lies a chunk further: there is more time to fetch them here than in filter
     and MHE, which work through their rows faster than memory gives them.
     """
+    arrays, predictor = chain.filter, chain.predictor
     window, C, D = arrays.window, arrays.C, arrays.D
     rows, cycle = C.shape[0], arrays.cycle
     K, applied = arrays.K, arrays.applied
@@ -110,9 +111,8 @@ def begin_prediction(k0, first, force, base, predictor, scratch):
 def predict(i, at, dv, dp, force, predictor, X):
     """Algorithm 9 at the chunk's step i: position, velocity, and the next step's dv and dp.
 
-    The states' part lies in X. The inputs' is a moving sum: the newest, row `at`
-    of the force, enters and the oldest leaves. It is made anew in every chunk, so its rounding
-    does not add up.
+    The states' part lies in X. The inputs' is a moving sum: the newest, row `at` of the force,
+    enters and the oldest leaves. It is made anew in every chunk, so its rounding does not add up.
     """
     n, T, half = predictor.steps, predictor.step, predictor.half
     x, w = load(X, PREDICTED * i) + dp, load(X, PREDICTED * i + 1) + dv
