@@ -69,6 +69,17 @@ def test_both_recursions_are_the_window_pass(window: int) -> None:
         np.testing.assert_allclose(run.filtered[k] + S, expected[k], rtol=1e-8, atol=1e-11)
 
 
+@pytest.mark.parametrize("window", [3, 2 * problem.INTERVAL + 1])
+def test_what_leaves_the_window_when_the_rows_repeat(window: int) -> None:
+    gains = problem.gains()
+    C, D = smoother_gains(gains, problem.model().A, window)
+    for k in range(gains.rows - gains.cycle - window, gains.rows):
+        taken_back = -gains.K[gains.row(k + window)]
+        for step in range(k + window - 1, k - 1, -1):
+            taken_back = C[gains.row(step)] @ taken_back
+        np.testing.assert_allclose(D[k], taken_back, rtol=1e-12, atol=1e-15)
+
+
 @pytest.mark.parametrize(("window", "inputs"), [(0, 3), (4, 4), (4, 9), (9, 6)])
 def test_window_covariances_are_the_dense_ones(window: int, inputs: int) -> None:
     gains = problem.gains()
