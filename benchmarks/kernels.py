@@ -1,15 +1,17 @@
 """How fast the batch kernels are, alone: ns per step and series, and share of the machine's peaks.
 
 A series is a two-axis record (8 states, two lanes), whole, run directly: filter, MHE, smoother,
-predictor and error sums, with sensors and truth made before and lying in memory. A thread goes
-through its share of the series in one call, so Python is left out. What is counted:
+predictor and error sums, with sensors and truth made before and lying in memory. Threads take the
+series eight at a time until none are left, as a sweep's workers take their blocks: where a core is
+slowed down by others, the rest does more. Each does so in one call, so Python is left out. What is
+counted:
 
 operations (additions, multiplications) per lane and step, as the algorithm needs them
     filter      27, and 9 more at steps with a position: prediction 15, innovation 4 of the specific
                 force, correction 8
     smoother    44: what leaves the window 8, gain 28, two sums of four; 8 more where a position
                 leaves the window
-    predictor   18: moving sums 10, states 8
+    predictor   17: moving sums 9, states 8
     MHE         6 for the inputs, 1 more if averaged or sampled, 5 at each tick of T_m, and
                 3 (2 (n + 1) + 4 n + 6 with an arrival term) at each fix, n = N_m
 per series and step
@@ -61,7 +63,7 @@ def work(chain: Any, steps: int, series: int) -> Work:
     if window:
         lane += 44.0 + 8.0 * applied
     if chain.predictor.steps:
-        lane += 18.0
+        lane += 17.0
     mhe = chain.mhe
     if mhe.active:
         n = mhe.horizon
@@ -105,20 +107,40 @@ def _driver() -> Any:
 
     Registers are those that the tile before has left: it does not matter for the time.
     """
+    from llvmlite import ir
+    from numba import types
+    from numba.extending import intrinsic
+
     from owtsweep.compiled import njit
     from owtsweep.studies.hub.kernels.runs import direct
 
+    @intrinsic
+    def taken(typingctx: Any, counter: Any) -> Any:
+        """The number in counter (1,), which the next one to ask finds one higher, on any thread."""
+
+        def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+            whole = context.make_array(counter)(context, builder, args[0])
+            return builder.atomic_rmw(
+                "add", whole.data, ir.Constant(ir.IntType(64), 1), "monotonic"
+            )
+
+        return types.int64(counter), codegen
+
     @njit
-    def work_through(first, apart, count, steps, chunk, lead, fed, direction, arrays, weights,
+    def work_through(counter, threads, count, steps, chunk, lead, fed, direction, arrays, weights,
                      registers, scratch, output, sums, squared):  # fmt: skip
         fx, fy, zx, zy, position, velocity = fed
-        for turn in range(first, count, apart):
+        turn = taken(counter)
+        while turn < count:
             tile = turn % fx.shape[0]
             direct(
                 0, steps, chunk, 2000, (fx[tile], fy[tile]), -lead, (zx[tile], zy[tile]),
                 position[tile], velocity[tile], direction, arrays, weights, registers, scratch,
                 output, sums, squared,
             )  # fmt: skip
+            turn = taken(counter)
+        if turn == count + threads - 1:  # the last one to find nothing left
+            counter[0] = 0
 
     return work_through
 
@@ -140,6 +162,7 @@ class Job:
         self.threads, self.series, self.steps = threads, series, steps
         self.shape = (steps, *chunk_of(self.chain))
         filter_, mhe = self.chain.filter, self.chain.mhe
+        self.counter = np.zeros(1, dtype=np.int64)
         self.memory = [
             (new_registers(2, filter_.window, mhe.horizon), *shared_memory([self.chain], 2))
             for _ in range(threads)
@@ -149,8 +172,8 @@ class Job:
     def __call__(self, thread: int) -> None:
         tiles = PASSES * self.series // 8
         _driver()(
-            thread, self.threads, tiles, *self.shape, self.fed, np.array([0.8, 0.6]), *self.own,
-            *self.memory[thread], np.zeros((36, 8)), np.empty((0, 8)),
+            self.counter, self.threads, tiles, *self.shape, self.fed, np.array([0.8, 0.6]),
+            *self.own, *self.memory[thread], np.zeros((36, 8)), np.empty((0, 8)),
         )  # fmt: skip
 
     def each(self, seconds: float) -> float:

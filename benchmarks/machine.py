@@ -36,20 +36,8 @@ def last_cache() -> int:
 
 @cache
 def _compiled() -> tuple[Any, Any, Any]:
-    from numba.extending import intrinsic
-
     from owtsweep.compiled import njit
-    from owtsweep.studies.hub.kernels.vector import VECTOR, borrowed, load, store
-
-    @intrinsic
-    def rounded(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
-        """a * b + c in two instructions; vectors fuse them of themselves."""
-
-        def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-            x, y, z = (builder.extract_value(value, 0) for value in args)
-            return builder.insert_value(args[0], builder.fadd(builder.fmul(x, y), z), 0)
-
-        return VECTOR(VECTOR, VECTOR, VECTOR), codegen
+    from owtsweep.studies.hub.kernels.vector import borrowed, load, rounded, store
 
     @njit
     def triad(a, b, c, factor):
@@ -63,8 +51,9 @@ def _compiled() -> tuple[Any, Any, Any]:
         a, b, c, d = load(values, 2), load(values, 3), load(values, 4), load(values, 5)
         e, f, g, h = load(values, 6), load(values, 7), load(values, 8), load(values, 9)
         for _ in range(count):
-            a, b, c, d = rounded(a, m, s), rounded(b, m, s), rounded(c, m, s), rounded(d, m, s)
-            e, f, g, h = rounded(e, m, s), rounded(f, m, s), rounded(g, m, s), rounded(h, m, s)
+            a, b, c = rounded(a * m) + s, rounded(b * m) + s, rounded(c * m) + s
+            d, e, f = rounded(d * m) + s, rounded(e * m) + s, rounded(f * m) + s
+            g, h = rounded(g * m) + s, rounded(h * m) + s
         store(values, 2, a + b + c + d + e + f + g + h)
 
     @njit

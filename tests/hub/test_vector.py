@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import aligned
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.vector import borrowed, element, groups, load, store
+from owtsweep.studies.hub.kernels.vector import borrowed, element, groups, load, rounded, store
 
 ELSEWHERE = "OWTSWEEP_TEST_GENERIC_PROCESSOR"
 NAMES = (
     "x + a * b", "a * b + x", "x - a * b", "a * b - x", "a * b + c * d", "a * b - c * d", "a * b",
     "a * b * c", "a * b / c", "f * a + x", "f - a * b", "x + a - b", "x + (a * b + c * d)",
-    "in a branch", "in groups", "returned", "in a loop",
+    "in a branch", "in groups", "returned", "in a loop", "x + rounded(a * b)",
 )  # fmt: skip
 
 
@@ -57,6 +57,7 @@ def _evaluated(values, f, more, found):
         x = x + kept
         kept = c * d
     store(target, 16, x)
+    store(target, 17, load(rows, 0) + rounded(a * b))
     sometimes = a * b
     if more:
         sometimes = sometimes + c * d
@@ -72,7 +73,7 @@ def _exact(x: float, a: float, b: float, c: float, d: float, f: float, more: boo
     return [
         fma(a, b, x), fma(a, b, x), fma(-a, b, x), fma(a, b, -x), both, fma(-c, d, a * b), a * b,
         a * b * c, a * b / c, fma(f, a, x), fma(-a, b, f), x + a - b, x + both,
-        both if more else a * b, a * b, fma(a, b, a), fma(c, d, fma(a, b, x)),
+        both if more else a * b, a * b, fma(a, b, a), fma(c, d, fma(a, b, x)), x + a * b,
     ]  # fmt: skip
 
 

@@ -26,7 +26,7 @@ class HubStudy:
 
     name = "hub"
     schema_version = 1
-    numerics_version = 3
+    numerics_version = 4
 
     def config_type(self) -> type[HubConfig]:
         """The study's configuration."""

@@ -22,7 +22,7 @@ class ReadingsStudy:
 
     name = "readings"
     schema_version = 1
-    numerics_version = 3
+    numerics_version = 4
 
     def config_type(self) -> type[ReadingsConfig]:
         """The hub study's configuration and the section `calibration`."""

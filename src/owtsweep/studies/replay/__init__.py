@@ -22,7 +22,7 @@ class ReplayStudy:
 
     name = "replay"
     schema_version = 1
-    numerics_version = 3
+    numerics_version = 4
 
     def config_type(self) -> type[ReplayConfig]:
         """The hub study's configuration and how to read a record."""

@@ -23,7 +23,7 @@ from owtsweep.studies.hub.kernels.vector import ROOMY, groups, load, store
 
 @njit
 def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, shift,
-                width, after):  # fmt: skip
+                width):  # fmt: skip
     """The filter over a chunk's steps, fed by the fixes or, interval by interval, by the MHE."""
     arrays, mhe, x = chain.filter, chain.mhe, registers.x
     M = arrays.fix_interval
@@ -31,7 +31,7 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
     if not mhe.active:
         q = (k0 + first) // M
         filter_steps(k0, first, stop, force, source, fixes, q, k0 + first - q * M, M, chain, x,
-                     scratch, output, shift, width, after)  # fmt: skip
+                     scratch, output, shift, width)  # fmt: skip
         return
     positions, begun = scratch.positions, first
     while first < stop:
@@ -44,7 +44,7 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
         if at_fix and mhe.arrival:  # register 3 takes the state that this fix has corrected
             filter_steps(k0, begun, first + 1, force, source, positions,
                          tick_of(k0, begun, mhe.interval), (k0 + begun) % mhe.interval,
-                         mhe.interval, chain, x, scratch, output, shift, width, after)  # fmt: skip
+                         mhe.interval, chain, x, scratch, output, shift, width)  # fmt: skip
             oldest = 3 * (q % (mhe.horizon + 1))
             store(registers.arrival, oldest, load(x, 0))
             store(registers.arrival, oldest + 1, load(x, 1))
@@ -52,8 +52,8 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
             begun = first + 1
         first = end
     filter_steps(k0, begun, stop, force, source, positions, tick_of(k0, begun, mhe.interval),
-                 (k0 + begun) % mhe.interval, mhe.interval, chain, x, scratch, output, shift, width,
-                 after)  # fmt: skip
+                 (k0 + begun) % mhe.interval, mhe.interval, chain, x, scratch, output, shift,
+                 width)  # fmt: skip
 
 
 @njit
@@ -68,13 +68,13 @@ def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, wh
 
     There are four rows per step, (p, v, b, a); unless they are wanted `whole`, two, of what the
     predictor takes of them.
-    `after` are rows, based as the force's, that are read once the states are there.
+    `after` are rows, based as the force's, that are read once the states are there: the smoother
+    asks for them.
     """
     window = chain.filter.window
     width = WHOLE if whole or chain.predictor.steps == 0 else PREDICTED
     recall(window, width, registers, scratch)
-    filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, width,
-                after)  # fmt: skip
+    filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, width)
     keep(count, window, width, registers, scratch)
     if window == 0:
         return
@@ -90,14 +90,14 @@ def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, wh
 
 
 @njit
-def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, output, after):
+def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, output):
     """Estimates of the chunk's steps first ... stop - 1, from row 0 of the output on.
 
     `force` holds step k in row k - base. Innovations stay in the row of their step.
     """
     if is_filter(chain):
         filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, first,
-                    FINAL, after)  # fmt: skip
+                    FINAL)  # fmt: skip
     elif chain.predictor.steps > 0:
         predictor = chain.predictor
         dv, dp = begin_prediction(k0, first, force, base, predictor, scratch)

@@ -35,7 +35,7 @@ def corrected(x0, x1, x2, x3, gains, row, column, innovation):
 
 @njit
 def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, chain, x, scratch, output,
-                 shift, width, after):  # fmt: skip
+                 shift, width):  # fmt: skip
     """Algorithm 6 over steps k0 + first ... k0 + stop - 1.
 
     The specific force of step k0 + i is row source + i. The position that the first step may take
@@ -44,8 +44,9 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, chain, x, s
     is one), `width` rows a state: position, velocity, bias and acceleration if it is WHOLE; what
     they add to position and velocity at the end of the prediction if it is PREDICTED. Where it is
     FINAL, with neither smoother nor predictor to come, position and velocity go to row
-    i - shift of the output. `after` are rows, based as the force's, that will be read next: they
-    and the force are asked for here, unless there is a smoother to do so.
+    i - shift of the output. The force is asked for ahead, unless there is a smoother to do so.
+    Sums are ordered so that the next step waits for few of them: what a state moves by is summed
+    before the state is added, and what follows the last gain comes last.
     """
     arrays, predictor = chain.filter, chain.predictor
     pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
@@ -65,11 +66,10 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, chain, x, s
         now = load(force, source + i)
         if window == 0:
             prefetch(force, source + i + AHEAD)
-            prefetch(after, source + i + AHEAD)
-        m0 = x0 + a01 * x1 + a02 * x2 + a03 * x3 + b0 * before
-        m1 = x1 + a12 * x2 + a13 * x3 + b1 * before
+        m0 = x0 + (b0 * before + a01 * x1 + a02 * x2 + a03 * x3)
+        m1 = x1 + (b1 * before + a12 * x2 + a13 * x3)
         m2 = a22 * x2
-        r = now - h2 * m2 - h3 * x3
+        r = now - h3 * x3 - h2 * m2
         x0, x1, x2, x3 = corrected(m0, m1, m2, x3, K, row, 1, r)
         if element(applied, row):
             s = load(fixes, q) - m0

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.vector import load, store, zero
+from owtsweep.studies.hub.kernels.vector import element, load, store, zero
 
 ALL, AVERAGED, SAMPLED = 0, 1, 2
 
 
 @njit
-def added(n0, n1, n2, G, column, datum):
+def added(n0, n1, n2, maps, at, columns, datum):
     """A node and what one datum adds to it: three sums side by side, as each waits for its last."""
-    return n0 + G[0, column] * datum, n1 + G[1, column] * datum, n2 + G[2, column] * datum
+    return (
+        n0 + element(maps, at) * datum,
+        n1 + element(maps, at + columns) * datum,
+        n2 + element(maps, at + 2 * columns) * datum,
+    )
 
 
 @njit
@@ -28,21 +32,23 @@ def horizon_fix(q, fixes, mhe, registers):
     if q < mhe.first:
         return
     n = min(q, nm)
-    G = mhe.maps[min(q, mhe.maps.shape[0] - 1)]
+    maps, columns = mhe.maps, mhe.maps.shape[2]
+    G = 3 * columns * min(q, maps.shape[0] - 1)  # where this fix's map begins
     n0, n1, n2 = zero(running), zero(running), zero(running)
     at = (q - n) % (nm + 1)
     for j in range(n + 1):
-        n0, n1, n2 = added(n0, n1, n2, G, j, load(z, at))
+        n0, n1, n2 = added(n0, n1, n2, maps, G + j, columns, load(z, at))
         at = at + 1 if at < nm else 0
     at = (q - n) % nm
     for j in range(n + 1, 4 * n + 1, 3):
-        n0, n1, n2 = added(n0, n1, n2, G, j, load(ip, at))
-        n0, n1, n2 = added(n0, n1, n2, G, j + 1, load(iv, at))
+        n0, n1, n2 = added(n0, n1, n2, maps, G + j, columns, load(ip, at))
+        n0, n1, n2 = added(n0, n1, n2, maps, G + j + 1, columns, load(iv, at))
         at = at + 1 if at + 1 < nm else 0
     if mhe.arrival and q >= nm:
         at = 3 * ((q - nm) % (nm + 1))
         for m in range(3):
-            n0, n1, n2 = added(n0, n1, n2, G, 4 * n + 1 + m, load(registers.arrival, at + m))
+            datum = load(registers.arrival, at + m)
+            n0, n1, n2 = added(n0, n1, n2, maps, G + 4 * n + 1 + m, columns, datum)
     store(registers.node, 0, n0)
     store(registers.node, 1, n1)
     store(registers.node, 2, n2)
@@ -96,7 +102,7 @@ def horizon_steps(
                     mean = u
                 gathered = zero(running)
             u = mean
-        p = p + T * v + half * u
+        p = p + (T * v + half * u)
         v = v + T * u
         since_fix += 1
         phase += 1

@@ -27,6 +27,32 @@ def carried_back(y0, y1, y2, y3, C, row):
 
 
 @njit
+def given_and_taken(K, D, row, r, leaving):
+    """What a step's specific force gives to its state, less what the one that leaves has given."""
+    at = 8 * row + 1
+    return (
+        element(K, at) * r + element(D, at) * leaving,
+        element(K, at + 2) * r + element(D, at + 2) * leaving,
+        element(K, at + 4) * r + element(D, at + 4) * leaving,
+        element(K, at + 6) * r + element(D, at + 6) * leaving,
+    )
+
+
+@njit
+def add_smoothing(X, j, width, s0, s1, s2, s3, predictor):
+    """Make the rows of filtered state j those of the smoothed one."""
+    at = width * j
+    if width == WHOLE:
+        store(X, at, load(X, at) + s0)
+        store(X, at + 1, load(X, at + 1) + s1)
+        store(X, at + 2, load(X, at + 2) + s3)
+        store(X, at + 3, load(X, at + 3) + s2)
+    else:
+        store(X, at, load(X, at) + s0 + predictor.pv * s1 + predictor.pb * s3)
+        store(X, at + 1, load(X, at + 1) + s1 + predictor.vb * s3)
+
+
+@njit
 def smooth_chunk(k0, count, chain, width, X, r, s, after, force, source):
     """Replace X of the steps k0 - window ... by their smoothed states (Algorithm 8).
 
@@ -43,34 +69,31 @@ def smooth_chunk(k0, count, chain, width, X, r, s, after, force, source):
     window, C, D = arrays.window, arrays.C, arrays.D
     rows, cycle = C.shape[0], arrays.cycle
     K, applied = arrays.K, arrays.applied
-    pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
     s0, s1, s2, s3 = zero(X), zero(X), zero(X), zero(X)
-    newest = k0 + count - 1
-    row, far = schedule_row(newest, rows, cycle), schedule_row(newest + window, rows, cycle)
-    for j in range(window + count - 2, max(window - k0, 0) - 1, -1):
-        y0, y1, y2, y3 = corrected(s0, s1, s2, s3, K, row, 1, load(r, j + 1))
+    last, first = count - 1, max(window - k0, 0)
+    row = schedule_row(k0 + last, rows, cycle)
+    for j in range(window + last, max(first, last), -1):
+        y0, y1, y2, y3 = corrected(s0, s1, s2, s3, K, row, 1, load(r, j))
         if element(applied, row):
-            y0, y1, y2, y3 = corrected(y0, y1, y2, y3, K, row, 0, load(s, j + 1))
-        if j < count - 1:
-            y0, y1, y2, y3 = corrected(y0, y1, y2, y3, D, row, 1, load(r, j + 1 + window))
-            if element(applied, far):
-                y0, y1, y2, y3 = corrected(y0, y1, y2, y3, D, row, 0, load(s, j + 1 + window))
-        at = k0 - window + j + 1
-        row = row_before(at, row, rows, cycle)
-        far = row_before(at + window, far, rows, cycle)
+            y0, y1, y2, y3 = corrected(y0, y1, y2, y3, K, row, 0, load(s, j))
+        row = row_before(k0 - window + j, row, rows, cycle)
         s0, s1, s2, s3 = carried_back(y0, y1, y2, y3, C, row)
-        if j < count:
-            prefetch(after, source + j)
-            prefetch(force, source + j + count)
-            at = width * j
-            if width == WHOLE:
-                store(X, at, load(X, at) + s0)
-                store(X, at + 1, load(X, at + 1) + s1)
-                store(X, at + 2, load(X, at + 2) + s3)
-                store(X, at + 3, load(X, at + 3) + s2)
-            else:
-                store(X, at, load(X, at) + s0 + pv * s1 + pb * s3)
-                store(X, at + 1, load(X, at + 1) + s1 + vb * s3)
+    if first <= last:
+        add_smoothing(X, last, width, s0, s1, s2, s3, predictor)
+    far = schedule_row(k0 + last, rows, cycle)
+    for j in range(last, first, -1):
+        e0, e1, e2, e3 = given_and_taken(K, D, row, load(r, j), load(r, j + window))
+        y0, y1, y2, y3 = s0 + e0, s1 + e1, s2 + e2, s3 + e3
+        if element(applied, row):
+            y0, y1, y2, y3 = corrected(y0, y1, y2, y3, K, row, 0, load(s, j))
+        if element(applied, far):
+            y0, y1, y2, y3 = corrected(y0, y1, y2, y3, D, row, 0, load(s, j + window))
+        far = row_before(k0 + j, far, rows, cycle)
+        row = row_before(k0 - window + j, row, rows, cycle)
+        s0, s1, s2, s3 = carried_back(y0, y1, y2, y3, C, row)
+        add_smoothing(X, j - 1, width, s0, s1, s2, s3, predictor)
+        prefetch(after, source + j)
+        prefetch(force, source + j + count)
 
 
 @njit
@@ -117,8 +140,8 @@ def predict(i, at, dv, dp, force, predictor, X):
     n, T, half = predictor.steps, predictor.step, predictor.half
     x, w = load(X, PREDICTED * i) + dp, load(X, PREDICTED * i + 1) + dv
     new, old = load(force, at), load(force, at - n)
-    dp = dp + T * dv + half * new - (half + n * T * T) * old
-    dv = dv + T * new - T * old
+    dp = dp + (T * dv + half * new - (half + n * T * T) * old)
+    dv = dv + T * (new - old)
     return x, w, dv, dp
 
 

@@ -25,7 +25,7 @@ def estimates(k0, count, force, base, fixes, chain, registers, scratch, output):
     own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
     if not is_filter(c):
         prepare(k0, count, u, base, z, c, own, memory, out, False, u)
-    finish(k0, 0, count, u, base, z, c, own, memory, out, u)
+    finish(k0, 0, count, u, base, z, c, own, memory, out)
 
 
 @njit
@@ -44,7 +44,7 @@ def superposed(k0, stop, chunk, settled, force, base, fixes, position, velocity,
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
             if c.predictor.steps == 0:
-                finish(k0, first, end, u, base, z, c, own, memory, out, truth)
+                finish(k0, first, end, u, base, z, c, own, memory, out)
             early = min(max(settled - k0, first), end)
             if early > first:
                 superposed_span(k0, first, early, first, 0, p, v, u, base, memory, out, cosines, c,
@@ -73,7 +73,7 @@ def direct(k0, stop, chunk, settled, force, base, fixes, position, velocity, dir
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
             if c.predictor.steps == 0:
-                finish(k0, first, end, u, base, z, c, own, memory, out, truth)
+                finish(k0, first, end, u, base, z, c, own, memory, out)
             early = min(max(settled - k0, first), end)
             if early > first:
                 direct_span(k0, first, early, first, 0, p, v, u, base, memory, out, cosines, c,

@@ -17,7 +17,16 @@ from __future__ import annotations
 from owtsweep.compiled import njit
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.lagging import begin_prediction, leave_prediction, predict
-from owtsweep.studies.hub.kernels.vector import element, groups, load, store, zero
+from owtsweep.studies.hub.kernels.vector import (
+    AHEAD,
+    element,
+    groups,
+    load,
+    prefetch,
+    rounded,
+    store,
+    zero,
+)
 
 
 @njit
@@ -50,6 +59,37 @@ def estimate(i, at, shift, dv, dp, force, predictor, scratch, position, velocity
 
 
 @njit
+def ask_for_truth(at, position, velocity, chain):
+    """Have later rows of the truth fetched, unless the smoother has had time to do so."""
+    if chain.filter.window == 0:
+        prefetch(position, at + AHEAD)
+        prefetch(velocity, at + AHEAD)
+
+
+@njit
+def squares(px, py, vx, vy):
+    """Squared errors of both axes: each is added to its own sum and weighed in NEES."""
+    return rounded(px * px), rounded(py * py), rounded(vx * vx), rounded(vy * vy)
+
+
+@njit
+def weighted(pp, pv, vv, position, cross, velocity):
+    """NEES of both axes from sums of squares and of products of position and velocity."""
+    return pp * position + 2.0 * pv * cross + vv * velocity
+
+
+@njit
+def add_axes(sums, top, cx, cy, mm, mx, my, xx, yy):
+    """Add what the motion and the noise have given to the rows of x and y."""
+    add(sums, top, cx * cx * mm)
+    add(sums, top + 1, cx * mx)
+    add(sums, top + 2, xx)
+    add(sums, top + 3, cy * cy * mm)
+    add(sums, top + 4, cy * my)
+    add(sums, top + 5, yy)
+
+
+@njit
 def superposed_innovations(k0, first, stop, top, output, direction, chain, weights, sums):
     """Add the innovations of the chunk's steps first ... stop - 1 to the rows from `top`."""
     cx, cy = direction[0], direction[1]
@@ -78,11 +118,11 @@ def superposed_span(k0, first, stop, shift, top, position, velocity, force, base
     precision, cycle, predictor = weights.precision, chain.filter.cycle, chain.predictor
     rows = precision.shape[0]
     positions, velocities = output.position, output.velocity
-    t0, t1, t2 = load(sums, top), load(sums, top + 1), load(sums, top + 2)
-    t3, t4, t5 = load(sums, top + 3), load(sums, top + 4), load(sums, top + 5)
-    t6, t7, t8 = load(sums, top + 6), load(sums, top + 7), load(sums, top + 8)
-    t9, t10, t11 = load(sums, top + 9), load(sums, top + 10), load(sums, top + 11)
-    t12, t13, t14 = load(sums, top + 12), load(sums, top + 13), load(sums, top + 14)
+    nought = zero(sums)
+    # products of position errors, of velocity errors, and NEES: m motion, x and y noise
+    mm, mx, my, xx, yy = nought, nought, nought, nought, nought
+    vmm, vmx, vmy, vxx, vyy = nought, nought, nought, nought, nought
+    motion, both, noise = nought, nought, nought
     row = schedule_row(k0 + first, rows, cycle)
     dv, dp = begin(k0, first, force, base, predictor, scratch)
     for i in range(first, stop):
@@ -90,47 +130,28 @@ def superposed_span(k0, first, stop, shift, top, position, velocity, force, base
         x, w, dv, dp = estimate(
             i, at, shift, dv, dp, force, predictor, scratch, positions, velocities
         )
+        ask_for_truth(at, position, velocity, chain)
         m, px, py = groups(x)
         mv, vx, vy = groups(w)
         pp, pv, vv = precision_of(precision, row)
         p, v = m - load(position, at), mv - load(velocity, at)
-        pn, vn = cx * px + cy * py, cx * vx + cy * vy
-        t0 = t0 + cx * cx * p * p
-        t1 = t1 + cx * p * px
-        t2 = t2 + px * px
-        t3 = t3 + cy * cy * p * p
-        t4 = t4 + cy * p * py
-        t5 = t5 + py * py
-        t6 = t6 + cx * cx * v * v
-        t7 = t7 + cx * v * vx
-        t8 = t8 + vx * vx
-        t9 = t9 + cy * cy * v * v
-        t10 = t10 + cy * v * vy
-        t11 = t11 + vy * vy
-        t12 = t12 + (pp * p * p + 2.0 * pv * p * v + vv * v * v)
-        t13 = t13 + (pp * p * pn + pv * (p * vn + v * pn) + vv * v * vn)
-        t14 = t14 + (
-            pp * (px * px + py * py) + 2.0 * pv * (px * vx + py * vy) + vv * (vx * vx + vy * vy)
-        )
+        mm, mx, my = mm + p * p, mx + p * px, my + p * py
+        vmm, vmx, vmy = vmm + v * v, vmx + v * vx, vmy + v * vy
+        pxx, pyy, wxx, wyy = squares(px, py, vx, vy)
+        xx, yy, vxx, vyy = xx + pxx, yy + pyy, vxx + wxx, vyy + wyy
+        wp, wv = pp * p + pv * v, pv * p + vv * v
+        motion = motion + (wp * p + wv * v)
+        both = both + (wp * (cx * px + cy * py) + wv * (cx * vx + cy * vy))
+        noise = noise + weighted(pp, pv, vv, pxx + pyy, px * vx + py * vy, wxx + wyy)
         row += 1
         if row == rows:
             row = rows - cycle
     leave_prediction(dv, dp, scratch)
-    store(sums, top, t0)
-    store(sums, top + 1, t1)
-    store(sums, top + 2, t2)
-    store(sums, top + 3, t3)
-    store(sums, top + 4, t4)
-    store(sums, top + 5, t5)
-    store(sums, top + 6, t6)
-    store(sums, top + 7, t7)
-    store(sums, top + 8, t8)
-    store(sums, top + 9, t9)
-    store(sums, top + 10, t10)
-    store(sums, top + 11, t11)
-    store(sums, top + 12, t12)
-    store(sums, top + 13, t13)
-    store(sums, top + 14, t14)
+    add_axes(sums, top, cx, cy, mm, mx, my, xx, yy)
+    add_axes(sums, top + 6, cx, cy, vmm, vmx, vmy, vxx, vyy)
+    add(sums, top + 12, motion)
+    add(sums, top + 13, both)
+    add(sums, top + 14, noise)
     superposed_innovations(k0, first, stop, top + 15, output, direction, chain, weights, sums)
 
 
@@ -157,21 +178,18 @@ def direct_span(k0, first, stop, shift, top, position, velocity, force, base, sc
         x, w, dv, dp = estimate(
             i, at, shift, dv, dp, force, predictor, scratch, positions, velocities
         )
+        ask_for_truth(at, position, velocity, chain)
         ex, ey = groups(x)
         evx, evy = groups(w)
         pp, pv, vv = precision_of(precision, row)
         p, v = load(position, at), load(velocity, at)
         px, py = ex - cx * p, ey - cy * p
         vx, vy = evx - cx * v, evy - cy * v
-        t2 = t2 + px * px
-        t5 = t5 + py * py
-        t8 = t8 + vx * vx
-        t11 = t11 + vy * vy
-        t14 = t14 + (
-            pp * (px * px + py * py) + 2.0 * pv * (px * vx + py * vy) + vv * (vx * vx + vy * vy)
-        )
+        xx, yy, vxx, vyy = squares(px, py, vx, vy)
+        t2, t5, t8, t11 = t2 + xx, t5 + yy, t8 + vxx, t11 + vyy
+        t14 = t14 + weighted(pp, pv, vv, xx + yy, px * vx + py * vy, vxx + vyy)
         if keep:
-            store(squared, k0 + i, px * px + py * py)
+            store(squared, k0 + i, xx + yy)
         if element(fresh, row):
             zx, zy = load(sx, i), load(sy, i)
             t17 = t17 + weight[row] * (zx * zx + zy * zy)

@@ -9,7 +9,8 @@ A product that something is added to, or subtracted from, is not rounded in betw
 IEEE's fused multiply-add, by name, so it is the same on every machine and no compiler's choice
 (where the processor has none it is a slow call of the C library). Of two products the left one is
 rounded: `a * b + c * d` is fma(c, d, a * b). So a product is a type of its own, which holds its two
-factors, also in a variable, and is multiplied wherever else it is used.
+factors, also in a variable, and is multiplied wherever else it is used; `rounded(a * b)` is a
+vector.
 
 A filter's step waits for the step before it. A vector may hold several groups of lanes side by
 side, one instruction each: the processor works on one group while the other waits, and the gains
@@ -45,7 +46,7 @@ ROOMY = "+avx512f" in (
 )
 
 #: Rows ahead of their use that streams from memory are asked for.
-AHEAD = 128
+AHEAD = 64
 
 #: Most groups of lanes that one vector holds side by side.
 PARTS = 3
@@ -257,6 +258,18 @@ def zero(typingctx: Any, rows: Any) -> Any:
         return _join(builder, [ir.Constant(_LLVM, [0.0] * WIDTH)] * kind.parts)
 
     return kind(rows), codegen
+
+
+@intrinsic
+def rounded(typingctx: Any, product: Any) -> Any:
+    """A product multiplied here, once, for several sums: each of them adds, none multiplies."""
+    if not isinstance(product, _ProductType):
+        return None
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _cast(context, builder, product, VECTORS[product.parts], *args)
+
+    return VECTORS[product.parts](product), codegen
 
 
 def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
