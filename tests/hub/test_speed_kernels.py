@@ -192,3 +192,16 @@ def test_kernels_are_the_algorithms(name: str, tuning: str, changes: tuple[str, 
     assert_same(found[2][fresh], expected[2][fresh], "innovation")
     sums = batch.direct_sums(chain, Lanes(records), AMPLITUDE, 130).products
     np.testing.assert_allclose(sums[:, :, 2], squares(chain, records, 130), rtol=1e-9)
+
+
+@pytest.mark.parametrize("steps", [1, 30, 41, batch.CHUNK + 1, batch.CHUNK + 30])
+def test_chunks_that_are_shorter_than_the_smoothers_window(steps: int) -> None:
+    config = configure("hme.smoother_window=40", tuning="paper")
+    records = make_records(config, 4.0, range(1))
+    chain = chain_for_runs(resolve("HME1"), records.sensors, config, records.steps)
+    assert chain.filter.window == 40
+    force, fixes = Lanes(records).at(AMPLITUDE)
+    found = batch.trajectories(chain, records.sensors, force[:steps], fixes)
+    expected = plain(chain, force[:steps], fixes)
+    for what, ours, theirs in zip(("position", "velocity"), found, expected, strict=False):
+        assert_same(ours, theirs, what)
