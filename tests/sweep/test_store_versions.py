@@ -20,7 +20,7 @@ from owtsweep.sweep.runs import Run, load
 from owtsweep.sweep.shard import decode
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
-VERSIONS = ["store-v1", "store-v2", "store-v3"]
+VERSIONS = ["store-v1", "store-v2", "store-v3", "store-v4"]
 
 
 @pytest.fixture(params=VERSIONS)
