@@ -45,8 +45,8 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, chain, x, s
     they add to position and velocity at the end of the prediction if it is PREDICTED. Where it is
     FINAL, with neither smoother nor predictor to come, position and velocity go to row
     i - shift of the output. The force is asked for ahead, unless there is a smoother to do so.
-    Sums are ordered so that the next step waits for few of them: what a state moves by is summed
-    before the state is added, and what follows the last gain comes last.
+    Each step waits for the one before, so sums are ordered for few operations in a row: what a
+    state moves by is summed before the state is added, and what is known last comes last.
     """
     arrays, predictor = chain.filter, chain.predictor
     pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
