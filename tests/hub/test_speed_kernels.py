@@ -141,7 +141,7 @@ def squares(chain: Chain, records: Records, settled: int) -> Array:
 @njit
 def _together(k0, count, arrays, X, r, s, u):
     c, target, force = borrowed(arrays), borrowed(X), borrowed(u)
-    smooth_chunk(k0, count, c, PREDICTED, target, borrowed(r), borrowed(s), force, force, 0)
+    smooth_chunk(k0, count, c, PREDICTED, target, borrowed(r), borrowed(s), force, 0)
 
 
 @pytest.mark.parametrize("k0", [0, 400])

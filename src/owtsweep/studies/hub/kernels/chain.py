@@ -23,7 +23,7 @@ from owtsweep.studies.hub.kernels.vector import ROOMY, groups, load, store
 
 @njit
 def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, shift,
-                width):  # fmt: skip
+                width, late):  # fmt: skip
     """The filter over a chunk's steps, fed by the fixes or, interval by interval, by the MHE."""
     arrays, mhe, x = chain.filter, chain.mhe, registers.x
     M = arrays.fix_interval
@@ -31,7 +31,7 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
     if not mhe.active:
         q = (k0 + first) // M
         filter_steps(k0, first, stop, force, source, fixes, q, k0 + first - q * M, M, chain, x,
-                     scratch, output, shift, width)  # fmt: skip
+                     scratch, output, shift, width, late)  # fmt: skip
         return
     positions, begun = scratch.positions, first
     while first < stop:
@@ -44,7 +44,7 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
         if at_fix and mhe.arrival:  # register 3 takes the state that this fix has corrected
             filter_steps(k0, begun, first + 1, force, source, positions,
                          tick_of(k0, begun, mhe.interval), (k0 + begun) % mhe.interval,
-                         mhe.interval, chain, x, scratch, output, shift, width)  # fmt: skip
+                         mhe.interval, chain, x, scratch, output, shift, width, late)  # fmt: skip
             oldest = 3 * (q % (mhe.horizon + 1))
             store(registers.arrival, oldest, load(x, 0))
             store(registers.arrival, oldest + 1, load(x, 1))
@@ -52,8 +52,8 @@ def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, 
             begun = first + 1
         first = end
     filter_steps(k0, begun, stop, force, source, positions, tick_of(k0, begun, mhe.interval),
-                 (k0 + begun) % mhe.interval, mhe.interval, chain, x, scratch, output, shift,
-                 width)  # fmt: skip
+                 (k0 + begun) % mhe.interval, mhe.interval, chain, x, scratch, output, shift, width,
+                 late)  # fmt: skip
 
 
 @njit
@@ -63,41 +63,39 @@ def is_filter(chain):
 
 
 @njit
-def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, whole, after):
+def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, whole, late):
     """Leave filtered or smoothed states in scratch.X, `window` steps late.
 
     There are four rows per step, (p, v, b, a); unless they are wanted `whole`, two, of what the
     predictor takes of them.
-    `after` are rows, based as the force's, that are read once the states are there: the smoother
-    asks for them.
+    `late` are rows, based as the force's, that are read once the states are there.
     """
     window = chain.filter.window
     width = WHOLE if whole or chain.predictor.steps == 0 else PREDICTED
     recall(window, width, registers, scratch)
-    filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, width)
+    filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, width,
+                late)  # fmt: skip
     keep(count, window, width, registers, scratch)
     if window == 0:
         return
     if ROOMY:
-        smooth_chunk(k0, count, chain, width, scratch.X, scratch.r, scratch.s, after, force,
-                     k0 - base)  # fmt: skip
+        smooth_chunk(k0, count, chain, width, scratch.X, scratch.r, scratch.s, force, k0 - base)
     else:  # group by group: a group has enough to do while a step waits, and all of it fits
         X, r, s = groups(scratch.X), groups(scratch.r), groups(scratch.s)
-        late, u = groups(after), groups(force)
+        u = groups(force)
         for g in range(len(X)):
-            smooth_chunk(k0, count, chain, width, X[g], r[g], s[g], late[g % len(late)], u[g],
-                         k0 - base)  # fmt: skip
+            smooth_chunk(k0, count, chain, width, X[g], r[g], s[g], u[g], k0 - base)
 
 
 @njit
-def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, output):
+def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, output, late):
     """Estimates of the chunk's steps first ... stop - 1, from row 0 of the output on.
 
     `force` holds step k in row k - base. Innovations stay in the row of their step.
     """
     if is_filter(chain):
         filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, first,
-                    FINAL)  # fmt: skip
+                    FINAL, late)  # fmt: skip
     elif chain.predictor.steps > 0:
         predictor = chain.predictor
         dv, dp = begin_prediction(k0, first, force, base, predictor, scratch)

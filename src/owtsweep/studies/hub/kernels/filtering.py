@@ -35,7 +35,7 @@ def corrected(x0, x1, x2, x3, gains, row, column, innovation):
 
 @njit
 def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, chain, x, scratch, output,
-                 shift, width):  # fmt: skip
+                 shift, width, late):  # fmt: skip
     """Algorithm 6 over steps k0 + first ... k0 + stop - 1.
 
     The specific force of step k0 + i is row source + i. The position that the first step may take
@@ -44,7 +44,8 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, chain, x, s
     is one), `width` rows a state: position, velocity, bias and acceleration if it is WHOLE; what
     they add to position and velocity at the end of the prediction if it is PREDICTED. Where it is
     FINAL, with neither smoother nor predictor to come, position and velocity go to row
-    i - shift of the output. The force is asked for ahead, unless there is a smoother to do so.
+    i - shift of the output. `late` are rows, based as the force's, that the next stages read: they
+    are asked for ahead, and so is the force where there is no smoother to do so.
     Each step waits for the one before, so sums are ordered for few operations in a row: what a
     state moves by is summed before the state is added, and what is known last comes last.
     """
@@ -64,6 +65,7 @@ def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, chain, x, s
     position, velocity, innovation = output.position, output.velocity, output.innovation
     for i in range(first, stop):
         now = load(force, source + i)
+        prefetch(late, source + i + AHEAD)
         if window == 0:
             prefetch(force, source + i + AHEAD)
         m0 = x0 + (b0 * before + a01 * x1 + a02 * x2 + a03 * x3)

@@ -53,7 +53,7 @@ def add_smoothing(X, j, width, s0, s1, s2, s3, predictor):
 
 
 @njit
-def smooth_chunk(k0, count, chain, width, X, r, s, after, force, source):
+def smooth_chunk(k0, count, chain, width, X, r, s, force, source):
     """Replace X of the steps k0 - window ... by their smoothed states (Algorithm 8).
 
     With innovations i_k, e_k = K_k i_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed
@@ -61,9 +61,8 @@ def smooth_chunk(k0, count, chain, width, X, r, s, after, force, source):
     recursion is stable backwards in time only, so each chunk starts it anew at its end with the
     window as run-up; as long as nothing has left the window, nothing is taken back.
     States have `width` rows, as the filter left them.
-    Row source + i of `after` is asked for on the way, for each of the chunk's steps k0 + i, and the
-    row of `force` that lies a chunk further: there is more time to fetch them here than in filter
-    and MHE, which work through their rows faster than memory gives them.
+    The force of the next chunk is asked for on the way, row source + count + i: memory can give it
+    here while the filter, which reads it, works through its rows faster than memory gives them.
     """
     arrays, predictor = chain.filter, chain.predictor
     window, C, D = arrays.window, arrays.C, arrays.D
@@ -92,7 +91,6 @@ def smooth_chunk(k0, count, chain, width, X, r, s, after, force, source):
         row = row_before(k0 - window + j, row, rows, cycle)
         s0, s1, s2, s3 = carried_back(y0, y1, y2, y3, C, row)
         add_smoothing(X, j - 1, width, s0, s1, s2, s3, predictor)
-        prefetch(after, source + j)
         prefetch(force, source + j + count)
 
 

@@ -4,6 +4,10 @@ One call works through many chunks without coming back to Python. Everything a c
 its stages stays in the second cache, and so do estimates until they are judged. `force`,
 `fixes` and all fields of registers, scratch and output are tuples, an array per group of lanes; the
 groups go through each stage side by side.
+
+What memory must give is asked for ahead, by each stage about as much as its time is long: by the
+filter the true velocity (and its own force, without a smoother), by the smoother the next chunk's
+force, by the sums the true position.
 """
 
 from __future__ import annotations
@@ -25,7 +29,7 @@ def estimates(k0, count, force, base, fixes, chain, registers, scratch, output):
     own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
     if not is_filter(c):
         prepare(k0, count, u, base, z, c, own, memory, out, False, u)
-    finish(k0, 0, count, u, base, z, c, own, memory, out)
+    finish(k0, 0, count, u, base, z, c, own, memory, out, u)
 
 
 @njit
@@ -40,11 +44,11 @@ def superposed(k0, stop, chunk, settled, force, base, fixes, position, velocity,
     while k0 < stop:
         count = min(chunk, stop - k0)
         if not is_filter(c):
-            prepare(k0, count, u, base, z, c, own, memory, out, False, truth)
+            prepare(k0, count, u, base, z, c, own, memory, out, False, v)
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
             if c.predictor.steps == 0:
-                finish(k0, first, end, u, base, z, c, own, memory, out)
+                finish(k0, first, end, u, base, z, c, own, memory, out, v)
             early = min(max(settled - k0, first), end)
             if early > first:
                 superposed_span(k0, first, early, first, 0, p, v, u, base, memory, out, cosines, c,
@@ -69,11 +73,11 @@ def direct(k0, stop, chunk, settled, force, base, fixes, position, velocity, dir
     while k0 < stop:
         count = min(chunk, stop - k0)
         if not is_filter(c):
-            prepare(k0, count, u, base, z, c, own, memory, out, False, truth)
+            prepare(k0, count, u, base, z, c, own, memory, out, False, v)
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
             if c.predictor.steps == 0:
-                finish(k0, first, end, u, base, z, c, own, memory, out)
+                finish(k0, first, end, u, base, z, c, own, memory, out, v)
             early = min(max(settled - k0, first), end)
             if early > first:
                 direct_span(k0, first, early, first, 0, p, v, u, base, memory, out, cosines, c,

@@ -59,14 +59,6 @@ def estimate(i, at, shift, dv, dp, force, predictor, scratch, position, velocity
 
 
 @njit
-def ask_for_truth(at, position, velocity, chain):
-    """Have later rows of the truth fetched, unless the smoother has had time to do so."""
-    if chain.filter.window == 0:
-        prefetch(position, at + AHEAD)
-        prefetch(velocity, at + AHEAD)
-
-
-@njit
 def squares(px, py, vx, vy):
     """Squared errors of both axes: each is added to its own sum and weighed in NEES."""
     return rounded(px * px), rounded(py * py), rounded(vx * vx), rounded(vy * vy)
@@ -130,7 +122,7 @@ def superposed_span(k0, first, stop, shift, top, position, velocity, force, base
         x, w, dv, dp = estimate(
             i, at, shift, dv, dp, force, predictor, scratch, positions, velocities
         )
-        ask_for_truth(at, position, velocity, chain)
+        prefetch(position, at + AHEAD)
         m, px, py = groups(x)
         mv, vx, vy = groups(w)
         pp, pv, vv = precision_of(precision, row)
@@ -178,7 +170,7 @@ def direct_span(k0, first, stop, shift, top, position, velocity, force, base, sc
         x, w, dv, dp = estimate(
             i, at, shift, dv, dp, force, predictor, scratch, positions, velocities
         )
-        ask_for_truth(at, position, velocity, chain)
+        prefetch(position, at + AHEAD)
         ex, ey = groups(x)
         evx, evy = groups(w)
         pp, pv, vv = precision_of(precision, row)
