@@ -19,6 +19,7 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import pandas as pd
@@ -82,16 +83,9 @@ def map_of(overrides: Sequence[str]) -> None:
 @contextmanager
 def nothing_known() -> Iterator[None]:
     """Meanwhile there are no curves, neither in memory nor in files."""
-    home = os.environ.get("XDG_CACHE_HOME")
-    with tempfile.TemporaryDirectory() as empty:
-        os.environ["XDG_CACHE_HOME"] = empty
-        try:
-            cache.forget()
-            yield
-        finally:
-            os.environ.pop("XDG_CACHE_HOME")
-            if home is not None:
-                os.environ["XDG_CACHE_HOME"] = home
+    with tempfile.TemporaryDirectory() as empty, patch.dict(os.environ, XDG_CACHE_HOME=empty):
+        cache.forget()
+        yield
 
 
 def measure(

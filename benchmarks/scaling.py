@@ -53,7 +53,7 @@ def seconds(
 ) -> float:
     """Median core-seconds of a sweep without figures, shards written; `wall`: seconds.
 
-    The first one, which makes the gains, does not count.
+    The first one, which compiles kernels and makes the gains, does not count.
     """
     overrides = [
         f"grid.replicates={replicates}",
@@ -115,7 +115,6 @@ def bookkeeping() -> dict[str, float]:
 
 def tables(repeats: int = REPEATS) -> str:
     """The measured tables in Markdown."""
-    seconds(1, 1, 30, 1, repeats=1)  # compile
     rows = growth(repeats)
     batch = per_record_second(rows)
     shared = {**BASE, **{axis: 4 * BASE[axis] for axis in ("replicates", "duration")}}

@@ -38,8 +38,8 @@ def superposed(k0, stop, chunk, settled, force, base, fixes, position, velocity,
     """Steps k0 ... stop - 1 of eight replicates in the groups motion, noise x, noise y."""
     u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
     own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
-    truth, w = borrowed((position, velocity)), borrowed(weights)
-    p, v = groups(truth)
+    p, v = groups(borrowed((position, velocity)))
+    w = borrowed(weights)
     cosines, total = borrowed(direction), borrowed((sums,))
     while k0 < stop:
         count = min(chunk, stop - k0)
@@ -65,8 +65,8 @@ def direct(k0, stop, chunk, settled, force, base, fixes, position, velocity, dir
     """Steps k0 ... stop - 1 of eight replicates in the groups x and y of whole series."""
     u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
     own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
-    truth, w = borrowed((position, velocity)), borrowed(weights)
-    p, v = groups(truth)
+    p, v = groups(borrowed((position, velocity)))
+    w = borrowed(weights)
     cosines, total = borrowed(direction), borrowed((sums,))
     keep = squared.shape[0] > 0
     kept = borrowed((squared,))
