@@ -18,7 +18,8 @@ from owtsweep.studies.hub.kernels.lagging import (
     recall,
     smooth_chunk,
 )
-from owtsweep.studies.hub.kernels.vector import ROOMY, groups, load, store
+from owtsweep.studies.hub.kernels.memory import groups, load, store
+from owtsweep.studies.hub.kernels.vector import ROOMY
 
 
 @njit

@@ -16,10 +16,7 @@ A filter's step waits for the step before it. A vector may hold several groups o
 side, one instruction each: the processor works on one group while the other waits, and the gains
 are read once for all.
 
-Inside kernels: `borrowed` makes rows of tuples of C-contiguous (n, 8) arrays, one array per group;
-`load(rows, i)` and `store(rows, i, vector)` move row i, unchecked; `prefetch(rows, i)` asks for one
-early; `zero(rows)` is as many zeros; `groups` takes both apart; `+ - * /` take vectors and floats.
-`element(array, i)` is an element of any C-contiguous array, unchecked.
+Inside kernels `+ - * /` take vectors and floats; `kernels.memory` loads vectors and stores them.
 """
 
 from __future__ import annotations
@@ -33,7 +30,6 @@ from numba.core.codegen import get_host_cpu_features
 from numba.core.datamodel import models
 from numba.core.imputils import lower_cast
 from numba.core.typeconv import Conversion
-from numba.core.types import containers
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, register_model
 
@@ -45,14 +41,11 @@ ROOMY = "+avx512f" in (
     get_host_cpu_features() if config.CPU_FEATURES is None else config.CPU_FEATURES
 )
 
-#: Rows ahead of their use that streams from memory are asked for.
-AHEAD = 64
-
 #: Most groups of lanes that one vector holds side by side.
 PARTS = 3
 
-_DOUBLE = ir.DoubleType()
-_LLVM = ir.VectorType(_DOUBLE, WIDTH)
+#: A group of lanes as LLVM has it.
+LANES = ir.VectorType(ir.DoubleType(), WIDTH)
 
 
 class _VectorType(types.Type):
@@ -80,16 +73,16 @@ VECTOR = VECTORS[1]
 @register_model(_VectorType)
 class _VectorModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, ir.LiteralStructType([_LLVM] * kind.parts))
+        super().__init__(manager, kind, ir.LiteralStructType([LANES] * kind.parts))
 
 
 @register_model(_ProductType)
 class _ProductModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, ir.LiteralStructType([_LLVM] * (2 * kind.parts)))
+        super().__init__(manager, kind, ir.LiteralStructType([LANES] * (2 * kind.parts)))
 
 
-def _join(builder: Any, parts: Any) -> Any:
+def join(builder: Any, parts: Any) -> Any:
     """Registers, or addresses, as one value."""
     value = ir.Constant(ir.LiteralStructType([part.type for part in parts]), ir.Undefined)
     for i, part in enumerate(parts):
@@ -97,167 +90,9 @@ def _join(builder: Any, parts: Any) -> Any:
     return value
 
 
-def _split(builder: Any, kind: Any, value: Any) -> list[Any]:
+def split(builder: Any, kind: Any, value: Any) -> list[Any]:
     """The registers of a value."""
     return [builder.extract_value(value, i) for i in range(kind.parts)]
-
-
-class _RowsType(types.Type):
-    """Where rows of lanes begin, for each of some groups: addresses, which nobody counts."""
-
-    def __init__(self, parts: int) -> None:
-        self.parts = parts
-        super().__init__(name=f"Rows8x{parts}")
-
-
-ROWS = {parts: _RowsType(parts) for parts in range(1, PARTS + 1)}
-
-
-@register_model(_RowsType)
-class _RowsModel(models.PrimitiveModel):
-    def __init__(self, manager: Any, kind: Any) -> None:
-        address = _LLVM.as_pointer()
-        super().__init__(manager, kind, ir.LiteralStructType([address] * kind.parts))
-
-
-def _holds_rows(kind: Any) -> bool:
-    whole = isinstance(kind, types.Array) and kind.ndim == 2 and kind.layout == "C"
-    return whole and kind.dtype == types.float64
-
-
-def _borrowed_type(kind: Any) -> Any:
-    if isinstance(kind, containers.UniTuple) and _holds_rows(kind.dtype):
-        return ROWS[len(kind)]
-    if isinstance(kind, containers.BaseNamedTuple):
-        return containers.NamedTuple([_borrowed_type(field) for field in kind], kind.instance_class)
-    return kind
-
-
-def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
-    if isinstance(kind, types.Array):
-        array = context.make_array(kind)(context, builder, value)
-        array.meminfo = cgutils.get_null_value(array.meminfo.type)
-        array.parent = cgutils.get_null_value(array.parent.type)
-        return array._getvalue()
-    if not isinstance(kind, containers.BaseTuple):
-        return value
-    parts = list(zip(kind, cgutils.unpack_tuple(builder, value, len(kind)), strict=True))
-    target = _borrowed_type(kind)
-    if isinstance(target, _RowsType):
-        arrays = [context.make_array(one)(context, builder, part) for one, part in parts]
-        lanes = [builder.bitcast(array.data, _LLVM.as_pointer()) for array in arrays]
-        return _join(builder, lanes)
-    found = [_borrow(context, builder, one, part) for one, part in parts]
-    return context.make_tuple(builder, target, found)
-
-
-@intrinsic
-def borrowed(typingctx: Any, value: Any) -> Any:
-    """Data as kernels take it, with nothing to be counted; the caller must keep the originals.
-
-    Tuples of arrays (n, 8), one for each group of lanes, become rows; other arrays, also in named
-    tuples, have no owner. numba counts who holds an array at every call and access, in memory that
-    all threads share: with many short calls that is as much work as the filter itself.
-    """
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return _borrow(context, builder, sig.args[0], args[0])
-
-    return _borrowed_type(value)(value), codegen
-
-
-@intrinsic
-def groups(typingctx: Any, whole: Any) -> Any:
-    """The rows, or the vector, of each group alone."""
-
-    kind, alone = (
-        (whole, ROWS[1]) if isinstance(whole, _RowsType) else (VECTORS[whole.parts], VECTOR)
-    )
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        parts = [_join(builder, [one]) for one in _split(builder, kind, args[0])]
-        return context.make_tuple(builder, sig.return_type, parts)
-
-    return containers.UniTuple(alone, whole.parts)(kind), codegen
-
-
-@intrinsic
-def element(typingctx: Any, array: Any, i: Any) -> Any:
-    """Element i of a C-contiguous array as it lies in memory, unchecked, whatever its shape.
-
-    With an index for each dimension numba must take care of negative ones and of strides that it
-    does not know: for each row of a small matrix that is as much work as the sum it is needed for.
-    """
-    if array.layout != "C":
-        return None
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        whole = context.make_array(sig.args[0])(context, builder, args[0])
-        value = builder.load(builder.gep(whole.data, [args[1]]))
-        return context.data_model_manager[array.dtype].from_data(builder, value)
-
-    return array.dtype(array, types.intp), codegen
-
-
-def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
-    """Where the row lies, in each of the groups."""
-    return [builder.gep(first, [row]) for first in _split(builder, kind, rows)]
-
-
-@intrinsic
-def load(typingctx: Any, rows: Any, i: Any) -> Any:
-    """Row i of each group of lanes."""
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        found = _addresses(builder, rows, *args)
-        return _join(builder, [builder.load(address, align=8) for address in found])
-
-    return VECTORS[rows.parts](rows, types.intp), codegen
-
-
-@intrinsic
-def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
-    """Write a vector to row i of each group of lanes."""
-    kind = VECTORS[rows.parts]
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        found = _addresses(builder, rows, *args[:2])
-        for part, address in zip(_split(builder, kind, args[2]), found, strict=True):
-            builder.store(part, address, align=8)
-        return context.get_dummy_value()
-
-    return types.void(rows, types.intp, kind), codegen
-
-
-@intrinsic
-def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
-    """Ask for row i, which may lie outside, for the second cache, before it is needed.
-
-    The hardware foresees the next rows of a stream but stops at each page, every 64 rows. The first
-    cache is too small for all that is asked for so early.
-    """
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        flag = ir.IntType(32)
-        for address in _addresses(builder, rows, *args):
-            at = builder.bitcast(address, ir.IntType(8).as_pointer())
-            kind = ir.FunctionType(ir.VoidType(), [at.type, flag, flag, flag])
-            function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
-            builder.call(function, [at, flag(0), flag(2), flag(1)])
-        return context.get_dummy_value()
-
-    return types.void(rows, types.intp), codegen
-
-
-@intrinsic
-def zero(typingctx: Any, rows: Any) -> Any:
-    """Zeros, as many as a row of these has."""
-    kind = VECTORS[rows.parts]
-
-    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return _join(builder, [ir.Constant(_LLVM, [0.0] * WIDTH)] * kind.parts)
-
-    return kind(rows), codegen
 
 
 @intrinsic
@@ -275,10 +110,10 @@ def rounded(typingctx: Any, product: Any) -> Any:
 def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
     """A float in all lanes; a vector as it is; a product multiplied."""
     if isinstance(kind, _VectorType):
-        return _split(builder, kind, value)
+        return split(builder, kind, value)
     if isinstance(kind, _ProductType):
         return [builder.fmul(*pair) for pair in _factors(builder, kind, value)]
-    undefined = ir.Constant(_LLVM, ir.Undefined)
+    undefined = ir.Constant(LANES, ir.Undefined)
     lanes = ir.VectorType(ir.IntType(32), WIDTH)
     first = builder.insert_element(undefined, value, ir.Constant(ir.IntType(32), 0))
     return [builder.shuffle_vector(first, undefined, ir.Constant(lanes, [0] * WIDTH))] * parts
@@ -292,7 +127,7 @@ def _factors(builder: Any, kind: Any, value: Any) -> list[tuple[Any, Any]]:
 
 def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
     """a * b + c, rounded once."""
-    kind = ir.FunctionType(_LLVM, [_LLVM] * 3)
+    kind = ir.FunctionType(LANES, [LANES] * 3)
     function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fma.v{WIDTH}f64")
     return builder.call(function, [a, b, c])
 
@@ -313,7 +148,7 @@ def _sum(context: Any, builder: Any, sig: Any, args: Any, *, minus: bool) -> Any
     else:
         return _lane_by_lane(builder, builder.fsub if minus else builder.fadd, sig, args)
     fused = [_fused(builder, *pair, term) for pair, term in zip(pairs, terms, strict=True)]
-    return _join(builder, fused)
+    return join(builder, fused)
 
 
 def _add(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -330,7 +165,7 @@ def _divide(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     left, right = _operands(builder, sig, args)
-    return _join(builder, [*left, *right])
+    return join(builder, [*left, *right])
 
 
 def _operands(builder: Any, sig: Any, args: Any) -> Any:
@@ -341,7 +176,7 @@ def _operands(builder: Any, sig: Any, args: Any) -> Any:
 
 def _lane_by_lane(builder: Any, operation: Any, sig: Any, args: Any) -> Any:
     pairs = zip(*_operands(builder, sig, args), strict=True)
-    return _join(builder, [operation(*pair) for pair in pairs])
+    return join(builder, [operation(*pair) for pair in pairs])
 
 
 def _define(function: Any, codegen: Any, results: dict[int, Any]) -> None:
@@ -368,7 +203,7 @@ _define(operator.truediv, _divide, VECTORS)
 
 
 def _cast(context: Any, builder: Any, source: Any, target: Any, value: Any) -> Any:
-    return _join(builder, _spread(builder, source, value, source.parts))
+    return join(builder, _spread(builder, source, value, source.parts))
 
 
 for _parts in VECTORS:
