@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.config import Compute, Config
-from owtsweep.studies.base import OK, Block
+from owtsweep.sweep.study import OK, Block
 
 SCHEMES = ("A", "B", "C", "D")
 
@@ -34,7 +34,7 @@ class BulkConfig(Config):
 
 
 class BulkStudy:
-    """`owtsweep.studies.base.Study`: a case's value is a known function of its number."""
+    """`owtsweep.sweep.study.Study`: a case's value is a known function of its number."""
 
     name = "bulk"
     schema_version = 1

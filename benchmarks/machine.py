@@ -37,8 +37,8 @@ def last_cache() -> int:
 @cache
 def _compiled() -> tuple[Any, Any, Any]:
     from owtsweep.compiled import njit
-    from owtsweep.studies.hub.kernels.memory import borrowed, load, store
-    from owtsweep.studies.hub.kernels.vector import rounded
+    from owtsweep.vectors.memory import borrowed, load, store
+    from owtsweep.vectors.vector import rounded
 
     @njit
     def triad(a, b, c, factor):

@@ -19,7 +19,7 @@ def plain(value: float) -> str:
 
 def draw(found: dict[str, Any], folder: Path) -> dict[str, str]:
     """File name by part of the report; only of parts that were measured."""
-    from owtsweep.studies.hub.figures.style import context
+    from owtsweep.figures.style import context
 
     files = {}
     with context():
@@ -35,7 +35,7 @@ def _kernels(found: dict[str, Any]) -> Any:
     """ns per step in both engines, and the kernels against the machine's limits."""
     import numpy as np
 
-    from owtsweep.studies.hub.figures.style import new_figure
+    from owtsweep.figures.style import new_figure
 
     figure = new_figure(10.0, 3.8)
     left, right = figure.subplots(1, 2)
@@ -70,8 +70,8 @@ def _kernels(found: dict[str, Any]) -> Any:
 
 def _breakdown(found: dict[str, Any]) -> Any:
     """Core-milliseconds per replicate, by part."""
-    from owtsweep.studies.hub.figures.style import new_figure
-    from owtsweep.studies.hub.palette import FIXED
+    from owtsweep.figures.palette import FIXED
+    from owtsweep.figures.style import new_figure
 
     rows = found["breakdown"]
     figure = new_figure(9.0, 2.9)
@@ -91,7 +91,7 @@ def _breakdown(found: dict[str, Any]) -> Any:
 
 
 def _peers(rows: list[dict[str, Any]], key: str, scale: float, unit: str, title: str) -> Any:
-    from owtsweep.studies.hub.figures.style import new_figure
+    from owtsweep.figures.style import new_figure
 
     rows = [row for row in rows if row[key] is not None]
     figure = new_figure(9.0, 0.9 + 0.42 * len(rows))
@@ -123,7 +123,7 @@ def _peers_mhe(found: dict[str, Any]) -> Any:
 
 def _study(found: dict[str, Any]) -> Any:
     """Time along the four axes, log-log with slopes."""
-    from owtsweep.studies.hub.figures.style import new_figure
+    from owtsweep.figures.style import new_figure
 
     figure = new_figure(11.0, 3.2)
     axes = figure.subplots(1, 4, sharey=True)

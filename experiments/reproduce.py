@@ -15,7 +15,8 @@ from PIL.PngImagePlugin import PngInfo
 
 import owtsweep
 from owtsweep.cli import main
-from owtsweep.studies.hub.figures import style, two_maps
+from owtsweep.figures import style
+from owtsweep.studies.hub.figures import two_maps
 
 REPLICATES = sys.argv[1] if len(sys.argv) > 1 else "100"
 REFERENCE = Path("results/reference")

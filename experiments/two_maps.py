@@ -9,7 +9,8 @@ import sys
 from pathlib import Path
 
 import owtsweep
-from owtsweep.studies.hub.figures import style, two_maps
+from owtsweep.figures import style
+from owtsweep.studies.hub.figures import two_maps
 
 if len(sys.argv) not in (3, 4):
     sys.exit(f"usage: python {sys.argv[0]} PAPER_RUN MATCHED_RUN [FILE_STEM]")

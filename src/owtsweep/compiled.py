@@ -20,6 +20,7 @@ from typing import Any
 KERNEL_SOURCES = (
     "estimation/riccati.py",
     "estimation/windowing.py",
+    "vectors",
     "studies/hub/kernels",
     "studies/hub/expected/kernels.py",
 )

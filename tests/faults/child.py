@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from dummy_study import DummyStudy, make_config
 
 from owtsweep import cli, studies
-from owtsweep.commands import sweep as command
+from owtsweep.cli import sweep as command
 from owtsweep.sweep import progress
 
 if __name__ == "__main__":

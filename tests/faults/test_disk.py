@@ -12,9 +12,9 @@ import pytest
 from fault_tools import content
 
 from owtsweep import studies
-from owtsweep.commands import sweep as command
+from owtsweep.cli import sweep as command
 from owtsweep.errors import InputError
-from owtsweep.sweep import files
+from owtsweep.io import files
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
@@ -23,7 +23,7 @@ LEVELS = [1.0, 2.0, 3.0]
 
 
 class Disk:
-    """Writes through `owtsweep.sweep.files`, counted; from one on, or one alone, they fail."""
+    """Writes through `owtsweep.io.files`, counted; from one on, or one alone, they fail."""
 
     def __init__(self, monkeypatch):
         self.writes, self.fail_at, self.onwards, self.number = [], None, False, errno.EIO

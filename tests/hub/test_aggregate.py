@@ -10,8 +10,8 @@ import pytest
 from scipy import stats
 
 from owtsweep.errors import InputError
-from owtsweep.studies.hub import aggregate
-from owtsweep.studies.hub.cube import Cube, mean_and_error
+from owtsweep.results import aggregate
+from owtsweep.results.cube import Cube, mean_and_error
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 PERIODS = (3.0, 8.0)

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.boundary import boundary, boundary_ratio
+from owtsweep.results.boundary import boundary, boundary_ratio
 
 PRODUCTS = ["motion", "cross", "noise"]
 

@@ -13,14 +13,14 @@ from scipy import stats
 from tools import SMALL
 
 import owtsweep
+from owtsweep.comparing.changes import changed_cells
+from owtsweep.comparing.panels import arrange
+from owtsweep.comparing.shift import boundary_shift
 from owtsweep.errors import InputError
-from owtsweep.studies.comparison import Comparison, Pair
-from owtsweep.studies.hub.boundary import boundary
-from owtsweep.studies.hub.comparing.changes import changed_cells
-from owtsweep.studies.hub.comparing.contrasts import difference, gap, ratio
-from owtsweep.studies.hub.comparing.panels import arrange
-from owtsweep.studies.hub.comparing.shift import boundary_shift
+from owtsweep.results.boundary import boundary
+from owtsweep.statistics.contrasts import difference, gap, ratio
 from owtsweep.sweep.compare import Compared, compare
+from owtsweep.sweep.comparison import Comparison, Pair
 
 GRID = ["grid.natural_period=[4.0,8.0]", "grid.amplitude=[0.1,0.25,1.0]", "grid.replicates=5"]
 WORDS = [*SMALL, *GRID, "schemes=[MKF,HME1,HME2]"]

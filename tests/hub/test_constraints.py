@@ -15,12 +15,12 @@ from tools import Array, assert_same, configure, measured, rows_of
 from dense import whitener
 from owtsweep.config import as_mapping, compose, load
 from owtsweep.errors import InputError
+from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub import HubStudy, window
 from owtsweep.studies.hub.blocks import plan
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon, horizon, transition_over
-from owtsweep.studies.hub.loop import run_estimator
 from owtsweep.studies.hub.online import Streaming
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve, under

@@ -19,10 +19,17 @@ import owtsweep
 import owtsweep.api
 from owtsweep.cli import main
 from owtsweep.studies.hub import batch
-from owtsweep.studies.hub.fidelity import boundaries, consistency, histories, judgement, reasons
+from owtsweep.studies.hub.fidelity import boundaries, consistency, histories, reasons
 from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, PERIODS, SCHEMES, Cell, Evidence
 from owtsweep.studies.hub.fidelity.history_statements import HISTORY_STATEMENTS
-from owtsweep.studies.hub.fidelity.inference import (
+from owtsweep.studies.hub.fidelity.numbers import compare_numbers, lies_within_records
+from owtsweep.studies.hub.fidelity.score import published_numbers
+from owtsweep.studies.hub.fidelity.statements import STATEMENTS
+from owtsweep.studies.hub.fidelity.summaries import fidelity_table
+from owtsweep.studies.hub.records import make_records
+from owtsweep.studies.hub.schemes import resolve
+from owtsweep.verdicts import judgement
+from owtsweep.verdicts.inference import (
     MISSING,
     NOT_REPRODUCED,
     REPRODUCED,
@@ -31,12 +38,6 @@ from owtsweep.studies.hub.fidelity.inference import (
     all_of,
     mean_ratio,
 )
-from owtsweep.studies.hub.fidelity.numbers import compare_numbers, lies_within_records
-from owtsweep.studies.hub.fidelity.score import published_numbers
-from owtsweep.studies.hub.fidelity.statements import STATEMENTS
-from owtsweep.studies.hub.fidelity.summaries import fidelity_table
-from owtsweep.studies.hub.records import make_records
-from owtsweep.studies.hub.schemes import resolve
 
 REPLICATES = 6
 EVERYTHING = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")

@@ -17,9 +17,11 @@ from matplotlib.patches import Rectangle
 from rich.console import Console
 
 from owtsweep.errors import InputError
-from owtsweep.studies.hub import aggregate, published, terminal
-from owtsweep.studies.hub.figures import best_scheme_map, draw_all, mse_over_amplitude, style
-from owtsweep.studies.hub.palette import FIXED, relative_luminance, style_of
+from owtsweep.figures import best_scheme_map, style, terminal
+from owtsweep.figures.palette import FIXED, relative_luminance, style_of
+from owtsweep.results import aggregate
+from owtsweep.studies.hub import published
+from owtsweep.studies.hub.figures import draw_all, mse_over_amplitude
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
 

@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 from tools import Key, configure, rows_of, run_batch, whole_series
 
+from owtsweep.evaluation.loop import Trajectory
 from owtsweep.studies.hub import blocks, measures
 from owtsweep.studies.hub.batch import Sums
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.loop import Trajectory
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve
 

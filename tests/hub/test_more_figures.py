@@ -13,10 +13,11 @@ from tools import SMALL, assert_same, configure, filtered_states, measured, ned
 import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.estimation.predictor import predict
+from owtsweep.figures import style
+from owtsweep.figures.decimate import decimate
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.figures import error_spectra, style, time_histories, two_maps
-from owtsweep.studies.hub.figures.decimate import decimate
+from owtsweep.studies.hub.figures import error_spectra, time_histories, two_maps
 from owtsweep.studies.hub.histories import Histories, histories, natural_period_of
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.sweep.runs import Run

@@ -10,10 +10,10 @@ from tools import Array, assert_same, configure, measured, ned, run_batch
 
 import owtsweep
 from dense import Measurement, posterior
+from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub.blocks import start
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.loop import run_estimator
 from owtsweep.studies.hub.models import FORCE, POSITION, axis_filter
 from owtsweep.studies.hub.online import Streaming
 from owtsweep.studies.hub.schemes import resolve

@@ -17,9 +17,9 @@ from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.kernels.filtering import PREDICTED
 from owtsweep.studies.hub.kernels.lagging import smooth_chunk
-from owtsweep.studies.hub.kernels.memory import borrowed
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve
+from owtsweep.vectors.memory import borrowed
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import aligned
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.memory import borrowed, element, groups, load, store
-from owtsweep.studies.hub.kernels.vector import rounded
+from owtsweep.vectors.memory import borrowed, element, groups, load, store
+from owtsweep.vectors.vector import rounded
 
 ELSEWHERE = "OWTSWEEP_TEST_GENERIC_PROCESSOR"
 NAMES = (

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from replay_tools import config_of, motion_file, sensor_file
 
+from owtsweep.figures.decimate import decimate
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.figures.decimate import decimate
 from owtsweep.studies.hub.rows import Rows
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.replay import blocks, estimating, measuring, session, states, windows

@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.config import Compute, Config
-from owtsweep.studies.base import FAILED, OK, Block
+from owtsweep.sweep.study import FAILED, OK, Block
 
 
 @dataclass(frozen=True)

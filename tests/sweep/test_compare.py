@@ -14,8 +14,8 @@ from dummy_study import DummyStudy, make_config
 from owtsweep import studies
 from owtsweep.cli import main
 from owtsweep.errors import InputError
-from owtsweep.studies.comparison import Comparison, Findings, Pair
 from owtsweep.sweep.compare import compare
+from owtsweep.sweep.comparison import Comparison, Findings, Pair
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.swept import FIRST, flatten, make_pairs, ranks, show, swept_keys
 

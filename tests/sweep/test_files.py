@@ -7,8 +7,8 @@ import os
 import pytest
 
 from owtsweep.errors import InputError
-from owtsweep.sweep import files
-from owtsweep.sweep.files import STALE, check_writable, remove_stale, write_all, write_atomically
+from owtsweep.io import files
+from owtsweep.io.files import STALE, check_writable, remove_stale, write_all, write_atomically
 
 
 def test_write_replaces_and_leaves_no_other_file(tmp_path):

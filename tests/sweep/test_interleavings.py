@@ -19,11 +19,11 @@ from dummy_study import DummyStudy, make_config
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from owtsweep.studies.base import OK, Block
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
+from owtsweep.sweep.study import OK, Block
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ import pytest
 
 from owtsweep.config import Compute
 from owtsweep.errors import InputError
-from owtsweep.studies.base import Block
 from owtsweep.sweep.keys import block_key, run_folder, run_hash
 from owtsweep.sweep.plan import count_cases, make_plan, tasks
+from owtsweep.sweep.study import Block
 
 
 def block(**content):

@@ -14,12 +14,12 @@ import pandas as pd
 import pytest
 
 from owtsweep.errors import InputError
+from owtsweep.io.tables import read_table, write_table
 from owtsweep.sweep import provenance
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.provenance import git_state
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import load
-from owtsweep.sweep.tables import read_table, write_table
 
 
 def test_csv_reads_back_exactly(tmp_path):

@@ -12,12 +12,12 @@ import pandas as pd
 import pytest
 
 from owtsweep.studies import get_study
-from owtsweep.studies.base import Study
 from owtsweep.sweep.gather import sort_rows
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run, load
 from owtsweep.sweep.shard import decode
+from owtsweep.sweep.study import Study
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 VERSIONS = ["store-v1", "store-v2", "store-v3", "store-v4"]

@@ -9,7 +9,7 @@ import time
 import pandas as pd
 import pytest
 
-from owtsweep.commands.sweep import failure_lines
+from owtsweep.cli.sweep import failure_lines
 from owtsweep.errors import InputError
 from owtsweep.sweep.execute import Executor
 from owtsweep.sweep.keys import run_folder

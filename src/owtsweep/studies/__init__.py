@@ -1,7 +1,7 @@
-"""The studies. Each lives in a package of its own and answers to `owtsweep.studies.base.Study`."""
+"""The studies. Each lives in a package of its own and answers to `owtsweep.sweep.study.Study`."""
 
 from owtsweep.errors import InputError
-from owtsweep.studies.base import Block, Study
+from owtsweep.sweep.study import Block, Study
 
 __all__ = ["Block", "Study", "get_study"]
 

@@ -17,7 +17,7 @@ from distributed import Client
 from joblib._dask import DaskDistributedBackend  # private, but the only name of a public backend
 
 from owtsweep.errors import InputError
-from owtsweep.studies.base import Study
+from owtsweep.sweep.study import Study
 from owtsweep.sweep.versions import other_versions
 from owtsweep.sweep.worker import one_line
 

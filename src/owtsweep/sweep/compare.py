@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import as_mapping, require
 from owtsweep.errors import InputError
-from owtsweep.studies.base import FAILED, OK
-from owtsweep.studies.comparison import Candidate, Comparable, Comparison, Findings
-from owtsweep.sweep.files import check_writable, write_atomically
+from owtsweep.io.files import check_writable, write_atomically
+from owtsweep.io.tables import write_table
+from owtsweep.sweep.comparison import Candidate, Comparable, Comparison, Findings
 from owtsweep.sweep.runs import Run, load
+from owtsweep.sweep.study import FAILED, OK
 from owtsweep.sweep.swept import RUN, make_pairs, ranks, show, swept_keys
-from owtsweep.sweep.tables import write_table
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: The record of a multirun (`commands/multirun_record.py` writes it).
+#: The record of a multirun (`cli/multirun_record.py` writes it).
 MULTIRUN = "multirun.json"
 
 

@@ -14,10 +14,10 @@ from pickle import PicklingError
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import Config
-from owtsweep.studies.base import Study
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.shard import DamagedShard, decode
 from owtsweep.sweep.store import Store
+from owtsweep.sweep.study import Study
 from owtsweep.sweep.token import shared_token
 from owtsweep.sweep.worker import (
     NOT_COMPUTED,

@@ -11,7 +11,7 @@ from typing import Any
 
 from owtsweep.config import Config, as_mapping, require
 from owtsweep.errors import InputError
-from owtsweep.studies.base import Block, Study
+from owtsweep.sweep.study import Block, Study
 
 #: Bytes of a block's key: 128 bits make an accidental collision unthinkable.
 KEY_BYTES = 16

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from owtsweep.config import Config, require
-from owtsweep.studies.base import Block, Study
 from owtsweep.sweep.keys import block_key
+from owtsweep.sweep.study import Block, Study
 
 #: Blocks by key, in the study's order.
 Plan = dict[str, Block]

@@ -15,8 +15,8 @@ from typing import Any, Literal
 
 from owtsweep import __version__
 from owtsweep.config import Config, as_mapping
-from owtsweep.studies.base import Study
 from owtsweep.sweep.keys import run_hash
+from owtsweep.sweep.study import Study
 from owtsweep.sweep.versions import package_version, shard_metadata
 
 #: Packages whose version can change a number or a file.

@@ -14,9 +14,9 @@ from typing import Any
 
 from owtsweep import paging
 from owtsweep.config import Config, dump, load, require
-from owtsweep.studies.base import OK, Study
+from owtsweep.io.files import check_writable, remove_stale, unwritable, write_atomically
+from owtsweep.io.tables import write_tables
 from owtsweep.sweep.execute import Executor
-from owtsweep.sweep.files import check_writable, remove_stale, unwritable, write_atomically
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.log import repeat, run_log
 from owtsweep.sweep.plan import Plan, count_cases, make_plan, tasks
@@ -30,7 +30,7 @@ from owtsweep.sweep.provenance import (
 )
 from owtsweep.sweep.runs import Results, Run
 from owtsweep.sweep.store import Store
-from owtsweep.sweep.tables import write_tables
+from owtsweep.sweep.study import OK, Study
 from owtsweep.sweep.versions import all_versions, outdated
 from owtsweep.sweep.worker import Failure, TaskResult, one_line
 

@@ -11,12 +11,12 @@ from owtsweep import config as configuration
 from owtsweep import studies
 from owtsweep.config import Config, require
 from owtsweep.errors import InputError
-from owtsweep.studies.base import OK, Study
+from owtsweep.io.tables import read_table
 from owtsweep.sweep.gather import as_text, sort_rows
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.store import Store
-from owtsweep.sweep.tables import read_table
+from owtsweep.sweep.study import OK, Study
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from owtsweep.studies.base import FAILED
-from owtsweep.sweep.files import write_atomically
+from owtsweep.io.files import write_atomically
 from owtsweep.sweep.gather import gather
 from owtsweep.sweep.shard import DamagedShard, decode, encode, holds
+from owtsweep.sweep.study import FAILED
 
 if TYPE_CHECKING:
     import pandas as pd

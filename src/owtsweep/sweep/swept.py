@@ -7,7 +7,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-from owtsweep.studies.comparison import Pair
+from owtsweep.sweep.comparison import Pair
 
 #: Sections and keys that say where and how a run was computed, or over which grid: not swept.
 NOT_SWEPT = frozenset({"grid", "schemes", "compute", "results", "name", "config_version"})

@@ -9,11 +9,11 @@ from importlib.metadata import PackageNotFoundError, version
 from itertools import islice
 from typing import Any, cast
 
-from owtsweep.studies.base import Study
 from owtsweep.sweep.keys import block_key
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.shard import PREFIX
 from owtsweep.sweep.store import Store
+from owtsweep.sweep.study import Study
 
 #: Shards outside the plan whose versions are looked up: enough to meet every version in use.
 SAMPLE = 64

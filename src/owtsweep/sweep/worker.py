@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Literal
 from owtsweep.config import Config
 from owtsweep.errors import as_text
 from owtsweep.memory import keep_freed_memory
-from owtsweep.studies.base import FAILED, Block, Study
 from owtsweep.sweep.keys import block_key
 from owtsweep.sweep.log import Record, collected_records, working_on
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.store import Store, seal
+from owtsweep.sweep.study import FAILED, Block, Study
 from owtsweep.sweep.versions import other_versions
 
 if TYPE_CHECKING:

@@ -7,14 +7,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.base import Block
+from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
-    from owtsweep.studies.comparison import Comparison, Findings
     from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.sweep.comparison import Comparison, Findings
 
 __all__ = ["HubStudy"]
 
@@ -22,7 +22,7 @@ logger = logging.getLogger(__name__)
 
 
 class HubStudy:
-    """`owtsweep.studies.base.Study` for the hub motion; heavy imports wait for their use."""
+    """`owtsweep.sweep.study.Study` for the hub motion; heavy imports wait for their use."""
 
     name = "hub"
     schema_version = 1
@@ -83,8 +83,8 @@ class HubStudy:
             from owtsweep.studies.hub.expected import answers
 
             return answers.tables(config, rows)
-        from owtsweep.studies.hub import aggregate
-        from owtsweep.studies.hub.cube import Cube
+        from owtsweep.results import aggregate
+        from owtsweep.results.cube import Cube
 
         names = scheme_names(config)
         cube = Cube.of_rows(rows, names, config.grid.amplitude)
@@ -97,7 +97,7 @@ class HubStudy:
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """The map as a coloured grid."""
-        from owtsweep.studies.hub.terminal import grid
+        from owtsweep.figures.terminal import grid
 
         return grid(
             tables["best_scheme"],
@@ -135,7 +135,7 @@ class HubStudy:
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
         """How map, boundary and errors move between runs."""
-        from owtsweep.studies.hub.comparing import compare
+        from owtsweep.comparing import compare
 
         return compare(comparison, folder, metadata=metadata)
 

@@ -15,16 +15,16 @@ import pandas as pd
 
 from owtsweep.config import as_mapping
 from owtsweep.errors import as_text
-from owtsweep.studies.base import Block
+from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub.batch import Sums, direct_sums_of, superposed_sums_of
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
-from owtsweep.studies.hub.loop import run_estimator
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve_all, under
 from owtsweep.studies.hub.sensors import Measurements, observe
+from owtsweep.sweep.study import Block
 
 #: Replicates of one block: 0-7, 8-15, ...
 REPLICATES_PER_BLOCK = 8

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
+from owtsweep.evaluation.loop import Trajectory
 from owtsweep.studies.hub.batch import Sums
-from owtsweep.studies.hub.loop import Trajectory
 
 QUANTITIES = ("x", "y", "vx", "vy", "nees", "nis")
 #: Of the position's error, where each record is run at its amplitude.

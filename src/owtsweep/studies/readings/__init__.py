@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep.studies.base import Block
+from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,7 +18,7 @@ __all__ = ["ReadingsStudy"]
 
 
 class ReadingsStudy:
-    """`owtsweep.studies.base.Study` for the search; a block is one search with one sampler seed."""
+    """`owtsweep.sweep.study.Study` for the search; a block is one search with one sampler seed."""
 
     name = "readings"
     schema_version = 1

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from owtsweep.errors import InputError
-from owtsweep.studies.base import OK
 from owtsweep.studies.readings.searches import COLUMNS
+from owtsweep.sweep.study import OK
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -70,7 +70,7 @@ def draw(
     InputError
         If there is no figure of that name.
     """
-    from owtsweep.studies.hub.figures import style
+    from owtsweep.figures import style
 
     if only not in (None, "score_over_parameters"):
         raise InputError(f"only: this run has no figure {only!r}; use score_over_parameters")
@@ -84,7 +84,7 @@ def draw(
 
 
 def _score_over_parameters(target: str, table: pd.DataFrame) -> Figure:
-    from owtsweep.studies.hub.figures import style
+    from owtsweep.figures import style
 
     names = [name for name in parameters(table) if table[name].notna().any()]
     columns = min(4, max(1, len(names)))

@@ -15,10 +15,10 @@ import pandas as pd
 
 from owtsweep.config import as_mapping, conf_directory, group_options, require, with_values
 from owtsweep.errors import InputError, as_text
-from owtsweep.studies.base import FAILED, OK, Block
 from owtsweep.studies.hub.batch import Lanes
 from owtsweep.studies.hub.fidelity import score as scoring
 from owtsweep.studies.readings.config import ReadingsConfig
+from owtsweep.sweep.study import FAILED, OK, Block
 
 #: Columns of every trial besides its parameters.
 COLUMNS = (

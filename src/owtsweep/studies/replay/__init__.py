@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep.studies.base import Block
+from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,7 +18,7 @@ __all__ = ["ReplayStudy"]
 
 
 class ReplayStudy:
-    """`owtsweep.studies.base.Study` for records; a block is one record with one scheme."""
+    """`owtsweep.sweep.study.Study` for records; a block is one record with one scheme."""
 
     name = "replay"
     schema_version = 1

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.cube import mean_and_error, t_quantile
+from owtsweep.results.cube import mean_and_error, t_quantile
 
 if TYPE_CHECKING:
     import pandas as pd

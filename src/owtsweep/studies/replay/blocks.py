@@ -14,7 +14,6 @@ import numpy as np
 
 from owtsweep.config import as_mapping
 from owtsweep.errors import InputError, as_text
-from owtsweep.studies.base import FAILED, OK, Block
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.blocks import backend, scheme_content
 from owtsweep.studies.hub.contract import Scheme, Sensors
@@ -27,6 +26,7 @@ from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import listen, replicates
 from owtsweep.studies.replay.memory import LONG, give_back
 from owtsweep.studies.replay.record import Record
+from owtsweep.sweep.study import FAILED, OK, Block
 
 if TYPE_CHECKING:
     import pandas as pd

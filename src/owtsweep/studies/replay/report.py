@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from owtsweep.io.files import write_atomically
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import Record
 from owtsweep.studies.replay.terminal import cells, fit_warnings, sentences
-from owtsweep.sweep.files import write_atomically
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.errors import InputError
-from owtsweep.studies.base import OK
-from owtsweep.studies.hub.cube import mean_and_error, t_quantile
+from owtsweep.results.cube import mean_and_error, t_quantile
 from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.replay import advice
 from owtsweep.studies.replay.blocks import LAST_FIX, RECORD, labels
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.measures import WINDOWS
 from owtsweep.studies.replay.seastates import sea_states
+from owtsweep.sweep.study import OK
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.base import OK
-from owtsweep.studies.hub.aggregate import BEST_COLUMNS, SUMMARY_COLUMNS
-from owtsweep.studies.hub.contest import COINCIDENCE
+from owtsweep.results.aggregate import BEST_COLUMNS, SUMMARY_COLUMNS
+from owtsweep.statistics.contest import COINCIDENCE
+from owtsweep.sweep.study import OK
 
 if TYPE_CHECKING:
     import pandas as pd

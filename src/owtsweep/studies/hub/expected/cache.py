@@ -86,7 +86,7 @@ def _read(path: Path) -> dict[str, Array] | None:
 
 
 def _write(path: Path, arrays: Mapping[str, Array]) -> None:
-    from owtsweep.sweep.files import write_atomically
+    from owtsweep.io.files import write_atomically
 
     buffer = io.BytesIO()
     np.savez(buffer, **dict(arrays))  # type: ignore[arg-type]

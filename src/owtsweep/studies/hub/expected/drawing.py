@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.errors import InputError
-from owtsweep.studies.base import FAILED, OK
 from owtsweep.studies.hub.expected import answers, engine
+from owtsweep.sweep.study import FAILED, OK
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,14 +40,9 @@ def draw_all(
     InputError
         If there is no figure of that name.
     """
+    from owtsweep.figures import style
     from owtsweep.studies.hub import criteria, scheme_names
-    from owtsweep.studies.hub.figures import (
-        MAP,
-        PAPER_FIGURES,
-        error_spectra,
-        mse_over_amplitude,
-        style,
-    )
+    from owtsweep.studies.hub.figures import MAP, PAPER_FIGURES, error_spectra, mse_over_amplitude
 
     names = scheme_names(config)
     window = config.measures.window
@@ -83,8 +78,9 @@ def best(
     config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame, criterion: str
 ) -> Figure:
     """The smooth map over the grid's range; cells where the range is a point or has gaps."""
+    from owtsweep.figures import best_scheme_map
     from owtsweep.studies.hub import scheme_names
-    from owtsweep.studies.hub.figures import best_scheme_map, expected_map
+    from owtsweep.studies.hub.figures import expected_map
 
     names = scheme_names(config)
     window, tuning = config.measures.window, config.tuning

@@ -17,7 +17,6 @@ import pandas as pd
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.motion.spectra import spectrum
-from owtsweep.studies.base import Block
 from owtsweep.studies.hub import blocks as sampled
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub import sensors as sensing
@@ -27,6 +26,7 @@ from owtsweep.studies.hub.expected.curves import Curves, curves
 from owtsweep.studies.hub.expected.peak import RECORDS, factor_at, ladder, peak_factors
 from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
 from owtsweep.studies.hub.schemes import resolve, resolve_all
+from owtsweep.sweep.study import Block
 
 #: Raised by hand whenever the numbers of this engine change but not the study's `numerics_version`.
 EXPECTED_VERSION = 2

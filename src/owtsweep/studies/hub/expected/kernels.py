@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.memory import borrowed, groups, load, store
 from owtsweep.studies.hub.kernels.runs import estimates
-from owtsweep.studies.hub.kernels.vector import WIDTH
+from owtsweep.vectors.memory import borrowed, groups, load, store
+from owtsweep.vectors.vector import WIDTH
 
 
 @njit

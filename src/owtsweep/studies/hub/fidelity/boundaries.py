@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.fidelity.evidence import DIGITS, Evidence
-from owtsweep.studies.hub.fidelity.inference import Comparison, Side, interval
+from owtsweep.verdicts.inference import Comparison, Side, interval
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,7 +37,7 @@ class Boundary:
 
 def boundary_at(evidence: Evidence, natural_period: float) -> Boundary | None:
     """The boundary at one period (s); None where the run lacks a scheme or the period."""
-    from owtsweep.studies.hub.boundary import boundary
+    from owtsweep.results.boundary import boundary
 
     rows = _rows(evidence, natural_period)
     if rows is None:
@@ -56,7 +56,7 @@ def boundary_at(evidence: Evidence, natural_period: float) -> Boundary | None:
 
 def ratio_of_boundaries(evidence: Evidence, period: float, to: float) -> Boundary | None:
     """The boundary at one period over that at another (s); None where either is missing."""
-    from owtsweep.studies.hub.boundary import boundary_ratio
+    from owtsweep.results.boundary import boundary_ratio
 
     rows = _rows(evidence, period, to)
     if rows is None:

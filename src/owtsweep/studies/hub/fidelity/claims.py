@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from owtsweep.studies.hub.fidelity.boundaries import boundary_at, within
 from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, Cell, Evidence, cells
-from owtsweep.studies.hub.fidelity.inference import Claim, Comparison, Side, mean_ratio
+from owtsweep.verdicts.inference import Claim, Comparison, Side, mean_ratio
 
 #: A boundary read off a logarithmic axis is known to a factor of 2: the paper's own amplitudes
 #: around it are .2 and .5 m at 4 s, .7 and 2 m at 6 s.

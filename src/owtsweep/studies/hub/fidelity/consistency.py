@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
-from owtsweep.studies.hub.fidelity.inference import UNDECIDED, mean_ratio
+from owtsweep.verdicts.inference import UNDECIDED, mean_ratio
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.figures.style import describe_window
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity.evidence import Evidence
-from owtsweep.studies.hub.fidelity.inference import MISSING, NOT_REPRODUCED, REPRODUCED, UNDECIDED
-from owtsweep.studies.hub.fidelity.judgement import Judged, explain
 from owtsweep.studies.hub.fidelity.number_section import number_section
 from owtsweep.studies.hub.fidelity.numbers import lies_within_records
-from owtsweep.studies.hub.fidelity.page import Block, Bullets, Heading, Paragraph, Picture, Table
-from owtsweep.studies.hub.figures.style import describe_window
+from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+from owtsweep.verdicts.judgement import Judged, explain
+from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, Table
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.base import OK
-from owtsweep.studies.hub.aggregate import expand
-from owtsweep.studies.hub.contest import agree
+from owtsweep.results.aggregate import expand
+from owtsweep.statistics.contest import agree
+from owtsweep.sweep.study import OK
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from owtsweep.studies.hub.fidelity.evidence import Evidence
 from owtsweep.studies.hub.fidelity.histories import SCHEMES
-from owtsweep.studies.hub.fidelity.inference import Claim, mean_ratio
+from owtsweep.verdicts.inference import Claim, mean_ratio
 
 #: "Within" as a statement about 95 % of the samples, not about the largest.
 SHARE_INSIDE = 0.95

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
-from owtsweep.studies.hub.fidelity.inference import MISSING
 from owtsweep.studies.hub.fidelity.numbers import lies_within_records
-from owtsweep.studies.hub.fidelity.page import Block, Bullets, Heading, Paragraph, Picture, Table
 from owtsweep.studies.hub.fidelity.reasons import reason
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.verdicts.inference import MISSING
+from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, Table
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.cube import CONFIDENCE
+from owtsweep.results.cube import CONFIDENCE
 from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
-from owtsweep.studies.hub.fidelity.inference import MISSING, UNDECIDED, mean_ratio
 from owtsweep.studies.hub.fidelity.reasons import reason
 from owtsweep.studies.hub.fidelity.score import published_numbers
+from owtsweep.verdicts.inference import MISSING, UNDECIDED, mean_ratio
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,13 +10,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullLocator
 
+from owtsweep.figures import style
+from owtsweep.figures.palette import FIXED
 from owtsweep.studies.hub.fidelity.boundaries import Boundary
 from owtsweep.studies.hub.fidelity.claims import BOUNDARY_TOLERANCE
 from owtsweep.studies.hub.fidelity.evidence import SCHEMES
 from owtsweep.studies.hub.fidelity.score import BOUNDARIES
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
-from owtsweep.studies.hub.figures import style
-from owtsweep.studies.hub.palette import FIXED
 
 if TYPE_CHECKING:
     import pandas as pd

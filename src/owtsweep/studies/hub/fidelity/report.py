@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from owtsweep.figures import style
+from owtsweep.io.files import write_atomically
+from owtsweep.io.tables import write_table
 from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity import contents, plots
@@ -13,13 +16,10 @@ from owtsweep.studies.hub.fidelity.boundaries import all_boundaries
 from owtsweep.studies.hub.fidelity.consistency import consistency
 from owtsweep.studies.hub.fidelity.evidence import Evidence
 from owtsweep.studies.hub.fidelity.histories import make_histories
-from owtsweep.studies.hub.fidelity.judgement import claims_table, judge
 from owtsweep.studies.hub.fidelity.numbers import compare_numbers
-from owtsweep.studies.hub.fidelity.page import to_html, to_markdown
 from owtsweep.studies.hub.fidelity.summaries import fidelity_table
-from owtsweep.studies.hub.figures import style
-from owtsweep.sweep.files import write_atomically
-from owtsweep.sweep.tables import write_table
+from owtsweep.verdicts.judgement import claims_table, judge
+from owtsweep.verdicts.page import to_html, to_markdown
 
 if TYPE_CHECKING:
     import pandas as pd

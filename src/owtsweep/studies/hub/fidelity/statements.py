@@ -26,7 +26,7 @@ from owtsweep.studies.hub.fidelity.evidence import (
     Evidence,
     cells,
 )
-from owtsweep.studies.hub.fidelity.inference import Claim, Comparison, mean_ratio
+from owtsweep.verdicts.inference import Claim, Comparison, mean_ratio
 
 #: Conditions of tables 6-9.
 TABLE_CELLS = {6: Cell(4.0, 0.2), 7: Cell(8.0, 0.2), 8: Cell(8.0, 1.0), 9: Cell(3.0, 2.0)}

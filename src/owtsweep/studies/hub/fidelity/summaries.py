@@ -10,7 +10,10 @@ import numpy as np
 from owtsweep.studies.hub.fidelity.boundaries import Boundary, ratio_of_boundaries, within
 from owtsweep.studies.hub.fidelity.claims import BOUNDARY_TOLERANCE, boundary_claims
 from owtsweep.studies.hub.fidelity.evidence import SCHEMES, Evidence, least
-from owtsweep.studies.hub.fidelity.inference import (
+from owtsweep.studies.hub.fidelity.numbers import lies_within_records
+from owtsweep.studies.hub.fidelity.score import BOUNDARIES, published_numbers
+from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.verdicts.inference import (
     MISSING,
     NOT_REPRODUCED,
     REPRODUCED,
@@ -18,10 +21,7 @@ from owtsweep.studies.hub.fidelity.inference import (
     all_of,
     mean_ratio,
 )
-from owtsweep.studies.hub.fidelity.judgement import Judged
-from owtsweep.studies.hub.fidelity.numbers import lies_within_records
-from owtsweep.studies.hub.fidelity.score import BOUNDARIES, published_numbers
-from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.verdicts.judgement import Judged
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,8 +7,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.base import FAILED
-from owtsweep.studies.hub.figures.drawings import Drawing, draw_each
+from owtsweep.figures.drawings import Drawing, draw_each
+from owtsweep.sweep.study import FAILED
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -63,11 +63,13 @@ def _drawings(
     metadata: Mapping[str, str] | None,
 ) -> dict[str, Drawing]:
     """Name -> what draws it from the run's results."""
-    from owtsweep.studies.hub import aggregate, scheme_names
-    from owtsweep.studies.hub.cube import Cube
-    from owtsweep.studies.hub.figures import best_scheme_map, mse_over_amplitude, style
+    from owtsweep.figures import best_scheme_map, style
+    from owtsweep.io.files import write_atomically
+    from owtsweep.results import aggregate
+    from owtsweep.results.cube import Cube
+    from owtsweep.studies.hub import scheme_names
+    from owtsweep.studies.hub.figures import mse_over_amplitude
     from owtsweep.studies.hub.figures.tables import tables_6_to_9, to_markdown
-    from owtsweep.sweep.files import write_atomically
 
     names = scheme_names(config)
     look: dict[str, Any] = {"window": config.measures.window, "tuning": config.tuning}
@@ -121,14 +123,11 @@ def _illustrations(
     config: HubConfig, rows: pd.DataFrame, metadata: Mapping[str, str] | None
 ) -> dict[str, Drawing]:
     """Name -> what draws it from the configuration: a record, its spectrum, time histories."""
-    from owtsweep.studies.hub import aggregate, scheme_names
-    from owtsweep.studies.hub.cube import Cube
-    from owtsweep.studies.hub.figures import (
-        error_spectra,
-        record_and_spectrum,
-        style,
-        time_histories,
-    )
+    from owtsweep.figures import style
+    from owtsweep.results import aggregate
+    from owtsweep.results.cube import Cube
+    from owtsweep.studies.hub import scheme_names
+    from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import histories
 
     simulated = cache(lambda: histories(config))

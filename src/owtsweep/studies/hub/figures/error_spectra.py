@@ -13,12 +13,12 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
+from owtsweep.figures import style
+from owtsweep.figures.palette import style_of
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum
-from owtsweep.studies.hub.figures import style
 from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
-from owtsweep.studies.hub.palette import style_of
 from owtsweep.studies.hub.schemes import resolve_all
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.figures import style
+from owtsweep.figures.palette import style_of
 from owtsweep.studies.hub.expected.answers import RESOLUTION, Verdict, judge
-from owtsweep.studies.hub.figures import style
-from owtsweep.studies.hub.palette import style_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

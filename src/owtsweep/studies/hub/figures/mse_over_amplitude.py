@@ -12,9 +12,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from owtsweep.errors import InputError
+from owtsweep.figures import style
+from owtsweep.figures.palette import style_of
 from owtsweep.studies.hub import published
-from owtsweep.studies.hub.figures import style
-from owtsweep.studies.hub.palette import style_of
 
 if TYPE_CHECKING:
     import pandas as pd

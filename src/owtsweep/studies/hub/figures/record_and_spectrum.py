@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.figures import style
+from owtsweep.figures.decimate import decimate
 from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.figures import style
-from owtsweep.studies.hub.figures.decimate import decimate
 from owtsweep.studies.hub.histories import natural_period_of
 from owtsweep.studies.hub.records import Records, make_records
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from owtsweep.studies.hub.contest import agree
+from owtsweep.statistics.contest import agree
 from owtsweep.studies.hub.figures.error_spectra import SchemeErrors
 from owtsweep.studies.hub.noise_floor import SOURCES
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.figures import style
-from owtsweep.studies.hub.figures.decimate import decimate
+from owtsweep.figures import style
+from owtsweep.figures.decimate import decimate
+from owtsweep.figures.palette import style_of
 from owtsweep.studies.hub.histories import Histories
-from owtsweep.studies.hub.palette import style_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,12 +13,14 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.studies.hub import aggregate, scheme_names
-from owtsweep.studies.hub.boundary import boundary
+from owtsweep.figures import style
+from owtsweep.figures.best_scheme_map import draw_cells
+from owtsweep.figures.palette import style_of
+from owtsweep.results import aggregate
+from owtsweep.results.boundary import boundary
+from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.figures import error_spectra, style
-from owtsweep.studies.hub.figures.best_scheme_map import draw_cells
-from owtsweep.studies.hub.palette import style_of
+from owtsweep.studies.hub.figures import error_spectra
 
 if TYPE_CHECKING:
     import pandas as pd

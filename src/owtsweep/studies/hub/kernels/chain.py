@@ -18,8 +18,8 @@ from owtsweep.studies.hub.kernels.lagging import (
     recall,
     smooth_chunk,
 )
-from owtsweep.studies.hub.kernels.memory import groups, load, store
-from owtsweep.studies.hub.kernels.vector import ROOMY
+from owtsweep.vectors.memory import groups, load, store
+from owtsweep.vectors.vector import ROOMY
 
 
 @njit

@@ -44,8 +44,8 @@ def draw_all(
     InputError
         If there is no figure of that name, or the run cannot have it.
     """
-    from owtsweep.studies.hub.figures import style
-    from owtsweep.studies.hub.figures.drawings import Drawing, draw_each
+    from owtsweep.figures import style
+    from owtsweep.figures.drawings import Drawing, draw_each
 
     single = len(config.grid.files) == 1
     drawings = _of_one(config, tables) if single else _of_many(config, tables)

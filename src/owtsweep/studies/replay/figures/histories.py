@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.figures import style
-from owtsweep.studies.hub.figures.decimate import decimate
-from owtsweep.studies.hub.palette import style_of
+from owtsweep.figures import style
+from owtsweep.figures.decimate import decimate
+from owtsweep.figures.palette import style_of
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.envelope import POINTS
 from owtsweep.studies.replay.figures.traces import Line, Traces, traces

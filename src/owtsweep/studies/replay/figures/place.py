@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.figures import style
-from owtsweep.studies.hub.palette import style_of
+from owtsweep.figures import style
+from owtsweep.figures.palette import style_of
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.place import expected_map, fitted, rms_in_band

@@ -6,8 +6,8 @@ import itertools
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.figures import style
-from owtsweep.studies.hub.palette import style_of
+from owtsweep.figures import style
+from owtsweep.figures.palette import style_of
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.seastates import axes as numeric_axes
 from owtsweep.studies.replay.seastates import sea_states

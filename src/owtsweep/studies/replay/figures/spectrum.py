@@ -9,8 +9,8 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.figures import style
-from owtsweep.studies.hub.figures.decimate import decimate
+from owtsweep.figures import style
+from owtsweep.figures.decimate import decimate
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import BEYOND, described
 from owtsweep.studies.replay.place import fitted

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.figures.decimate import decimate
+from owtsweep.figures.decimate import decimate
 from owtsweep.studies.replay.envelope import POINTS, Envelope
 from owtsweep.studies.replay.estimating import north_east
 from owtsweep.studies.replay.session import COLUMNS, Session

@@ -1,0 +1,243 @@
+"""`sweep --multirun`: whole studies, one for each combination, through Hydra's own machinery."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import logging
+import os
+import shlex
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from owtsweep.cli import BAD_INPUT, DONE, FAILED, PROGRAM
+from owtsweep.cli.multirun_record import (
+    JobOutcome,
+    PlannedRun,
+    exit_code,
+    failed_cases,
+    forget_outcomes,
+    read_outcomes,
+    write_outcome,
+    write_record,
+)
+from owtsweep.config import (
+    Config,
+    compose,
+    conf_directory,
+    dump,
+    from_mapping,
+    one_line,
+    require,
+)
+from owtsweep.errors import InputError, as_text
+from owtsweep.io.files import check_writable
+from owtsweep.sweep.keys import run_folder
+
+logger = logging.getLogger(__name__)
+
+NOT_FINISHED = "not finished"
+
+
+def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
+    """Check every combination first, then run them all, whatever becomes of one.
+
+    Only this way of running goes through `hydra.main`, so that Hydra's sweepers and launchers
+    work. All runs lie below one folder, whose name depends on the overrides alone: the same
+    command finds it again.
+    """
+    if options.fresh:
+        raise InputError("--fresh: this works on one run; name it without --multirun")
+    combinations = _combinations(options.overrides)
+    configs = [compose(words, options.config_dir) for words, _ in combinations]
+    _check_folders(configs, [words for words, _ in combinations])
+    if options.cfg:
+        print("---\n".join(dump(config) for config in configs), end="")
+        return DONE
+    results = configs[0].results if configs else _results(options.overrides)
+    digest = hashlib.blake2b("\n".join(sorted(options.overrides)).encode(), digest_size=5)
+    folder = Path(results) / f"multirun-{digest.hexdigest()}"
+    planned = [
+        PlannedRun(run_folder(config).name, [o for o in words if not _is_results(o)], values)
+        for config, (words, values) in zip(configs, combinations, strict=True)
+    ]
+    check_writable(folder)
+    _check_hydra(options.overrides)
+    forget_outcomes(folder)
+    write_record(folder, options.overrides, planned)
+    began = time.monotonic()
+    try:
+        _through_hydra(Job(str(folder), tuple(argv)), options, folder)
+    except KeyboardInterrupt:
+        _tell(folder, planned, options, stopped=True)
+        raise
+    outcomes = _tell(folder, planned, options, stopped=False)
+    print(f"{len(outcomes)} runs in {time.monotonic() - began:.1f} s: {folder}/")
+    return exit_code(outcomes)
+
+
+@dataclass(frozen=True)
+class Job:
+    """What Hydra calls for each run: a plain object, so that launchers can send it elsewhere.
+
+    It never raises, since one raise would take the rest of a launcher's queue with it, and leaves
+    its outcome in the multirun folder.
+    """
+
+    folder: str
+    argv: tuple[str, ...]
+
+    def __call__(self, composed: Any) -> None:
+        from hydra.core.hydra_config import HydraConfig
+
+        from owtsweep.cli.sweep import run_one
+
+        task = [str(o) for o in HydraConfig.get().overrides.task if not _is_results(str(o))]
+        name = "refused-" + hashlib.blake2b("\n".join(task).encode(), digest_size=5).hexdigest()
+        try:
+            config = from_mapping(composed)
+            name = run_folder(config).name
+            code = run_one(config, self.argv)
+            reason = failed_cases(run_folder(config)) if code else ""
+        except InputError as error:
+            code, reason = BAD_INPUT, str(error)
+        except Exception as error:  # whatever it is, the other runs go on
+            code, reason = FAILED, as_text(error)
+            logger.debug("run %s", name, exc_info=True)
+        write_outcome(Path(self.folder), JobOutcome(name, task, code, reason))
+
+
+def _tell(
+    folder: Path, planned: Sequence[PlannedRun], options: argparse.Namespace, *, stopped: bool
+) -> list[JobOutcome]:
+    """List on stderr what failed, why, and what retries it; returns all outcomes."""
+    noted = {outcome.folder: outcome for outcome in read_outcomes(folder)}
+    outcomes = []
+    for run in planned:
+        silent = JobOutcome(
+            run.folder,
+            run.overrides,
+            FAILED,
+            NOT_FINISHED if stopped else "its process ended without a word; see its run.log",
+        )
+        outcomes.append(noted.pop(run.folder, silent))
+    outcomes += noted.values()  # runs of another sweeper, which cannot be foreseen
+    bad = [outcome for outcome in outcomes if outcome.code]
+    if stopped:
+        print(f"{len(outcomes) - len(bad)} of {len(outcomes)} runs done: {folder}/")
+    for outcome in bad:
+        if outcome.reason == NOT_FINISHED:  # the same command goes on with all of them
+            print(f"{NOT_FINISHED}: {outcome.folder}", file=sys.stderr)
+            continue
+        extra = ["--config-dir", options.config_dir] if options.config_dir else []
+        command = shlex.join(["sweep", *extra, *outcome.overrides, f"results={folder}"])
+        print(f"failed: {outcome.folder}: {outcome.reason}", file=sys.stderr)
+        print(f"  retry: {PROGRAM} {command}", file=sys.stderr)
+    if bad and not stopped:
+        print(f"{len(bad)} of {len(outcomes)} runs failed", file=sys.stderr)
+    return outcomes
+
+
+def _is_results(override: str) -> bool:
+    return override.lstrip("+").partition("=")[0] == "results"
+
+
+def _results(overrides: Sequence[str]) -> str:
+    given = [o.partition("=")[2] for o in overrides if _is_results(o)]
+    return given[-1] if given else "results"
+
+
+def _check_hydra(overrides: Sequence[str]) -> None:
+    """Refuse launchers and sweepers that are not there before anything is written."""
+    from hydra import compose as hydra_compose
+    from hydra import initialize_config_dir
+    from hydra.errors import HydraException
+    from omegaconf.errors import OmegaConfBaseException
+
+    own = [o for o in overrides if o.lstrip("+~").startswith("hydra")]
+    if not own:
+        return
+    try:
+        with initialize_config_dir(config_dir=str(conf_directory()), version_base="1.3"):
+            hydra_compose("sweep", overrides=own, return_hydra_config=True)
+    except (HydraException, OmegaConfBaseException) as error:
+        raise InputError(one_line(error)) from error
+
+
+def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[str]]) -> None:
+    """Refuse runs that would share a folder: the later would overwrite the earlier's tables."""
+    require(
+        len({config.results for config in configs}) <= 1,
+        "results: one multirun has one results folder; give one value",
+    )
+    seen: dict[Path, Sequence[str]] = {}
+    for config, overrides in zip(configs, combinations, strict=True):
+        folder = run_folder(config)
+        if folder in seen:
+            ours, theirs = (" ".join(words) for words in (overrides, seen[folder]))
+            raise InputError(
+                f"--multirun: [{theirs}] and [{ours}] share the run folder {folder.name}; name, "
+                "grid, schemes and compute do not tell runs apart, so sweep over other keys"
+            )
+        seen[folder] = overrides
+
+
+def _combinations(overrides: Sequence[str]) -> list[tuple[list[str], dict[str, str]]]:
+    """What Hydra's basic sweeper will make of the overrides, and the swept values of each.
+
+    Nothing for another sweeper: only it knows its combinations.
+    """
+    from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+    from hydra.core.override_parser.overrides_parser import OverridesParser
+    from hydra.errors import HydraException
+
+    if any(o.startswith("hydra/sweeper=") and o != "hydra/sweeper=basic" for o in overrides):
+        return []
+    try:
+        parsed = OverridesParser.create().parse_overrides(list(overrides))
+        own = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
+        batches = BasicSweeper.split_arguments(own, max_batch_size=None)
+    except HydraException as error:
+        raise InputError(one_line(error)) from error
+    swept = {o.get_key_element() for o in own if o.is_sweep_override()}
+    found = []
+    for words in (list(job) for batch in batches for job in batch):
+        pairs = [word.partition("=")[::2] for word in words]
+        found.append((words, {key: value for key, value in pairs if key in swept}))
+    return found
+
+
+def _through_hydra(job: Any, options: argparse.Namespace, folder: Path) -> None:
+    import hydra
+    from hydra.errors import HydraException
+    from omegaconf.errors import OmegaConfBaseException
+
+    settings = [
+        f"results={folder}",
+        f"hydra.sweep.dir={folder}",
+        "hydra.sweep.subdir=.",
+        f"hydra.run.dir={folder}",
+        "hydra.output_subdir=null",
+        "hydra/job_logging=none",
+        "hydra/hydra_logging=none",
+    ]
+    own = [o for o in options.overrides if not _is_results(o)]
+    extra = ["--config-dir", options.config_dir] if options.config_dir else []
+    before = sys.argv
+    sys.argv = [before[0], "--multirun", *extra, *own, *settings]
+    full_error = os.environ.get("HYDRA_FULL_ERROR")
+    os.environ["HYDRA_FULL_ERROR"] = "1"  # let errors reach us instead of ending in sys.exit
+    try:
+        hydra.main(version_base="1.3", config_path=str(conf_directory()), config_name="sweep")(
+            job
+        )()
+    except (HydraException, OmegaConfBaseException) as error:
+        raise InputError(one_line(error)) from error
+    finally:
+        sys.argv = before
+        if full_error is None:
+            del os.environ["HYDRA_FULL_ERROR"]

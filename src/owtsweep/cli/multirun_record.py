@@ -1,0 +1,96 @@
+"""What a multirun leaves in its folder: `multirun.json`, and one outcome per run.
+
+Jobs may run in other processes or on other machines (joblib, submitit), so what became of them is
+read from files, never from a list of this process.
+"""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from owtsweep.cli import BAD_INPUT, DONE, FAILED
+from owtsweep.io.files import write_atomically
+from owtsweep.sweep.compare import MULTIRUN as RECORD
+
+OUTCOMES = ".outcomes"
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class JobOutcome:
+    """What became of one run.
+
+    Attributes
+    ----------
+    folder
+        Name of its run folder inside the multirun folder.
+    overrides
+        What makes this run, without `results`.
+    code
+        The exit code that the run alone would have had.
+    reason
+        Why the code is not 0; one line.
+    """
+
+    folder: str
+    overrides: list[str]
+    code: int = DONE
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """A run of a multirun: the name of its folder, all its overrides and its swept values."""
+
+    folder: str
+    overrides: list[str]
+    values: dict[str, str]
+
+
+def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedRun]) -> None:
+    """Write `multirun.json`: the overrides as given and the runs in their order."""
+    content = {
+        "multirun_version": VERSION,
+        "overrides": list(overrides),
+        "runs": [asdict(run) for run in runs],
+    }
+    write_atomically(folder / RECORD, json.dumps(content, indent=2) + "\n")
+
+
+def forget_outcomes(folder: Path) -> None:
+    """Clear what earlier multiruns in this folder noted, so that only this one speaks."""
+    shutil.rmtree(folder / OUTCOMES, ignore_errors=True)
+    (folder / OUTCOMES).mkdir(parents=True)
+
+
+def write_outcome(folder: Path, outcome: JobOutcome) -> None:
+    """Note what became of a run; called in the process that ran it."""
+    (folder / OUTCOMES).mkdir(parents=True, exist_ok=True)
+    write_atomically(folder / OUTCOMES / f"{outcome.folder}.json", json.dumps(asdict(outcome)))
+
+
+def read_outcomes(folder: Path) -> list[JobOutcome]:
+    """All outcomes noted since `forget_outcomes`, by folder."""
+    paths = sorted((folder / OUTCOMES).glob("*.json"))
+    return [JobOutcome(**json.loads(path.read_text())) for path in paths]
+
+
+def failed_cases(run_folder: Path) -> str:
+    """How many cases failed, as the run's own manifest says."""
+    try:
+        manifest: dict[str, Any] = json.loads((run_folder / "manifest.json").read_text())
+        failed = int(manifest["cases"]["failed"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return "some cases failed"
+    return f"{failed} case{'s' * (failed != 1)} failed"
+
+
+def exit_code(outcomes: Sequence[JobOutcome]) -> int:
+    """2 if a run was refused, else 1 if anything failed, else 0."""
+    codes = {outcome.code for outcome in outcomes}
+    return BAD_INPUT if BAD_INPUT in codes else FAILED if codes - {DONE} else DONE

@@ -1,0 +1,142 @@
+"""What changes from one run to another: best schemes per cell, and each scheme's MSE."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.results.aggregate import holm
+from owtsweep.results.cube import CONFIDENCE
+from owtsweep.statistics.contrasts import difference, gap, ratio
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+CELL = ("natural_period", "amplitude")
+CHANGED_COLUMNS = (
+    "from_run", "to_run", "along", "paired", *CELL, "criterion", "best_from", "best_to",
+    "gap_from", "gap_from_low", "gap_from_high", "gap_to", "gap_to_low", "gap_to_high",
+    "change", "change_low", "change_high", "n_from", "n_to", "established",
+)  # fmt: skip
+SCHEME_COLUMNS = (
+    "from_run", "to_run", "along", "paired", "scheme", *CELL, "criterion", "mse_from", "mse_to",
+    "difference", "difference_low", "difference_high", "ratio", "ratio_low", "ratio_high",
+    "n_from", "n_to", "verdict",
+)  # fmt: skip
+
+#: (natural period, amplitude) -> name of the best scheme.
+Winners = Mapping[tuple[float, float], str]
+
+
+def winners(best: pd.DataFrame) -> dict[tuple[float, float], str]:
+    """The best scheme per cell of one run's table."""
+    rows = zip(best["natural_period"], best["amplitude"], best["best"], strict=True)
+    return {(float(period), float(amplitude)): str(name) for period, amplitude, name in rows}
+
+
+def changed_cells(
+    first: pd.DataFrame,
+    second: pd.DataFrame,
+    best_first: Winners,
+    best_second: Winners,
+    *,
+    paired: bool,
+) -> list[dict[str, Any]]:
+    """The cells that change their best scheme from the first run to the second.
+
+    Where P is best in the first run and Q in the second, the gap is MSE(Q) - MSE(P): positive
+    there, negative here. A change is established if both gaps differ from zero: the larger of the
+    two p-values (an intersection-union test) under Holm's correction over all common cells.
+
+    Parameters
+    ----------
+    first, second
+        `cells.samples_of` of both runs, with the same rows and columns.
+    best_first, best_second
+        Their best schemes.
+    paired
+        Whether equal replicates saw the same motion and noise in both runs.
+
+    Returns
+    -------
+    list of dict
+        `CHANGED_COLUMNS` but those of the pair; MSE in m^2 (m^2/s^2 for velocities). `change` is
+        the gap of the second run less that of the first, with its own (paired) interval.
+    """
+    cells = [cell for cell in best_first if cell in best_second]
+    found, p_values = [], []
+    for cell in cells:
+        P, Q = best_first[cell], best_second[cell]
+        if P == Q:
+            p_values.append(1.0)
+            continue
+        before, after = (
+            _samples(table, Q, cell) - _samples(table, P, cell) for table in (first, second)
+        )
+        gaps = gap(before), gap(after)
+        change = difference(before, after, paired=paired)
+        row: dict[str, Any] = {**dict(zip(CELL, cell, strict=True)), "best_from": P, "best_to": Q}
+        for name, contrast in (("gap_from", gaps[0]), ("gap_to", gaps[1]), ("change", change)):
+            row |= {
+                name: float(contrast.value),
+                f"{name}_low": float(contrast.low),
+                f"{name}_high": float(contrast.high),
+            }
+        row |= {"n_from": int(gaps[0].n_first), "n_to": int(gaps[1].n_first)}
+        opposite = row["gap_from"] > 0.0 > row["gap_to"]
+        p_values.append(max(float(gaps[0].p), float(gaps[1].p)) if opposite else 1.0)
+        found.append((len(p_values) - 1, row))
+    verdicts = holm(p_values, level=1.0 - CONFIDENCE)
+    return [row | {"established": bool(verdicts[index])} for index, row in found]
+
+
+def _samples(table: pd.DataFrame, scheme: str, cell: tuple[float, float]) -> NDArray[np.float64]:
+    place = table.index.get_loc((scheme, *cell))
+    samples: NDArray[np.float64] = table.to_numpy(dtype=float)[place]
+    return samples
+
+
+def scheme_changes(
+    first: pd.DataFrame, second: pd.DataFrame, *, paired: bool
+) -> list[dict[str, Any]]:
+    """Per scheme and cell the difference and the ratio of MSE between two runs.
+
+    Returns
+    -------
+    list of dict
+        `SCHEME_COLUMNS` but those of the pair. `verdict` is "better" or "worse" (the second run's
+        MSE is smaller or larger) under Holm's correction over all rows of the pair, else "".
+    """
+    a, b = first.to_numpy(), second.to_numpy()
+    if paired:
+        both = np.isfinite(a) & np.isfinite(b)
+        a, b = np.where(both, a, np.nan), np.where(both, b, np.nan)
+    mean_a, mean_b = gap(a).value, gap(b).value
+    change, times = difference(a, b, paired=paired), ratio(a, b, paired=paired)
+    rejected = holm(change.p.tolist(), level=1.0 - CONFIDENCE)
+    found = []
+    for i, (scheme, *cell) in enumerate(first.index):
+        if not np.isfinite(change.value[i]):
+            continue
+        verdict = ("better" if change.value[i] < 0.0 else "worse") if rejected[i] else ""
+        found.append(
+            {
+                "scheme": scheme,
+                **dict(zip(CELL, cell, strict=True)),
+                "mse_from": mean_a[i],
+                "mse_to": mean_b[i],
+                "difference": change.value[i],
+                "difference_low": change.low[i],
+                "difference_high": change.high[i],
+                "ratio": times.value[i],
+                "ratio_low": times.low[i],
+                "ratio_high": times.high[i],
+                "n_from": int(change.n_first[i]),
+                "n_to": int(change.n_second[i]),
+                "verdict": verdict,
+            }
+        )
+    return found

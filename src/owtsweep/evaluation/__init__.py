@@ -1,0 +1,1 @@
+"""Running an estimator over measurements, and measuring what it gives."""

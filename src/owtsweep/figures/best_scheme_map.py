@@ -1,0 +1,280 @@
+"""Figure 18 of Ren et al. (2019): the best scheme over natural period and amplitude.
+
+Unlike the print, the map says where the data do not tell the best scheme from the next (hatched)
+and by how much the next is worse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.patches import Patch, Rectangle
+
+from owtsweep.errors import InputError
+from owtsweep.figures import style
+from owtsweep.figures.palette import style_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+HATCH = "////"
+HATCH_COLOR = (1.0, 1.0, 1.0, 0.6)
+NO_RESULT = "#E4E4E4"
+#: Inches. A cell lower than `ONE_LINE` has its labels on one line, and in a map of more than
+#: `MOST_LABELS` cells only the colours speak, as pixels: as shapes they would bloat the SVG.
+CELL_WIDTH = (0.95, 1.6)
+CELL_HEIGHT = (0.3, 0.55)
+ONE_LINE = 0.42
+MOST_LABELS = 600
+
+
+def draw(
+    best: pd.DataFrame,
+    schemes: Sequence[str],
+    *,
+    criterion: str = "position",
+    window: str,
+    tuning: str,
+    coinciding: Sequence[Sequence[str]] = (),
+    replicates: int | None = None,
+    failures: int = 0,
+) -> Figure:
+    """Draw the map of the best scheme in every cell.
+
+    Parameters
+    ----------
+    best
+        Columns of best_scheme.csv.
+    schemes
+        All schemes compared, in the order of the legend.
+    criterion
+        "position" or "velocity".
+    window, tuning
+        Named in the title; `window` selects the rows.
+    coinciding
+        Groups of schemes with the same numbers (`aggregate.coinciding`), the name used last.
+    replicates
+        Records per cell as planned, named in the title if given.
+    failures
+        Failed cases; if there are any, title and footnote say that cells may hold fewer records.
+
+    Raises
+    ------
+    InputError
+        If no row has that criterion and window.
+    """
+    shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
+    if shown.empty:
+        raise InputError(f"best: no cell judged by {criterion} MSE in window {window!r} to draw")
+    periods = sorted(set(shown["natural_period"]))
+    amplitudes = sorted(set(shown["amplitude"]))
+    height = _between(5.5 / len(amplitudes), CELL_HEIGHT)
+    tall = height >= ONE_LINE
+    longest = max(len(name) for name in schemes)
+    letters = longest + 8 if tall else 2 * longest + 10
+    width = max(_between(7.0 / len(periods), CELL_WIDTH), 0.1 + 0.065 * letters)
+    figure_width = max(7.2, 1.0 + width * len(periods))
+
+    with style.context():
+        figure = style.new_figure(figure_width, 2.2 + height * len(amplitudes))
+        axes = figure.add_subplot()
+        rows = shown.to_dict("records")
+        labelled = len(rows) <= MOST_LABELS
+        draw_cells(axes, rows, schemes, periods, amplitudes, labels=_labels(tall, labelled))
+        axes.set_title(
+            f"Best scheme by {criterion} MSE (x + y)\n"
+            f"{style.describe_window(window)}, tuning: {tuning}{_per_cell(replicates, failures)}",
+            loc="left",
+        )
+        holes = len(rows) < len(periods) * len(amplitudes)
+        figure.legend(
+            handles=_legend(rows, schemes, coinciding, holes=holes),
+            loc="outside upper center",
+            ncols=3,
+            frameon=False,
+        )
+        style.footnote(figure, _explanations(rows, coinciding, failures, labelled=labelled))
+    return figure
+
+
+def draw_cells(
+    axes: Axes,
+    rows: Sequence[dict[Any, Any]],
+    schemes: Sequence[str],
+    periods: Sequence[float],
+    amplitudes: Sequence[float],
+    *,
+    labels: str = "two lines",
+) -> None:
+    """Draw the cells of a map; cell (i, j) has its centre at period number i, amplitude number j.
+
+    Parameters
+    ----------
+    rows
+        Rows of best_scheme.csv of one criterion and window.
+    schemes
+        All schemes compared.
+    periods, amplitudes
+        The axes of the map, increasing.
+    labels
+        What stands in a cell: best and next best on "two lines" or "one line", the "best" alone,
+        or "none".
+    """
+    for row in rows:
+        place = periods.index(row["natural_period"]), amplitudes.index(row["amplitude"])
+        _colour(axes, row, schemes, *place, rasterized=labels == "none")
+        if labels == "best":
+            row = {**row, "runner_up": ""}
+        if labels != "none":
+            _label(axes, row, schemes, *place, tall=labels == "two lines")
+    _scales(axes, periods, amplitudes)
+
+
+def _labels(tall: bool, labelled: bool) -> str:
+    if not labelled:
+        return "none"
+    return "two lines" if tall else "one line"
+
+
+def _colour(
+    axes: Axes,
+    row: dict[Any, Any],
+    schemes: Sequence[str],
+    column: int,
+    line: int,
+    *,
+    rasterized: bool,
+) -> None:
+    corner = (column - 0.5, line - 0.5)
+    color = style_of(row["best"], schemes).color
+    cell = Rectangle(corner, 1.0, 1.0, facecolor=color, edgecolor="white", rasterized=rasterized)
+    axes.add_patch(cell)
+    if not row["distinguishable"]:
+        hatch = Rectangle(
+            corner,
+            1.0,
+            1.0,
+            fill=False,
+            hatch=HATCH,
+            edgecolor=HATCH_COLOR,
+            linewidth=0.0,
+            rasterized=rasterized,
+        )
+        axes.add_patch(hatch)
+
+
+def _label(
+    axes: Axes,
+    row: dict[Any, Any],
+    schemes: Sequence[str],
+    column: int,
+    line: int,
+    *,
+    tall: bool,
+) -> None:
+    look = style_of(row["best"], schemes)
+    # behind letters the hatch gives way
+    backing = {"facecolor": look.color, "edgecolor": "none", "pad": 1.0}
+    text: dict[str, Any] = {
+        "color": look.text_color,
+        "bbox": backing,
+        "horizontalalignment": "center",
+        "verticalalignment": "center",
+    }
+    runner_up = _runner_up(row)
+    if not tall:
+        both = f"{row['best']} ({runner_up})" if runner_up else row["best"]
+        axes.text(column, line, both, fontsize=7, **text)
+        return
+    axes.text(column, line + (0.2 if runner_up else 0.0), row["best"], fontsize=9.5, **text)
+    if runner_up:
+        axes.text(column, line - 0.23, runner_up, fontsize=7, **text)
+
+
+def _runner_up(row: dict[Any, Any]) -> str:
+    """The next best scheme and by how many per cent its MSE is larger; "" if there is none."""
+    if not row["runner_up"] or not row["mse_best"] > 0:
+        return ""
+    excess = max(100.0 * row["difference"] / row["mse_best"], 0.0)
+    return f"{row['runner_up']} +{excess:.{0 if excess >= 9.95 else 1}f} %"
+
+
+def _per_cell(replicates: int | None, failures: int) -> str:
+    if replicates is None:
+        return ""
+    count = f"{replicates} record{'s' if replicates != 1 else ''} per cell"
+    return f", up to {count}" if failures else f", {count}"
+
+
+def _scales(axes: Axes, periods: Sequence[float], amplitudes: Sequence[float]) -> None:
+    axes.set_xlim(-0.5, len(periods) - 0.5)
+    axes.set_ylim(-0.5, len(amplitudes) - 0.5)
+    axes.set_xticks(range(len(periods)), [f"{period:g}" for period in periods])
+    axes.set_yticks(range(len(amplitudes)), [f"{amplitude:g}" for amplitude in amplitudes])
+    axes.set_xlabel("natural period (s)")
+    axes.set_ylabel("motion amplitude (m)")
+    axes.set_facecolor(NO_RESULT)
+    axes.grid(False)
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+
+
+def _legend(
+    rows: Sequence[dict[Any, Any]],
+    schemes: Sequence[str],
+    groups: Sequence[Sequence[str]],
+    *,
+    holes: bool,
+) -> list[Patch]:
+    winners = [row["best"] for row in rows]
+    handles = []
+    for name in schemes:
+        if any(name in group[:-1] for group in groups):
+            continue  # shown under the last name of its group
+        alike = next((group for group in groups if group[-1] == name), (name,))
+        cells = winners.count(name)
+        label = f"{' = '.join(alike)} ({cells} cell{'s' * (cells != 1)})"
+        handles.append(Patch(facecolor=style_of(name, schemes).color, label=label))
+    if not all(row["distinguishable"] for row in rows):
+        handles.append(
+            Patch(facecolor="0.6", edgecolor="white", hatch=HATCH, label="not distinguishable")
+        )
+    if holes:
+        handles.append(Patch(facecolor=NO_RESULT, label="no result"))
+    return handles
+
+
+def _explanations(
+    rows: Sequence[dict[Any, Any]],
+    groups: Sequence[Sequence[str]],
+    failures: int,
+    *,
+    labelled: bool,
+) -> str:
+    sentences = []
+    if labelled and any(row["runner_up"] for row in rows):
+        sentences.append(
+            "Second name in a cell: the next best scheme and by how much its MSE is larger."
+        )
+    if not all(row["distinguishable"] for row in rows):
+        sentences.append(
+            "Hatched: the data do not tell best and next best apart"
+            " (paired difference, 95 %, Holm's correction over all cells)."
+        )
+    sentences += [
+        f"{' and '.join(group)} give the same numbers and are shown as {group[-1]}."
+        for group in groups
+    ]
+    if failures:
+        sentences.append(
+            f"{failures} case{'s' if failures != 1 else ''} failed; schemes are compared on the"
+            " records that all of them finished."
+        )
+    return " ".join(sentences)
+
+
+def _between(value: float, limits: tuple[float, float]) -> float:
+    return min(max(value, limits[0]), limits[1])

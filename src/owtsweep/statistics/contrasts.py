@@ -1,0 +1,89 @@
+"""Differences and ratios of two runs' MSE: paired by replicate, or Welch's where they are not.
+
+Sources: Welch (1947), The generalization of 'Student's' problem; the ratio's interval is the delta
+method on its logarithm: log(b/a) has the influence b_r/mean(b) - a_r/mean(a) of replicate r.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.results.cube import CONFIDENCE, mean_and_error
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Contrast:
+    """An estimate with its 95 % interval, two-sided p-value (1 where untestable) and counts."""
+
+    value: Array
+    low: Array
+    high: Array
+    p: Array
+    n_first: Array
+    n_second: Array
+
+
+def gap(samples: Array) -> Contrast:
+    """The mean over the last axis against zero."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean, error, n = mean_and_error(samples)
+    return _student(mean, error, n - 1.0, n, n)
+
+
+def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
+    """Mean of `second` less mean of `first` over the replicates, the last axis.
+
+    NaN marks what did not finish. If `paired`, only replicates that both have count.
+    """
+    if paired:
+        return gap(second - first)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        (a, error_a, n_a), (b, error_b, n_b) = mean_and_error(first), mean_and_error(second)
+        error, freedom = _welch(error_a, n_a, error_b, n_b)
+    return _student(b - a, error, freedom, n_a, n_b)
+
+
+def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
+    """Mean of `second` over mean of `first`, as `difference`; both must be positive."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if paired:
+            both = np.isfinite(first) & np.isfinite(second)
+            first, second = np.where(both, first, np.nan), np.where(both, second, np.nan)
+        (a, error_a, n_a), (b, error_b, n_b) = mean_and_error(first), mean_and_error(second)
+        if paired:
+            influence = second / b[..., None] - first / a[..., None]
+            _, error, n = mean_and_error(influence)
+            freedom = n - 1.0
+        else:
+            error, freedom = _welch(error_a / a, n_a, error_b / b, n_b)
+        logs = _student(np.log(b / a), error, freedom, n_a, n_b)
+        return Contrast(
+            b / a, np.exp(logs.low), np.exp(logs.high), logs.p, logs.n_first, logs.n_second
+        )
+
+
+def _welch(error_a: Array, n_a: Any, error_b: Array, n_b: Any) -> tuple[Array, Array]:
+    """Standard error of a difference and its degrees of freedom (Welch-Satterthwaite)."""
+    error = np.sqrt(error_a**2 + error_b**2)
+    share_a, share_b = error_a**4 / (n_a - 1.0), error_b**4 / (n_b - 1.0)
+    exact = (error == 0.0) & (n_a > 1) & (n_b > 1)
+    return error, np.where(exact, n_a + n_b - 2.0, error**4 / (share_a + share_b))
+
+
+def _student(value: Array, error: Array, freedom: Any, n_a: Any, n_b: Any) -> Contrast:
+    from scipy.special import stdtr, stdtrit
+
+    known = np.isfinite(value) & np.isfinite(error) & (freedom > 0)
+    safe = np.where(known, freedom, 1.0)
+    margin = np.where(known, stdtrit(safe, 0.5 + CONFIDENCE / 2.0) * error, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        p = 2.0 * stdtr(safe, -np.abs(value) / error)
+    p = np.where(known & (error == 0.0), np.where(value == 0.0, 1.0, 0.0), p)
+    p = np.where(known, p, 1.0)
+    return Contrast(value, value - margin, value + margin, p, n_a, n_b)

@@ -1,0 +1,180 @@
+"""Vectors and the memory they come from: rows of lanes, and single elements of other arrays.
+
+`borrowed` makes rows of tuples of C-contiguous (n, 8) arrays, one array per group; `load(rows, i)`
+and `store(rows, i, vector)` move row i, unchecked; `prefetch(rows, i)` asks for one early;
+`zero(rows)` is as many zeros; `groups` takes rows and vectors apart. `element(array, i)` is an
+element of any C-contiguous array, unchecked.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.datamodel import models
+from numba.core.types import containers
+from numba.extending import intrinsic, register_model
+
+from owtsweep.vectors.vector import LANES, PARTS, VECTOR, VECTORS, WIDTH, join, split
+
+#: Rows ahead of their use that streams from memory are asked for.
+AHEAD = 64
+
+
+class _RowsType(types.Type):
+    """Where rows of lanes begin, for each of some groups: addresses, which nobody counts."""
+
+    def __init__(self, parts: int) -> None:
+        self.parts = parts
+        super().__init__(name=f"Rows8x{parts}")
+
+
+ROWS = {parts: _RowsType(parts) for parts in range(1, PARTS + 1)}
+
+
+@register_model(_RowsType)
+class _RowsModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        address = LANES.as_pointer()
+        super().__init__(manager, kind, ir.LiteralStructType([address] * kind.parts))
+
+
+def _holds_rows(kind: Any) -> bool:
+    whole = isinstance(kind, types.Array) and kind.ndim == 2 and kind.layout == "C"
+    return whole and kind.dtype == types.float64
+
+
+def _borrowed_type(kind: Any) -> Any:
+    if isinstance(kind, containers.UniTuple) and _holds_rows(kind.dtype):
+        return ROWS[len(kind)]
+    if isinstance(kind, containers.BaseNamedTuple):
+        return containers.NamedTuple([_borrowed_type(field) for field in kind], kind.instance_class)
+    return kind
+
+
+def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    if isinstance(kind, types.Array):
+        array = context.make_array(kind)(context, builder, value)
+        array.meminfo = cgutils.get_null_value(array.meminfo.type)
+        array.parent = cgutils.get_null_value(array.parent.type)
+        return array._getvalue()
+    if not isinstance(kind, containers.BaseTuple):
+        return value
+    parts = list(zip(kind, cgutils.unpack_tuple(builder, value, len(kind)), strict=True))
+    target = _borrowed_type(kind)
+    if isinstance(target, _RowsType):
+        arrays = [context.make_array(one)(context, builder, part) for one, part in parts]
+        lanes = [builder.bitcast(array.data, LANES.as_pointer()) for array in arrays]
+        return join(builder, lanes)
+    found = [_borrow(context, builder, one, part) for one, part in parts]
+    return context.make_tuple(builder, target, found)
+
+
+@intrinsic
+def borrowed(typingctx: Any, value: Any) -> Any:
+    """Data as kernels take it, with nothing to be counted; the caller must keep the originals.
+
+    Tuples of arrays (n, 8), one for each group of lanes, become rows; other arrays, also in named
+    tuples, have no owner. numba counts who holds an array at every call and access, in memory that
+    all threads share: with many short calls that is as much work as the filter itself.
+    """
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _borrow(context, builder, sig.args[0], args[0])
+
+    return _borrowed_type(value)(value), codegen
+
+
+@intrinsic
+def groups(typingctx: Any, whole: Any) -> Any:
+    """The rows, or the vector, of each group alone."""
+
+    kind, alone = (
+        (whole, ROWS[1]) if isinstance(whole, _RowsType) else (VECTORS[whole.parts], VECTOR)
+    )
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        parts = [join(builder, [one]) for one in split(builder, kind, args[0])]
+        return context.make_tuple(builder, sig.return_type, parts)
+
+    return containers.UniTuple(alone, whole.parts)(kind), codegen
+
+
+@intrinsic
+def element(typingctx: Any, array: Any, i: Any) -> Any:
+    """Element i of a C-contiguous array as it lies in memory, unchecked, whatever its shape.
+
+    With an index for each dimension numba must take care of negative ones and of strides that it
+    does not know: for each row of a small matrix that is as much work as the sum it is needed for.
+    """
+    if array.layout != "C":
+        return None
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        whole = context.make_array(sig.args[0])(context, builder, args[0])
+        value = builder.load(builder.gep(whole.data, [args[1]]))
+        return context.data_model_manager[array.dtype].from_data(builder, value)
+
+    return array.dtype(array, types.intp), codegen
+
+
+def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
+    """Where the row lies, in each of the groups."""
+    return [builder.gep(first, [row]) for first in split(builder, kind, rows)]
+
+
+@intrinsic
+def load(typingctx: Any, rows: Any, i: Any) -> Any:
+    """Row i of each group of lanes."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        found = _addresses(builder, rows, *args)
+        return join(builder, [builder.load(address, align=8) for address in found])
+
+    return VECTORS[rows.parts](rows, types.intp), codegen
+
+
+@intrinsic
+def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
+    """Write a vector to row i of each group of lanes."""
+    kind = VECTORS[rows.parts]
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        found = _addresses(builder, rows, *args[:2])
+        for part, address in zip(split(builder, kind, args[2]), found, strict=True):
+            builder.store(part, address, align=8)
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp, kind), codegen
+
+
+@intrinsic
+def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
+    """Ask for row i, which may lie outside, for the second cache, before it is needed.
+
+    The hardware foresees the next rows of a stream but stops at each page, every 64 rows. The first
+    cache is too small for all that is asked for so early.
+    """
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        flag = ir.IntType(32)
+        for address in _addresses(builder, rows, *args):
+            at = builder.bitcast(address, ir.IntType(8).as_pointer())
+            kind = ir.FunctionType(ir.VoidType(), [at.type, flag, flag, flag])
+            function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+            builder.call(function, [at, flag(0), flag(2), flag(1)])
+        return context.get_dummy_value()
+
+    return types.void(rows, types.intp), codegen
+
+
+@intrinsic
+def zero(typingctx: Any, rows: Any) -> Any:
+    """Zeros, as many as a row of these has."""
+    kind = VECTORS[rows.parts]
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return join(builder, [ir.Constant(LANES, [0.0] * WIDTH)] * kind.parts)
+
+    return kind(rows), codegen

@@ -1,0 +1,1 @@
+"""Published numbers and statements held against a run: intervals, decisions, the page."""

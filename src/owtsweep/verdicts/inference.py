@@ -1,0 +1,171 @@
+"""On which side of a threshold a quantity lies, and whether the data can tell.
+
+One rule for every statement: "reproduced" where the 95 % interval lies wholly on the claimed side,
+"not reproduced" where it lies wholly on the other, else "undecided".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.results.aggregate import holm
+from owtsweep.results.cube import CONFIDENCE
+
+REPRODUCED = "reproduced"
+NOT_REPRODUCED = "not reproduced"
+UNDECIDED = "undecided"
+MISSING = "missing"
+
+Side = Literal["below", "above"]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A quantity against a threshold.
+
+    Attributes
+    ----------
+    label
+        Where it was compared, e.g. "4 s, 0.2 m, position".
+    value, low, high
+        The quantity and its 95 % interval; NaN where there is none.
+    threshold, side
+        The claim: the quantity lies below (above) the threshold.
+    t
+        Distance from the threshold in standard errors, positive on the claimed side; infinite
+        where there is no error to divide by.
+    p
+        Of the two-sided test that the quantity is the threshold; 0 or 1 where only an interval is
+        known.
+    """
+
+    label: str
+    value: float
+    low: float
+    high: float
+    threshold: float
+    side: Side
+    t: float
+    p: float
+
+
+def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: Side) -> Comparison:
+    """The ratio of two means against a threshold, paired over the replicates.
+
+    "mean(a) / mean(b) < threshold" is "mean(a - threshold b) < 0", so the test is the paired t
+    test of a - threshold b, and the interval is the set of thresholds that it does not reject
+    (Fieller 1954, Some problems in interval estimation).
+
+    Parameters
+    ----------
+    label
+        Where it is compared.
+    a, b
+        (replicates,) each, in the same order, not negative; `b` may be a number that is known
+        exactly. The interval starts at 0 at the least and is NaN where `b` is too scattered for a
+        bounded one.
+    threshold, side
+        The claim.
+    """
+    from scipy.special import stdtr, stdtrit
+
+    n = len(a)
+    b = np.broadcast_to(np.asarray(b, dtype=float), (n,))
+    A, B = float(np.mean(a)), float(np.mean(b))
+    if n < 2:
+        return Comparison(label, A / B, np.nan, np.nan, threshold, side, 0.0, 1.0)
+    difference = a - threshold * b
+    error = float(np.std(difference, ddof=1) / np.sqrt(n))
+    distance = float(np.mean(difference)) * (1.0 if side == "above" else -1.0)
+    t = distance / error if error > 0.0 else float(np.sign(distance)) * np.inf
+    if error == 0.0 and distance == 0.0:
+        t = 0.0
+    low, high = _fieller(a, b, float(stdtrit(n - 1, 0.5 + CONFIDENCE / 2.0)))
+    p = float(2.0 * stdtr(n - 1, -abs(t)))
+    return Comparison(label, A / B, low, high, threshold, side, t, p)
+
+
+def _fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
+    n = len(a)
+    A, B = np.mean(a), np.mean(b)
+    variance = np.cov(a, b) * quantile**2 / n
+    square = B * B - variance[1, 1]
+    if square <= 0.0:
+        return float("nan"), float("nan")
+    half = A * B - variance[0, 1]
+    root = np.sqrt(max(half * half - square * (A * A - variance[0, 0]), 0.0))
+    return max(float((half - root) / square), 0.0), float((half + root) / square)
+
+
+def interval(
+    label: str, value: float, low: float, high: float, threshold: float, side: Side
+) -> Comparison:
+    """A quantity whose interval is known from elsewhere (a bootstrap) against a threshold."""
+    wholly_below, wholly_above = high < threshold, low > threshold
+    on_side, off_side = (
+        (wholly_below, wholly_above) if side == "below" else (wholly_above, wholly_below)
+    )
+    t = np.inf if on_side else -np.inf if off_side else 0.0
+    return Comparison(
+        label, value, low, high, threshold, side, t, 0.0 if on_side or off_side else 1.0
+    )
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One assertion: all its comparisons hold.
+
+    Attributes
+    ----------
+    text
+        What is asserted, in words.
+    comparisons
+        What the run has for it.
+    missing
+        What the run would need besides; a claim that lacks something can fall, never stand.
+    """
+
+    text: str
+    comparisons: tuple[Comparison, ...]
+    missing: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> str:
+        """By Holm's step-down test over the comparisons at a family-wise error of 5 %.
+
+        Reproduced where every comparison is told to hold, not reproduced where at least one is
+        told to fail.
+        """
+        told = holm([c.p for c in self.comparisons], level=1.0 - CONFIDENCE)
+        held = np.array([c.t > 0.0 for c in self.comparisons], dtype=bool)
+        if np.any(told & ~held):
+            return NOT_REPRODUCED
+        if self.missing or not self.comparisons:
+            return MISSING
+        return REPRODUCED if np.all(told & held) else UNDECIDED
+
+    @property
+    def deciding(self) -> Comparison | None:
+        """The comparison that is furthest from holding."""
+        return min(self.comparisons, key=lambda c: c.t, default=None)
+
+
+def all_of(claims: Sequence[Claim]) -> str:
+    """The verdict on a statement that makes several claims at once."""
+    verdicts = [claim.verdict for claim in claims]
+    for verdict in (NOT_REPRODUCED, MISSING, UNDECIDED):
+        if verdict in verdicts:
+            return verdict
+    return REPRODUCED
+
+
+def settling(claims: Sequence[Claim]) -> Claim:
+    """The claim that settles the verdict of `all_of`; the least certain one where all stand."""
+    verdict = all_of(claims)
+    chosen = [claim for claim in claims if claim.verdict == verdict]
+    return min(chosen, key=lambda c: c.deciding.t if c.deciding else -np.inf)
