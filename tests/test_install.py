@@ -85,7 +85,7 @@ def test_installed_program_runs_in_an_empty_folder(kind: str, engine: str, tmp_p
         assert module.is_relative_to(tmp_path.resolve() / "environment")
         assert conf == module.parent / "conf"
     else:
-        assert module == CHECKOUT / "src" / "owtsweep" / "config.py"
+        assert module == CHECKOUT / "src" / "owtsweep" / "config" / "__init__.py"
         assert conf == CHECKOUT / "conf"
 
     script = run(python.parent / "owtsweep", "--version", cwd=folder, env=env)

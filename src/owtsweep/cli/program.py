@@ -1,0 +1,219 @@
+"""The command line: subcommands, their flags, exit codes. No physics, and imports only on demand.
+
+Exit codes: 0 done, 1 some cases failed, 2 bad input, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import shlex
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import NoReturn
+
+from owtsweep.errors import InputError
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+PROGRAM = "python -m owtsweep"
+
+DESCRIPTION = """\
+Sweeps conditions x estimation schemes for offshore wind installation, and maps which scheme is
+best where. Reproduces the sensitivity study of Ren et al. (2019)."""
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Report bad input like every other error of the program."""
+        raise InputError(f"{message}; see `{self.prog} --help`")
+
+
+def _sweep(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "overrides", nargs="*", metavar="override", help="Hydra override, e.g. grid.replicates=2"
+    )
+    parser.add_argument(
+        "-m", "--multirun", action="store_true", help="one run for each value of a=1,2,3"
+    )
+    parser.add_argument(
+        "--cfg", action="store_true", help="print the resolved configuration and stop"
+    )
+    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
+    parser.add_argument(
+        "--fresh", action="store_true", help="delete this run's stored cases and start over"
+    )
+    parser.add_argument("--yes", action="store_true", help="do not ask before deleting")
+
+
+def _overrides(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "overrides", nargs="*", metavar="override", help="Hydra override, e.g. tuning=matched"
+    )
+    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
+
+
+def _replay(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "words", nargs="*", metavar="FILE|override", help="records or patterns; key=value words"
+    )
+    parser.add_argument(
+        "--describe", action="store_true", help="list channels, units, rates and gaps, and stop"
+    )
+    parser.add_argument(
+        "--cfg", action="store_true", help="print the resolved configuration and stop"
+    )
+    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
+    parser.add_argument(
+        "--fresh", action="store_true", help="delete this run's stored cases and start over"
+    )
+    parser.add_argument("--yes", action="store_true", help="do not ask before deleting")
+
+
+def _run_argument(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
+
+
+def _runs_argument(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "runs", nargs="+", metavar="RUN", help="folder of a multirun, or folders of several runs"
+    )
+
+
+def _nothing(parser: argparse.ArgumentParser) -> None:
+    pass
+
+
+#: Name -> (what it does, example, arguments). Each lives in owtsweep.cli.<name>.
+COMMANDS = {
+    "sweep": (
+        "Run a study, or finish one that was stopped, and draw its map.",
+        "sweep grid.replicates=2 record.duration=300 schemes=[MKF,HME1] sensors.gnss.delay=0.4",
+        _sweep,
+    ),
+    "replay": (
+        "Run the schemes on recorded motion or recorded sensors; say which one to run.",
+        "replay towertop.outb columns.position_x=TwHt1TPxi sensors.gnss.rate=5",
+        _replay,
+    ),
+    "figures": (
+        "Draw all figures and tables of a run into its folder figures/.",
+        "figures results/study-0a1b2c3d4e",
+        _run_argument,
+    ),
+    "fidelity": (
+        "Hold a run against the published numbers and statements; writes RUN/fidelity/.",
+        "fidelity results/study-0a1b2c3d4e",
+        _run_argument,
+    ),
+    "compare": (
+        "Compare the runs of a multirun, or some runs: how the map moves with what was changed.",
+        "compare results/multirun-0a1b2c3d4e",
+        _runs_argument,
+    ),
+    "spectrum": (
+        "Draw the schemes' error spectra and noise floors, without any record.",
+        "spectrum tuning=matched sensors.gnss.delay=0.4",
+        _overrides,
+    ),
+    "show": (
+        "Tell what a run is: versions, seed, command line, times, cases, failures.",
+        "show results/study-0a1b2c3d4e",
+        _run_argument,
+    ),
+    "list": ("List schemes, tunings, spectra, sensors, grids and experiments.", "list", _nothing),
+}
+
+
+def make_parser() -> Parser:
+    """The parser of the whole command line."""
+    parser = Parser(prog=PROGRAM, description=DESCRIPTION)
+    parser.add_argument("--version", action="store_true", help="print the version and stop")
+    subparsers = parser.add_subparsers(
+        dest="command", metavar="COMMAND", title="commands", parser_class=Parser
+    )
+    for name, (purpose, example, add_arguments) in COMMANDS.items():
+        subparser = subparsers.add_parser(
+            name,
+            help=purpose,
+            description=purpose,
+            epilog=f"example: {PROGRAM} {example}",
+        )
+        add_arguments(subparser)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    _warnings_to_stderr()
+    try:
+        return _run(arguments)
+    except InputError as error:
+        print(f"owtsweep: {error}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt as error:
+        # A sweep says what it has stored.
+        told = str(error) or "interrupted; finished blocks are kept"
+        print(f"owtsweep: {told}; the same command goes on from there", file=sys.stderr)
+        if arguments[:1] in (["sweep"], ["replay"]):
+            print(f"  {same_command(arguments)}", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # `owtsweep list | head`
+        sys.stderr.close()
+        return DONE
+
+
+def same_command(arguments: Sequence[str]) -> str:
+    """The command line that goes on with a sweep, ready to be pasted into a shell."""
+    words = [word for word in arguments if word not in ("--fresh", "--yes")]
+    return f"{PROGRAM} {shlex.join(words)}"
+
+
+def _warnings_to_stderr() -> None:
+    """Warnings (a damaged shard, a missing block) reach the user besides run.log."""
+    logger = logging.getLogger("owtsweep")
+    if not logger.handlers:
+        handler = logging.StreamHandler()
+        handler.setLevel(logging.WARNING)
+        handler.addFilter(lambda record: not record.getMessage().startswith("failed: "))
+        handler.setFormatter(logging.Formatter("owtsweep: %(message)s"))
+        logger.addHandler(handler)
+
+
+def _run(arguments: list[str]) -> int:
+    parser = make_parser()
+    if not arguments:
+        parser.print_help()
+        return BAD_INPUT
+    if arguments[0] == "--version":
+        from owtsweep import __version__
+
+        print(__version__)
+        return DONE
+    name, rest = arguments[0], arguments[1:]
+    if name in COMMANDS:
+        # Intermixed parsing lets flags stand anywhere among the overrides.
+        subparser = Parser(
+            prog=f"{PROGRAM} {name}",
+            description=COMMANDS[name][0],
+            epilog=f"example: {PROGRAM} {COMMANDS[name][1]}",
+        )
+        COMMANDS[name][2](subparser)
+        options = subparser.parse_intermixed_args(_without_cfg_kind(rest))
+    else:
+        options = parser.parse_args(arguments)  # --help, or an error that names the commands
+    module = import_module(f"owtsweep.cli.{name}")
+    return int(module.run(options, arguments))
+
+
+def _without_cfg_kind(arguments: list[str]) -> list[str]:
+    """Hydra's users write `--cfg job`; there is only one kind here."""
+    kept = []
+    for i, argument in enumerate(arguments):
+        if not (argument == "job" and i > 0 and arguments[i - 1] == "--cfg"):
+            kept.append(argument)
+    return kept
