@@ -83,7 +83,7 @@ def test_installed_program_runs_in_an_empty_folder(kind: str, engine: str, tmp_p
     module, conf = map(Path, found.stdout.split())
     if kind == "wheel":
         assert module.is_relative_to(tmp_path.resolve() / "environment")
-        assert conf == module.parent / "conf"
+        assert conf == module.parents[1] / "conf"
     else:
         assert module == CHECKOUT / "src" / "owtsweep" / "config" / "__init__.py"
         assert conf == CHECKOUT / "conf"
