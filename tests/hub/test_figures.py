@@ -18,10 +18,11 @@ from rich.console import Console
 
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, style, terminal
+from owtsweep.figures.drawings import draw_each
 from owtsweep.figures.palette import FIXED, relative_luminance, style_of
 from owtsweep.results import aggregate
 from owtsweep.studies.hub import published
-from owtsweep.studies.hub.figures import draw_all, mse_over_amplitude
+from owtsweep.studies.hub.figures import drawings, mse_over_amplitude
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
 
@@ -246,7 +247,7 @@ def run_rows(schemes, periods) -> pd.DataFrame:
 
 @pytest.fixture
 def run(monkeypatch):
-    """Arguments of `draw_all` for a small run."""
+    """Arguments of `drawings` for a small run."""
     periods, amplitudes = [4.0, 5.0], [0.2, 1.0]
     rows = run_rows(SCHEMES, periods)
     config = SimpleNamespace(
@@ -265,8 +266,8 @@ def run(monkeypatch):
     return config, tables, rows
 
 
-def test_draw_all_draws_everything_of_a_run(run, tmp_path):
-    files = draw_all(*run, tmp_path, metadata={"run": "3f2a"})
+def test_everything_of_a_run_is_drawn(run, tmp_path):
+    files = draw_each(drawings(*run, {"run": "3f2a"}), tmp_path, None)
     assert all(file.is_file() for file in files)
     assert {file.name for file in files} == {
         f"{stem}.{suffix}"
@@ -280,19 +281,19 @@ def test_draw_all_draws_everything_of_a_run(run, tmp_path):
     } | {"tables_6_to_9.csv", "tables_6_to_9.md"}
 
 
-def test_draw_all_draws_one_by_name(run, tmp_path, monkeypatch):
+def test_one_figure_is_drawn_by_name(run, tmp_path, monkeypatch):
     drawn = []
     monkeypatch.setattr(
         style, "save", lambda figure, *_: drawn.append(texts(figure)) or [tmp_path / "x.png"]
     )
-    assert draw_all(*run, tmp_path, only="figure_18_best_scheme") == [tmp_path / "x.png"]
+    assert draw_each(drawings(*run), tmp_path, "figure_18_best_scheme") == [tmp_path / "x.png"]
     assert "EKF = MKF (4 cells)" in drawn[0]
     assert "up to 3 records per cell" in drawn[0]
     assert "1 case failed" in drawn[0]
-    files = draw_all(*run, tmp_path, only="tables_6_to_9")
+    files = draw_each(drawings(*run), tmp_path, "tables_6_to_9")
     assert [file.suffix for file in files] == [".csv", ".md"]
     with pytest.raises(InputError, match=r"^only: this run has no figure 'map'; use figure_18_"):
-        draw_all(*run, tmp_path, only="map")
+        draw_each(drawings(*run), tmp_path, "map")
 
 
 def rendered(renderable) -> str:

@@ -13,13 +13,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from owtsweep.api import load
 from owtsweep.errors import InputError
 from owtsweep.io.tables import read_table, write_table
 from owtsweep.sweep import provenance
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.provenance import git_state
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.runs import load
 
 
 def test_csv_reads_back_exactly(tmp_path):
@@ -54,7 +54,7 @@ def test_loaded_run_is_the_run(known_study, config):
     pd.testing.assert_frame_equal(run.cases(), outcome.run.cases(), check_exact=True)
     pd.testing.assert_frame_equal(
         run.summary(),
-        known_study.aggregate(run.config, run.cases())["summary"],
+        known_study.tables(run.config, run.cases())["summary"],
         check_exact=True,
     )
 

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.figures.drawings import Drawing, draw_each
+from owtsweep.figures.drawings import Drawing
 from owtsweep.sweep.study import FAILED
 
 if TYPE_CHECKING:
@@ -30,30 +30,17 @@ TIME_HISTORIES = {
 }
 
 
-def draw_all(
+def drawings(
     config: HubConfig,
     tables: Mapping[str, pd.DataFrame],
     rows: pd.DataFrame,
-    folder: Path,
-    *,
-    only: str | None = None,
     metadata: Mapping[str, str] | None = None,
-) -> list[Path]:
-    """Draw every figure of a run, or the one called `only`; returns the files.
-
-    A figure that this run cannot have (no scheme of it settles, say) is left out with a logged
-    warning, unless it is the one asked for.
-
-    Raises
-    ------
-    InputError
-        If there is no figure of that name, or the run cannot have it.
-    """
-    drawings = {
+) -> dict[str, Drawing]:
+    """Name -> what draws it: every figure and table of the paper."""
+    return {
         **_drawings(config, tables, rows, metadata),
         **_illustrations(config, rows, metadata),
     }
-    return draw_each(drawings, folder, only)
 
 
 def _drawings(
