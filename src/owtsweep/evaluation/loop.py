@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.contract import Estimate, Estimator, Sensors
+from owtsweep.evaluation.estimate import Estimate
+from owtsweep.studies.hub.contract import Estimator, Sensors
 from owtsweep.studies.hub.online.estimator import OnlineEstimator
 from owtsweep.studies.hub.sensors import Measurements
 

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Estimate, Estimator, Scheme, Sensors
+from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
 from owtsweep.studies.hub.rows import Rows
 from owtsweep.studies.hub.sensors import Measurements
 from owtsweep.studies.replay.measuring import PIECE, Signals, given

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
+from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import axis_filter, input_model
 from owtsweep.studies.hub.online.memory import (
     FilterSettings,
