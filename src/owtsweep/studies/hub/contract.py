@@ -3,37 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from owtsweep.arrays import Array
-
-
-class Innovation(NamedTuple):
-    """A position innovation, (2,) in m, and its covariance, (2, 2) in m^2."""
-
-    value: Array
-    covariance: Array
-
-
-class Estimate(NamedTuple):
-    """The estimate of the present state, in NED.
-
-    Attributes
-    ----------
-    position, velocity
-        (2,) in m and m/s.
-    covariance
-        (4, 4) of (x, y, v_x, v_y), or None; with it the study reports NEES.
-    innovation
-        The position innovation of this step, or None; with it the study reports NIS.
-    """
-
-    position: Array
-    velocity: Array
-    covariance: Array | None = None
-    innovation: Innovation | None = None
+from owtsweep.evaluation.estimate import Estimate as Estimate
+from owtsweep.evaluation.estimate import Innovation as Innovation
 
 
 @dataclass(frozen=True)

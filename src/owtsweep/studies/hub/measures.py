@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.loop import Trajectory
+from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.batch import Sums
 
 QUANTITIES = ("x", "y", "vx", "vy", "nees", "nis")
