@@ -291,7 +291,7 @@ def _looped(
     )
     if amplitude is None:
         responses = [
-            run_estimator(start(config, scheme, sensors), part, sensors)
+            run_estimator(start(config, scheme, sensors), *part, sensors.fix_interval)
             for part in (observed, noise)
         ]
         return measures.from_trajectories(responses[0], responses[1], truth, settled)
@@ -299,6 +299,6 @@ def _looped(
         amplitude * observed.specific_force + noise.specific_force,
         amplitude * observed.fixes + noise.fixes,
     )
-    response = run_estimator(start(config, scheme, sensors), whole, sensors)
+    response = run_estimator(start(config, scheme, sensors), *whole, sensors.fix_interval)
     extremes = config.measures.extremes
     return measures.from_trajectories(None, response, amplitude * truth, settled, extremes=extremes)

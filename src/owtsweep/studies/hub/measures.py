@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Quantity
-from owtsweep.evaluation.loop import Trajectory
 from owtsweep.evaluation.measures import Errors, Mean, measure
+from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.batch import Sums
 
 #: What the study judges: position and velocity in NED.

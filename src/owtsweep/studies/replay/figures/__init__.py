@@ -54,17 +54,17 @@ def _of_one(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame]
 ) -> dict[str, Callable[[], Figure]]:
     from owtsweep.studies.replay.figures import histories, place, spectrum
-    from owtsweep.studies.replay.session import session
-    from owtsweep.studies.replay.states import NONE, filter_states
+    from owtsweep.studies.replay.session import run_session
+    from owtsweep.studies.replay.states import NO_STATES, collect_filter_states
 
-    known = cache(lambda: session(config, config.grid.files[0]))
-    states = cache(lambda: filter_states(config, known()))
+    known = cache(lambda: run_session(config, config.grid.files[0]))
+    states = cache(lambda: collect_filter_states(config, known()))
 
     def history(name: str) -> Callable[[], Figure]:
         quantity, zoom = HISTORIES[name]
         filtered = quantity in ("acceleration", "bias")
         return lambda: histories.draw(
-            config, known(), states() if filtered else NONE, quantity, zoom=zoom,
+            config, known(), states() if filtered else NO_STATES, quantity, zoom=zoom,
             advised=_advised(tables),
         )  # fmt: skip
 

@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.figures.decimate import decimate
 from owtsweep.studies.replay.envelope import POINTS, Envelope
-from owtsweep.studies.replay.estimating import north_east
+from owtsweep.studies.replay.estimating import rotate_force
 from owtsweep.studies.replay.session import COLUMNS, Session
 from owtsweep.studies.replay.states import FilterStates
 
@@ -81,7 +81,7 @@ def _of_state(session: Session, quantity: str, name: str) -> Traces:
             deviations[scheme] = time, estimated.deviation[:, columns.start]
     innovations = {}
     for scheme, estimated in session.seen[name].items():
-        scaled = estimated.innovation[:, 0] / np.sqrt(estimated.innovation_variance[:, 0])
+        scaled = estimated.scaled_innovation[:, 0]
         there = np.isfinite(scaled)
         if np.any(there):
             innovations[scheme] = time[there], scaled[there]
@@ -133,7 +133,7 @@ def _of_acceleration(session: Session, states: FilterStates) -> Traces:
 def _force(session: Session, window: slice) -> Array:
     """(n, 2) the specific force in NED in a window."""
     parts, begin = [], 0
-    for piece in north_east(session.signals, session.sensors):
+    for piece in rotate_force(session.signals, session.sensors):
         parts.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0)])
         begin += len(piece)
         if begin >= window.stop:
