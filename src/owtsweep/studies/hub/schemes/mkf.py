@@ -1,7 +1,7 @@
 """MKF: Algorithm 6 alone, without register 1 (section 5.3).
 
-The delayed fixes meet the undelayed IMU; no smoother, no predictor. Its output is compared with
-the present and therefore lags.
+The filter combines delayed fixes with the undelayed IMU, without smoother or predictor. Its output
+is compared with the present motion, so the GNSS delay makes it lag.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class MKF:
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """The scheme for the batch engine, for records of that many steps."""
+        """The scheme's form for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.mkf, sensors), sensors, rule=tuning.mkf.update_rule, steps=steps
         )
