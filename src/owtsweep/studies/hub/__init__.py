@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.figures import palette
+from owtsweep.studies.hub.looks import LOOKS
 from owtsweep.sweep.study import Block
 
 if TYPE_CHECKING:
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["HubStudy"]
 
 logger = logging.getLogger(__name__)
+palette.reserve(LOOKS)
 
 
 class HubStudy:
@@ -127,9 +130,10 @@ class HubStudy:
             from owtsweep.studies.hub.expected import drawing
 
             return drawing.draw_all(config, tables, rows, folder, only=only, metadata=metadata)
-        from owtsweep.studies.hub.figures import draw_all
+        from owtsweep.figures.drawings import draw_each
+        from owtsweep.studies.hub.figures import drawings
 
-        return draw_all(config, tables, rows, folder, only=only, metadata=metadata)
+        return draw_each(drawings(config, tables, rows, metadata), folder, only)
 
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]

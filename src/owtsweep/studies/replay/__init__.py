@@ -82,6 +82,8 @@ class ReplayStudy:
         metadata: Mapping[str, str] | None = None,
     ) -> list[Path]:
         """Every record's figures, or the map over many records."""
-        from owtsweep.studies.replay.figures import draw_all
+        from owtsweep.figures.drawings import draw_each
+        from owtsweep.studies.replay.figures import drawings, overview
 
-        return draw_all(config, tables, folder, only=only, metadata=metadata)
+        chosen = overview(config) if only == self.overview() else only
+        return draw_each(drawings(config, tables, metadata), folder, chosen)

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.figures.lines import POINTS
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.replay.alike import Alike
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.envelope import POINTS, Envelope
+from owtsweep.studies.replay.envelope import Envelope
 from owtsweep.studies.replay.estimating import rows_of
 from owtsweep.studies.replay.measuring import pieces_of, simulated_bias
 from owtsweep.studies.replay.session import Session, largest_of, settled_from
