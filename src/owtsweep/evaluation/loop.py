@@ -5,12 +5,14 @@ The reference engine runs every scheme this way, and every engine a user's schem
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, Protocol
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.estimate import Estimate
+from owtsweep.evaluation.collecting import collect
+from owtsweep.evaluation.estimate import PLANAR_MOTION
 from owtsweep.evaluation.trajectory import Trajectory
 
 
@@ -72,7 +74,8 @@ def run_steps(
     if run_record is not None:
         trajectory: Trajectory = run_record(specific_force, positions)
     else:
-        trajectory = _update_one_by_one(estimator, specific_force, positions, first)
+        estimates = _update_one_by_one(estimator, specific_force, positions)
+        trajectory = collect(estimates, PLANAR_MOTION, len(specific_force), first)
     finite = np.isfinite(trajectory.state).all(axis=1)
     if not np.all(finite):
         raise ValueError(f"the estimate of step {first + int(np.argmin(finite))} is not finite")
@@ -80,35 +83,8 @@ def run_steps(
 
 
 def _update_one_by_one(
-    estimator: Updating, specific_force: Array, positions: Array, first: int
-) -> Trajectory:
-    steps = len(specific_force)
-    state = np.empty((steps, 4))
-    covariance: Array | None = None
-    innovation: Array | None = None
-    innovation_covariance: Array | None = None
+    estimator: Updating, specific_force: Array, positions: Array
+) -> Iterator[Any]:
     arrived = np.logical_not(np.isnan(positions).any(axis=1))
-    for k in range(steps):
-        estimate = estimator.update(specific_force[k], positions[k] if arrived[k] else None)
-        if not isinstance(estimate, Estimate):
-            raise TypeError(f"update gave a {type(estimate).__name__}, not an owtsweep.Estimate")
-        state[k, :2] = _vector(estimate.position, "position", first + k)
-        state[k, 2:] = _vector(estimate.velocity, "velocity", first + k)
-        if estimate.covariance is not None:
-            if covariance is None:
-                covariance = np.full((steps, 4, 4), np.nan)
-            covariance[k] = estimate.covariance
-        if estimate.innovation is not None:
-            if innovation is None or innovation_covariance is None:
-                innovation = np.full((steps, 2), np.nan)
-                innovation_covariance = np.full((steps, 2, 2), np.nan)
-            innovation[k] = estimate.innovation.value
-            innovation_covariance[k] = estimate.innovation.covariance
-    return Trajectory(state, covariance, innovation, innovation_covariance)
-
-
-def _vector(value: Array, name: str, step: int) -> Array:
-    array = np.asarray(value, dtype=float)
-    if array.shape != (2,):
-        raise ValueError(f"the {name} of step {step} has the shape {array.shape}, not (2,)")
-    return array
+    for k, force in enumerate(specific_force):
+        yield estimator.update(force, positions[k] if arrived[k] else None)
