@@ -11,16 +11,18 @@ from owtsweep.arrays import Array
 
 
 class Trajectory(NamedTuple):
-    """What an estimator gave over some steps, in NED.
+    """What an estimator gave over some steps: n numbers of the quantities that a study judges.
+
+    For the hub study and its companions these are x, y (m), v_x, v_y (m/s) in NED.
 
     Attributes
     ----------
     state
-        (steps, 4): x, y (m), v_x, v_y (m/s).
+        (steps, n): the judged quantities, one after the other.
     covariance
-        (steps, 4, 4) of the state, NaN at steps without one; None if no step has one.
+        (steps, n, n) of the state, NaN at steps without one; None if no step has one.
     innovation, innovation_covariance
-        (steps, 2) in m and (steps, 2, 2) in m^2, NaN at steps without one; None if no step has one.
+        (steps, m) and (steps, m, m), NaN at steps without one; None if no step has one.
     """
 
     state: Array
@@ -30,7 +32,7 @@ class Trajectory(NamedTuple):
 
     @property
     def deviation(self) -> Array:
-        """(steps, 4): standard deviations of x, y, v_x, v_y; NaN without a covariance."""
+        """(steps, n): standard deviations of the state; NaN without a covariance."""
         if self.covariance is None:
             return np.broadcast_to(np.nan, self.state.shape)
         return np.asarray(np.sqrt(np.einsum("kii->ki", self.covariance)))
