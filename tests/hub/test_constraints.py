@@ -190,7 +190,7 @@ def test_a_sweep_runs_it_directly_and_says_so(caplog: pytest.LogCaptureFixture) 
         "MKF, 4 s, replicate 0", "HME2, 4 s, replicate 0, 0.1 m", "HME2, 4 s, replicate 0, 2 m",
     ]  # fmt: skip
     with caplog.at_level(logging.WARNING):
-        assert HubStudy().backend(bound) == "loky"
+        assert HubStudy().engine(bound).backend(bound) == "loky"
     assert [record.message for record in caplog.records] == [
         "HME2: its constraints leave no kernel that serves all amplitudes; it runs step by step, "
         "amplitude by amplitude"

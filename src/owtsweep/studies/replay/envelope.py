@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.arrays import Array
-
-#: Points of a series over the width of a figure.
-POINTS = 1200
+from owtsweep.figures.lines import POINTS
 
 
 class Envelope:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
@@ -74,7 +75,7 @@ def _describe_one(
         *(f"- {note}" for note in record.notes),
         "",
         f"## Errors, {config.measures.window} record\n",
-        _table(headings, rows),
+        markdown.table(headings, rows),
         "",
         "Mean squared errors of x + y; ± is the 95 % interval over the draws. *In ±1.96 σ*: how "
         "much of the position error lies within what the scheme states (95 % if it knows its "
@@ -121,9 +122,4 @@ def _describe_many(records: pd.DataFrame) -> str:
         [f"{v:.4g}" if isinstance(v, float) else str(v) for v in line]
         for line in records[kept].itertuples(index=False)
     ]
-    return _table([str(name) for name in kept], rows)
-
-
-def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [headings, ["---"] * len(headings), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    return markdown.table([str(name) for name in kept], rows)

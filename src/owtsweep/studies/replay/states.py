@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.figures.lines import POINTS
 from owtsweep.studies.hub.public import (
     Chain,
     bias_of,
@@ -19,7 +20,7 @@ from owtsweep.studies.hub.public import (
 )
 from owtsweep.studies.replay.alike import Alike
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.envelope import POINTS, Envelope
+from owtsweep.studies.replay.envelope import Envelope
 from owtsweep.studies.replay.estimating import make_lanes
 from owtsweep.studies.replay.measuring import cut_into_pieces, simulate_true_bias
 from owtsweep.studies.replay.session import Session, raise_bound, skip_start
