@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.evaluation.estimate import Estimate, Innovation, Quantity
 from owtsweep.evaluation.loop import run_estimator, run_steps
 from owtsweep.evaluation.trajectory import Trajectory
 
@@ -105,3 +105,21 @@ def test_a_record_at_once_must_be_finite_too():
 
     with pytest.raises(ValueError, match="the estimate of step 13 is not finite"):
         run_steps(Lost(), np.zeros((5, 2)), np.full((5, 2), np.nan), first=10)
+
+
+def test_a_study_says_which_quantities_it_judges():
+    class Tower:
+        def update(self, inputs, fix=None):
+            innovation = None if fix is None else Innovation(fix[:3], np.eye(3))
+            return Estimate(tilt=inputs[:1], strain=inputs[1:], covariance=np.eye(4),
+                            innovation=innovation)  # fmt: skip
+
+    inputs, fixes = np.random.default_rng(3).normal(size=(2, 8, 4))
+    fixes = fixes[:2, :3]
+    judged = (Quantity("strain", ("a", "b", "c")), Quantity("tilt", ("tilt",)))
+    run = run_estimator(Tower(), inputs, fixes, 4, judged=judged)
+    assert np.array_equal(run.state, inputs[:, [1, 2, 3, 0]])
+    assert run.covariance.shape == (8, 4, 4)
+    assert np.array_equal(run.innovation[4], fixes[1])
+    with pytest.raises(AttributeError, match="no position"):
+        run_estimator(Tower(), inputs, fixes, 4)

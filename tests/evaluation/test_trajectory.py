@@ -37,7 +37,7 @@ def test_without_a_covariance_all_is_nan():
     bare = Trajectory(np.zeros((3, 4)))
     assert bare.deviation.shape == (3, 4)
     assert bare.axis_covariance(1).shape == (3, 2, 2)
-    assert bare.scaled_innovation.shape == (3, 2)
+    assert bare.scaled_innovation.shape == (3, 1)
     assert np.isnan(bare.deviation).all()
 
 

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.estimate import Quantity
 from owtsweep.evaluation.measures import Errors, Mean, measure
-from owtsweep.evaluation.trajectory import Trajectory
+from owtsweep.evaluation.trajectory import PLANAR_MOTION, Trajectory
 from owtsweep.studies.hub.batch import Sums
 
 #: What the study judges: position and velocity in NED.
-JUDGED = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "vy")))
+JUDGED = PLANAR_MOTION
 #: What the kernels sum, in their order.
 SUMMED = ("x", "y", "vx", "vy", "nees", "nis")
 #: Measures of the position's error, where each record is run at its amplitude.
