@@ -1,67 +1,82 @@
-"""Run an estimator as it would run on board: one `update` per IMU step.
+"""Run an estimator as it would run on board: one `update` per step.
 
 The reference engine runs every scheme this way, and every engine a user's scheme without a kernel.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.evaluation.collecting import collect
-from owtsweep.evaluation.estimate import PLANAR_MOTION
+from owtsweep.evaluation.estimate import PLANAR_MOTION, Quantity
 from owtsweep.evaluation.trajectory import Trajectory
 
 
 class Updating(Protocol):
     """What can be run.
 
-    An estimator may also offer `run_record(specific_force, positions) -> Trajectory`, which takes
-    many steps in one call and gives what `update` would give one by one.
+    An estimator may also offer `run_record(inputs, fixes) -> Trajectory`. It takes many steps in
+    one call and gives what `update` would give step by step; a fix that did not arrive is NaN.
     """
 
-    def update(self, specific_force: Array, position: Array | None = None) -> Any:
-        """Take one sample and perhaps a fix; return an `Estimate`."""
+    def update(self, inputs: Array, fix: Array | None = None, /) -> Any:
+        """Take the inputs of a step, and a fix if one arrived; return an `Estimate`."""
 
 
 def run_estimator(
-    estimator: Updating, specific_force: Array, fixes: Array, fix_interval: int
+    estimator: Updating,
+    inputs: Array,
+    fixes: Array,
+    fix_interval: int,
+    *,
+    judged: Sequence[Quantity] = PLANAR_MOTION,
 ) -> Trajectory:
     """Run an estimator over a whole record.
 
     Parameters
     ----------
-    specific_force
-        (steps, 2) in the IMU's frame, m/s^2.
+    inputs
+        (steps, i) what is measured at every step. In the hub study: specific force, m/s^2.
     fixes
-        (fixes, 2) in NED, m, at steps 0, M, 2 M, ...; a fix that is NaN did not arrive.
+        (fixes, m) what is measured at steps 0, M, 2 M, ...; NaN if it did not arrive. In the hub
+        study: position, m.
     fix_interval
         M, in steps.
+    judged
+        As for `run_steps`.
 
     Raises
     ------
     TypeError, ValueError
         As for `run_steps`.
     """
-    positions = np.full((len(specific_force), 2), np.nan)
-    positions[::fix_interval] = fixes
-    return run_steps(estimator, np.ascontiguousarray(specific_force), positions)
+    arrived = np.full((len(inputs), fixes.shape[1]), np.nan)
+    arrived[::fix_interval] = fixes
+    return run_steps(estimator, np.ascontiguousarray(inputs), arrived, judged=judged)
 
 
 def run_steps(
-    estimator: Updating, specific_force: Array, positions: Array, *, first: int = 0
+    estimator: Updating,
+    inputs: Array,
+    fixes: Array,
+    *,
+    first: int = 0,
+    judged: Sequence[Quantity] = PLANAR_MOTION,
 ) -> Trajectory:
     """Run an estimator over the next steps of a record.
 
     Parameters
     ----------
-    specific_force, positions
-        (steps, 2) in m/s^2 and m; NaN in a position where no fix arrived.
+    inputs, fixes
+        (steps, i) and (steps, m), a row per step; a fix that did not arrive is NaN.
     first
         Number of the first of these steps, for messages.
+    judged
+        The quantities to take from the estimates, in the order in which the state has them.
 
     Raises
     ------
@@ -72,19 +87,17 @@ def run_steps(
     """
     run_record = getattr(estimator, "run_record", None)
     if run_record is not None:
-        trajectory: Trajectory = run_record(specific_force, positions)
+        trajectory: Trajectory = run_record(inputs, fixes)
     else:
-        estimates = _update_one_by_one(estimator, specific_force, positions)
-        trajectory = collect(estimates, PLANAR_MOTION, len(specific_force), first)
+        estimates = _update_step_by_step(estimator, inputs, fixes)
+        trajectory = collect(estimates, judged, len(inputs), first)
     finite = np.isfinite(trajectory.state).all(axis=1)
     if not np.all(finite):
         raise ValueError(f"the estimate of step {first + int(np.argmin(finite))} is not finite")
     return trajectory
 
 
-def _update_one_by_one(
-    estimator: Updating, specific_force: Array, positions: Array
-) -> Iterator[Any]:
-    arrived = np.logical_not(np.isnan(positions).any(axis=1))
-    for k, force in enumerate(specific_force):
-        yield estimator.update(force, positions[k] if arrived[k] else None)
+def _update_step_by_step(estimator: Updating, inputs: Array, fixes: Array) -> Iterator[Any]:
+    arrived = np.logical_not(np.isnan(fixes).any(axis=1))
+    for k, sample in enumerate(inputs):
+        yield estimator.update(sample, fixes[k] if arrived[k] else None)

@@ -11,14 +11,13 @@ from owtsweep.arrays import Array
 
 
 class Trajectory(NamedTuple):
-    """What an estimator gave over some steps: n numbers of the quantities that a study judges.
-
-    For the hub study and its companions these are x, y (m), v_x, v_y (m/s) in NED.
+    """What an estimator gave over some steps.
 
     Attributes
     ----------
     state
-        (steps, n): the judged quantities, one after the other.
+        (steps, n): the judged quantities, one after the other; of a planar motion x, y (m), v_x,
+        v_y (m/s) in NED.
     covariance
         (steps, n, n) of the state, NaN at steps without one; None if no step has one.
     innovation, innovation_covariance
@@ -39,14 +38,17 @@ class Trajectory(NamedTuple):
 
     @property
     def scaled_innovation(self) -> Array:
-        """(steps, 2): innovations over their own standard deviations; NaN at steps without one."""
+        """(steps, m): innovations over their own standard deviations; NaN at steps without one.
+
+        If no step has one, m is 1.
+        """
         if self.innovation is None or self.innovation_covariance is None:
-            return np.broadcast_to(np.nan, (len(self.state), 2))
+            return np.broadcast_to(np.nan, (len(self.state), 1))
         variance = np.einsum("kii->ki", self.innovation_covariance)
         return np.asarray(self.innovation / np.sqrt(variance))
 
     def axis_covariance(self, axis: int) -> Array:
-        """(steps, 2, 2): of position and velocity along x (0) or y (1); NaN without one."""
+        """(steps, 2, 2) of (p, v) along x (0) or y (1) of a planar motion; NaN without one."""
         if self.covariance is None:
             return np.broadcast_to(np.nan, (len(self.state), 2, 2))
         return self.covariance[:, axis::2, axis::2]
@@ -77,5 +79,5 @@ def _join(series: Sequence[Array | None], pieces: Sequence[Trajectory]) -> Array
 
 
 def spread_to_both_axes(covariance: Array) -> Array:
-    """(n, 2, 2) of (p, v), alike for x and y, as (n, 4, 4) of (x, y, v_x, v_y)."""
+    """(n, 2, 2) of (p, v), the same for x and y, as (n, 4, 4) of a planar motion."""
     return np.kron(covariance, np.eye(2))
