@@ -11,8 +11,9 @@ from types import SimpleNamespace
 
 from dummy_study import DummyStudy, make_config
 
-from owtsweep import cli, studies
-from owtsweep.cli import sweep as command
+from owtsweep import studies
+from owtsweep.cli import program
+from owtsweep.cli import running as command
 from owtsweep.sweep import progress
 
 if __name__ == "__main__":
@@ -28,9 +29,9 @@ if __name__ == "__main__":
         c = replace(c, compute=replace(c.compute, scheduler=scheduler[0]))
     study = DummyStudy(pause=float(seconds))
     studies.get_study = lambda name: study
-    cli.import_module = lambda name: SimpleNamespace(
+    program.import_module = lambda name: SimpleNamespace(
         run=lambda options, argv: command.run_one(c, ["sweep", "grid.note=two words"])
     )
     progress.make_progress = lambda quiet: progress.SilentProgress()
-    code = cli.main(["sweep", "grid.note=two words"])
+    code = program.main(["sweep", "grid.note=two words"])
     sys.exit(code)

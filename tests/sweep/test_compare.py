@@ -12,9 +12,10 @@ import pytest
 from dummy_study import DummyStudy, make_config
 
 from owtsweep import studies
+from owtsweep.api import load
 from owtsweep.cli import main
 from owtsweep.errors import InputError
-from owtsweep.sweep.compare import compare
+from owtsweep.sweep import compare as comparing
 from owtsweep.sweep.comparison import Comparison, Findings, Pair
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.swept import FIRST, flatten, make_pairs, ranks, show, swept_keys
@@ -48,6 +49,10 @@ def run(comparable, tmp_path):
         return str(sweep(study, make_config(tmp_path / results, **changes)).run.folder)
 
     return run
+
+
+def compare(paths):
+    return comparing.compare(paths, load)
 
 
 def record(folder: Path, runs: list[dict[str, Any]]) -> None:

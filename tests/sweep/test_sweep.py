@@ -9,14 +9,14 @@ import time
 import pandas as pd
 import pytest
 
-from owtsweep.cli.sweep import failure_lines
+from owtsweep.cli.running import setback_lines
 from owtsweep.errors import InputError
 from owtsweep.sweep.execute import Executor
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.worker import Failure
+from owtsweep.sweep.setback import Setback
 
 
 def shards(outcome):
@@ -310,9 +310,9 @@ def test_good_scheduler(config, address):
 
 
 def test_failures_are_grouped_by_reason():
-    failures = [Failure(f"block {i}", "it diverged", 2) for i in range(200)]
-    failures += [Failure(f"other {i}", f"reason {i:02}", 1) for i in range(20)]
-    lines = failure_lines(failures)
+    failures = [Setback(f"block {i}", "it diverged", 2) for i in range(200)]
+    failures += [Setback(f"other {i}", f"reason {i:02}", 1) for i in range(20)]
+    lines = setback_lines("failed", failures)
     assert lines[0] == ("failed: 400 cases: it diverged: block 0; block 1; block 2 and 197 more")
     assert lines[1] == "failed: 1 case: reason 00: other 0"
     assert lines[-1] == "failed: 11 more reasons: see run.log"

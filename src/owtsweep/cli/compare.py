@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from owtsweep.cli import DONE
+from owtsweep.cli.program import DONE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -15,9 +15,10 @@ if TYPE_CHECKING:
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Write the comparison and show it in short."""
+    from owtsweep.api import load
     from owtsweep.sweep.compare import compare
 
-    compared = compare(options.runs)
+    compared = compare(options.runs, load)
     if sys.stdout.isatty():
         from rich.console import Console
 

@@ -14,20 +14,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli import BAD_INPUT, DONE, FAILED, PROGRAM
-from owtsweep.cli.multirun_record import (
+from owtsweep.cli.multirun_outcomes import (
     JobOutcome,
-    PlannedRun,
-    exit_code,
-    failed_cases,
+    common_exit_code,
+    describe_failures,
     forget_outcomes,
     read_outcomes,
     write_outcome,
-    write_record,
 )
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM
+from owtsweep.cli.running import run_one
 from owtsweep.config import (
     Config,
-    compose,
     conf_directory,
     dump,
     from_mapping,
@@ -36,7 +34,9 @@ from owtsweep.config import (
 )
 from owtsweep.errors import InputError, as_text
 from owtsweep.io.files import check_writable
+from owtsweep.studies import compose
 from owtsweep.sweep.keys import run_folder
+from owtsweep.sweep.multirun_record import PlannedRun, write_record
 
 logger = logging.getLogger(__name__)
 
@@ -66,43 +66,54 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         for config, (words, values) in zip(configs, combinations, strict=True)
     ]
     check_writable(folder)
-    _check_hydra(options.overrides)
+    tree = _find_tree(options.overrides)
+    _check_hydra(tree)
     forget_outcomes(folder)
     write_record(folder, options.overrides, planned)
     began = time.monotonic()
     try:
-        _through_hydra(Job(str(folder), tuple(argv)), options, folder)
+        job = Job(str(folder), tuple(argv), tree.taken)
+        _through_hydra(job, tree, options.config_dir, folder)
     except KeyboardInterrupt:
         _tell(folder, planned, options, stopped=True)
         raise
     outcomes = _tell(folder, planned, options, stopped=False)
     print(f"{len(outcomes)} runs in {time.monotonic() - began:.1f} s: {folder}/")
-    return exit_code(outcomes)
+    return common_exit_code(outcomes)
 
 
 @dataclass(frozen=True)
 class Job:
     """What Hydra calls for each run: a plain object, so that launchers can send it elsewhere.
 
-    It never raises, since one raise would take the rest of a launcher's queue with it, and leaves
+    It never raises, since one raise would take the rest of a launcher's queue with it. It leaves
     its outcome in the multirun folder.
+
+    Attributes
+    ----------
+    folder
+        The multirun folder.
+    argv
+        The command line.
+    taken
+        Overrides that Hydra does not see (`Tree.taken`).
     """
 
     folder: str
     argv: tuple[str, ...]
+    taken: tuple[str, ...] = ()
 
     def __call__(self, composed: Any) -> None:
         from hydra.core.hydra_config import HydraConfig
 
-        from owtsweep.cli.sweep import run_one
-
-        task = [str(o) for o in HydraConfig.get().overrides.task if not _is_results(str(o))]
+        words = [*self.taken, *map(str, HydraConfig.get().overrides.task)]
+        task = [word for word in words if not _is_results(word)]
         name = "refused-" + hashlib.blake2b("\n".join(task).encode(), digest_size=5).hexdigest()
         try:
             config = from_mapping(composed)
             name = run_folder(config).name
             code = run_one(config, self.argv)
-            reason = failed_cases(run_folder(config)) if code else ""
+            reason = describe_failures(run_folder(config)) if code else ""
         except InputError as error:
             code, reason = BAD_INPUT, str(error)
         except Exception as error:  # whatever it is, the other runs go on
@@ -151,19 +162,43 @@ def _results(overrides: Sequence[str]) -> str:
     return given[-1] if given else "results"
 
 
-def _check_hydra(overrides: Sequence[str]) -> None:
+@dataclass(frozen=True)
+class Tree:
+    """Where Hydra composes a study's configurations, and from what.
+
+    Attributes
+    ----------
+    directory, primary
+        The folder of the configuration files, and the name of the one to begin with.
+    overrides
+        What Hydra is given.
+    taken
+        What it is not given: the choice of the study, which is the choice of the folder.
+    """
+
+    directory: str
+    primary: str
+    overrides: tuple[str, ...]
+    taken: tuple[str, ...] = ()
+
+
+def _find_tree(overrides: Sequence[str]) -> Tree:
+    return Tree(str(conf_directory()), "sweep", tuple(overrides))
+
+
+def _check_hydra(tree: Tree) -> None:
     """Refuse launchers and sweepers that are not there before anything is written."""
     from hydra import compose as hydra_compose
     from hydra import initialize_config_dir
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
-    own = [o for o in overrides if o.lstrip("+~").startswith("hydra")]
-    if not own:
+    settings = [o for o in tree.overrides if o.lstrip("+~").startswith("hydra")]
+    if not settings:
         return
     try:
-        with initialize_config_dir(config_dir=str(conf_directory()), version_base="1.3"):
-            hydra_compose("sweep", overrides=own, return_hydra_config=True)
+        with initialize_config_dir(config_dir=tree.directory, version_base="1.3"):
+            hydra_compose(tree.primary, overrides=settings, return_hydra_config=True)
     except (HydraException, OmegaConfBaseException) as error:
         raise InputError(one_line(error)) from error
 
@@ -199,19 +234,19 @@ def _combinations(overrides: Sequence[str]) -> list[tuple[list[str], dict[str, s
         return []
     try:
         parsed = OverridesParser.create().parse_overrides(list(overrides))
-        own = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
-        batches = BasicSweeper.split_arguments(own, max_batch_size=None)
+        keys = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
+        batches = BasicSweeper.split_arguments(keys, max_batch_size=None)
     except HydraException as error:
         raise InputError(one_line(error)) from error
-    swept = {o.get_key_element() for o in own if o.is_sweep_override()}
-    found = []
+    swept = {o.get_key_element() for o in keys if o.is_sweep_override()}
+    combinations = []
     for words in (list(job) for batch in batches for job in batch):
         pairs = [word.partition("=")[::2] for word in words]
-        found.append((words, {key: value for key, value in pairs if key in swept}))
-    return found
+        combinations.append((words, {key: value for key, value in pairs if key in swept}))
+    return combinations
 
 
-def _through_hydra(job: Any, options: argparse.Namespace, folder: Path) -> None:
+def _through_hydra(job: Job, tree: Tree, config_dir: str | None, folder: Path) -> None:
     import hydra
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
@@ -225,16 +260,15 @@ def _through_hydra(job: Any, options: argparse.Namespace, folder: Path) -> None:
         "hydra/job_logging=none",
         "hydra/hydra_logging=none",
     ]
-    own = [o for o in options.overrides if not _is_results(o)]
-    extra = ["--config-dir", options.config_dir] if options.config_dir else []
+    overrides = [o for o in tree.overrides if not _is_results(o)]
+    extra = ["--config-dir", config_dir] if config_dir else []
     before = sys.argv
-    sys.argv = [before[0], "--multirun", *extra, *own, *settings]
+    sys.argv = [before[0], "--multirun", *extra, *overrides, *settings]
     full_error = os.environ.get("HYDRA_FULL_ERROR")
     os.environ["HYDRA_FULL_ERROR"] = "1"  # let errors reach us instead of ending in sys.exit
     try:
-        hydra.main(version_base="1.3", config_path=str(conf_directory()), config_name="sweep")(
-            job
-        )()
+        main = hydra.main(version_base="1.3", config_path=tree.directory, config_name=tree.primary)
+        main(job)()
     except (HydraException, OmegaConfBaseException) as error:
         raise InputError(one_line(error)) from error
     finally:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.cli import DONE
+from owtsweep.cli.program import DONE
 from owtsweep.config import require
 
 if TYPE_CHECKING:
@@ -49,12 +49,16 @@ def _now(opened: Run) -> dict[str, Any]:
     cases = dict.fromkeys(("done", "failed", "missing"), 0)
     for key, block in make_plan(opened.study, opened.config).items():
         cases[opened.store.status(key)] += block.cases
+    unable: dict[str, int] = {}
+    for setback in opened.unable():
+        unable[setback.reason] = unable.get(setback.reason, 0) + setback.cases
     figures = opened.folder / "figures"
     drawn = len(list(figures.glob("*.png"))) if figures.is_dir() else 0
     return {
         "cases in finished blocks": cases["done"],
         "cases in blocks with failures": cases["failed"],
         "cases missing": cases["missing"],
+        **({"cases without a number": unable} if unable else {}),
         "tables": [path.name for path in sorted(opened.folder.glob("*.csv"))] or "none yet",
         "figures": f"{drawn} in {figures}" if drawn else "none yet",
     }

@@ -1,9 +1,11 @@
 """The studies. Each lives in a package of its own and answers to `owtsweep.sweep.study.Study`."""
 
+from owtsweep.config import compose
+from owtsweep.config import load as load_config
 from owtsweep.errors import InputError
 from owtsweep.sweep.study import Block, Study
 
-__all__ = ["Block", "Study", "get_study"]
+__all__ = ["Block", "Study", "compose", "get_study", "load_config"]
 
 STUDIES = ("hub", "readings", "replay")
 

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import Config
 from owtsweep.sweep.plan import Plan
+from owtsweep.sweep.setback import Setback
 from owtsweep.sweep.shard import DamagedShard, decode
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import Study
 from owtsweep.sweep.token import shared_token
 from owtsweep.sweep.worker import (
     NOT_COMPUTED,
-    Failure,
     Local,
     TaskResult,
     Work,
@@ -236,7 +236,7 @@ class Executor:
             except (DamagedShard, OSError) as error:
                 computed -= shard.succeeded
                 disk_full = disk_full or is_disk_full(error)
-                failures.append(Failure(shard.label, one_line(error), shard.succeeded))
+                failures.append(Setback(shard.label, one_line(error), shard.succeeded))
         return replace(
             result, computed=computed, failures=tuple(failures), returned=(), disk_full=disk_full
         )
@@ -249,7 +249,7 @@ class Executor:
             if self.store.status(key) == "done":
                 computed += block.cases
             else:
-                failures.append(Failure(block.label, reason, block.cases))
+                failures.append(Setback(block.label, reason, block.cases))
         return TaskResult(number, computed, tuple(failures))
 
 

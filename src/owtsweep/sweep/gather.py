@@ -84,16 +84,16 @@ def _whole(pieces: list[Any], sizes: list[int]) -> Any:
     """One column of its pieces, of which some may be None or without any value."""
     import pandas as pd
 
-    known = [piece for piece in pieces if piece is not None and not _is_nothing(piece)]
-    if not known:
+    filled = [piece for piece in pieces if piece is not None and not _is_nothing(piece)]
+    if not filled:
         return next(piece for piece in pieces if piece is not None).reindex(range(sum(sizes)))
-    filled = [
-        _nothing_like(known[0], size) if piece is None or _is_nothing(piece) else piece
+    whole = [
+        _nothing_like(filled[0], size) if piece is None or _is_nothing(piece) else piece
         for piece, size in zip(pieces, sizes, strict=True)
     ]
-    if _is_categorical(known[0]):
-        return pd.api.types.union_categoricals(filled, sort_categories=True)
-    return pd.concat(filled, ignore_index=True)
+    if _is_categorical(filled[0]):
+        return pd.api.types.union_categoricals(whole, sort_categories=True)
+    return pd.concat(whole, ignore_index=True)
 
 
 def _nothing_like(piece: Any, size: int) -> Any:

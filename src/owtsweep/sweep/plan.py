@@ -21,7 +21,7 @@ def make_plan(study: Study, config: Config) -> Plan:
         If there is nothing to do, or if the study refuses the configuration.
     """
     plan: Plan = {}
-    for block in study.plan(config):
+    for block in study.engine(config).plan(config):
         plan.setdefault(block_key(study, block), block)
     require(len(plan) > 0, "grid: it holds no case; give every list a value")
     return plan

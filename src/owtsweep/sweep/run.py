@@ -29,10 +29,11 @@ from owtsweep.sweep.provenance import (
     was_running,
 )
 from owtsweep.sweep.runs import Results, Run
+from owtsweep.sweep.setback import Setback
 from owtsweep.sweep.store import Store
-from owtsweep.sweep.study import OK, Study
+from owtsweep.sweep.study import OK, UNABLE, Study
 from owtsweep.sweep.versions import all_versions, outdated
-from owtsweep.sweep.worker import Failure, TaskResult, one_line
+from owtsweep.sweep.worker import TaskResult, one_line
 
 logger = logging.getLogger(__name__)
 
@@ -46,21 +47,26 @@ class Outcome:
     run
         The run it worked on.
     computed, reused
-        Cases computed now, and cases found stored. With those of `failed` they make up the plan.
+        Cases computed now, and cases that were stored. With those of `failed` they make up the
+        plan.
     failed
-        What failed now; it is tried again by the next sweep.
+        What failed now; the next sweep tries it again.
     seconds
         Wall time.
     results
         The rows and tables; None if no case has succeeded.
+    unable
+        Those of the cases computed or stored that have no number, for their scheme cannot work
+        there.
     """
 
     run: Run
     computed: int
     reused: int
-    failed: list[Failure]
+    failed: list[Setback]
     seconds: float
     results: Results | None = None
+    unable: Sequence[Setback] = ()
 
 
 class Interrupted(KeyboardInterrupt):
@@ -166,7 +172,8 @@ class _Sweep:
         self.progress, self.argv = progress, argv
         self.cases = count_cases(plan)
         self.computed = self.reused = 0
-        self.failed: list[Failure] = []
+        self.failed: list[Setback] = []
+        self.unable: list[Setback] = []
         self.seconds = {block.label: 0.0 for block in plan.values()}
         earlier = earlier_seconds(run.folder)
         self.seconds = {label: earlier[label] for label in self.seconds if label in earlier}
@@ -209,7 +216,9 @@ class _Sweep:
                 blocks=self.seconds,
             )
             self._write_manifest(ended)
-        return Outcome(self.run, self.computed, self.reused, self.failed, seconds, results)
+        return Outcome(
+            self.run, self.computed, self.reused, self.failed, seconds, results, self.unable
+        )
 
     def _compute(self, others: bool) -> None:
         store = self.run.store
@@ -239,7 +248,7 @@ class _Sweep:
         if over > result.told:
             self.progress.advance(over - result.told)
 
-    def _fail(self, failures: Sequence[Failure]) -> None:
+    def _fail(self, failures: Sequence[Setback]) -> None:
         self.failed += failures
         for failure in failures:
             logger.warning("failed: %s: %s", failure.label, failure.reason)
@@ -258,15 +267,17 @@ class _Sweep:
         """Write the study's tables, if there is anything to put into them."""
         run = self.run
         rows, _ = run.stored()
+        if rows is not None and (rows["status"] == UNABLE).any():
+            self.unable = run.unable()
         if rows is None or not (rows["status"] == OK).any():
             logger.warning("no case has succeeded: there are no tables")
             return None
-        results = Results(rows, run.study.aggregate(run.config, rows))
+        results = Results(rows, run.engine.tables(run.config, rows))
         try:
             write_tables(run.folder, results.tables)
         except OSError as error:
             names = ", ".join(f"{name}.csv" for name in results.tables)
-            self._fail([Failure(f"{names} (left as they were)", one_line(error), 0)])
+            self._fail([Setback(f"{names} (left as they were)", one_line(error), 0)])
         return results
 
     def _write_manifest(self, manifest: dict[str, Any]) -> None:
@@ -295,7 +306,7 @@ def _executor(run: Run) -> Iterator[Executor]:
     from joblib import cpu_count
 
     compute = run.config.compute
-    backend = compute.backend if compute.backend != "auto" else run.study.backend(run.config)
+    backend = compute.backend if compute.backend != "auto" else run.engine.backend(run.config)
     executor = Executor(
         study=run.study,
         config=run.config,

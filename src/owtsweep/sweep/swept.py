@@ -97,8 +97,8 @@ def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pai
         for line in lines.values():
             ordered = [index for _, index in sorted(line)]
             pairs += [Pair(a, b, key) for a, b in pairwise(ordered)]
-    known = {(pair.first, pair.second) for pair in pairs}
-    pairs += [Pair(0, i, FIRST) for i in range(1, len(places)) if (0, i) not in known]
+    paired = {(pair.first, pair.second) for pair in pairs}
+    pairs += [Pair(0, i, FIRST) for i in range(1, len(places)) if (0, i) not in paired]
     return sorted(pairs, key=lambda pair: (pair.first, pair.second))
 
 

@@ -20,8 +20,9 @@ from owtsweep.config import Config
 from owtsweep.errors import as_text
 from owtsweep.memory import keep_freed_memory
 from owtsweep.sweep.keys import block_key
-from owtsweep.sweep.log import Record, collected_records, working_on
+from owtsweep.sweep.log import LogEntry, collected_records, working_on
 from owtsweep.sweep.plan import Plan
+from owtsweep.sweep.setback import Setback, collect_setbacks
 from owtsweep.sweep.store import Store, seal
 from owtsweep.sweep.study import FAILED, Block, Study
 from owtsweep.sweep.versions import other_versions
@@ -32,15 +33,6 @@ if TYPE_CHECKING:
 #: A disk that is full stays full: a sweep that sees one of these does not go on computing.
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 NOT_COMPUTED = "not computed, because the disk is full"
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Cases of a block that failed for one reason."""
-
-    label: str
-    reason: str
-    cases: int
 
 
 @dataclass(frozen=True)
@@ -81,12 +73,12 @@ class TaskResult:
 
     task: int
     computed: int
-    failures: tuple[Failure, ...]
+    failures: tuple[Setback, ...]
     details: str = ""
     reused: int = 0
     seconds: Mapping[str, float] = field(default_factory=dict)
     returned: tuple[Returned, ...] = ()
-    records: tuple[Record, ...] = ()
+    records: tuple[LogEntry, ...] = ()
     disk_full: bool = False
     told: int = 0
 
@@ -138,7 +130,7 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
     """
     differs = other_versions(work.study, work.metadata)
     if differs:
-        failures = tuple(Failure(b.label, differs, b.cases) for b in blocks.values())
+        failures = tuple(Setback(b.label, differs, b.cases) for b in blocks.values())
         return TaskResult(number, 0, failures)
     if work.place == "process":
         _leave_interrupts_to_the_coordinator()
@@ -160,13 +152,13 @@ class _Task:
         self.shares = work.shares_folder()
         self.left = dict(blocks)
         self.computed = self.reused = self.told = 0
-        self.failures: list[Failure] = []
+        self.failures: list[Setback] = []
         self.details: list[str] = []
         self.seconds: dict[str, float] = {}
         self.returned: list[Returned] = []
         self.disk_full = False
 
-    def result(self, records: tuple[Record, ...]) -> TaskResult:
+    def result(self, records: tuple[LogEntry, ...]) -> TaskResult:
         return TaskResult(
             self.number,
             self.computed,
@@ -194,7 +186,7 @@ class _Task:
 
     def _run_study(self) -> None:
         blocks = list(self.left.values())
-        rows_of = self.work.study.run(self.work.config, blocks)
+        rows_of = self.work.study.engine(self.work.config).run(self.work.config, blocks)
         began = time.perf_counter()
         working_on(blocks[0].label)
         for block, rows in rows_of:
@@ -217,7 +209,7 @@ class _Task:
     def _store(self, block: Block, rows: pd.DataFrame, seconds: float) -> None:
         key = block_key(self.work.study, block)
         try:
-            failed = _failures(block, rows)
+            failed = collect_setbacks(block, rows, FAILED)
             succeeded = block.cases - sum(failure.cases for failure in failed)
             data = seal(key, rows, self.work.metadata)
             if not self._written(key, data):
@@ -247,7 +239,7 @@ class _Task:
 
     def _fail(self, key: str, reason: str) -> None:
         block = self.left.pop(key)
-        self.failures.append(Failure(block.label, reason, block.cases))
+        self.failures.append(Setback(block.label, reason, block.cases))
         self._tell(block.cases)
 
     def _tell(self, cases: int) -> None:
@@ -267,17 +259,6 @@ def one_line(error: BaseException) -> str:
 def is_disk_full(error: BaseException) -> bool:
     """Whether this is the file system saying that nothing more fits."""
     return isinstance(error, OSError) and error.errno in DISK_FULL
-
-
-def _failures(block: Block, rows: pd.DataFrame) -> list[Failure]:
-    """The failed cases of a block by reason."""
-    if "status" not in rows.columns or "reason" not in rows.columns:
-        return []  # sealing refuses them
-    if not (rows["status"].to_numpy() == FAILED).any():
-        return []  # pandas takes longer to count nothing than a shard takes to be written
-    reasons = rows.loc[rows["status"] == FAILED, "reason"].fillna("no reason given").value_counts()
-    each = block.cases_per_row
-    return [Failure(block.label, str(reason), each * int(n)) for reason, n in reasons.items()]
 
 
 def _leave_interrupts_to_the_coordinator() -> None:
