@@ -93,7 +93,7 @@ def require_usable(conditions: Sequence[Condition]) -> None:
 
 def order_values(column: Any, listed: Sequence[Value] = ()) -> list[Value]:
     """The distinct values of a column: numbers by size, texts as listed, others alphabetically."""
-    distinct = np.unique(np.asarray(column)).tolist()
+    distinct: list[Value] = np.unique(np.asarray(column)).tolist()
     place = {value: number for number, value in enumerate(listed)}
     if distinct and isinstance(distinct[0], str):
         distinct.sort(key=lambda value: (place.get(value, len(place)), value))

@@ -1,4 +1,4 @@
-"""Machines elsewhere: a dask cluster, driven through joblib's own backend.
+"""Machines elsewhere: a dask cluster, driven through a backend of joblib.
 
 Imported on demand: `dask[distributed]` is an extra, and takes half a second to load.
 """
@@ -14,7 +14,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from distributed import Client
-from joblib._dask import DaskDistributedBackend  # private, but the only name of a public backend
+
+# Private, but the only name of a public backend: joblib is bounded in pyproject.toml, and
+# tests/sweep/test_cluster.py notices if a new one has changed what is extended here.
+from joblib._dask import DaskDistributedBackend
 
 from owtsweep.errors import InputError
 from owtsweep.sweep.study import Study
@@ -100,10 +103,10 @@ def _check_workers(client: Client, address: str, study: Study, metadata: Mapping
 
 
 class Backend(_Base):  # type: ignore[misc]
-    """joblib's backend, which also hears of tasks that fail outside their own code.
+    """joblib's backend, which also hears of tasks that fail outside their code.
 
-    joblib 1.6 waits for ever for a task whose workers died or could not load it, and for a cluster
-    that is gone.
+    joblib 1.6 itself waits for ever for a task whose workers died or could not load it, and for a
+    cluster that is gone.
     """
 
     def __init__(self, client: Client) -> None:
