@@ -47,7 +47,7 @@ def with_outlier(config: HubConfig) -> tuple[Measurements, Array, Sensors]:
 def run(config: HubConfig, data: Measurements, known: Sensors, *, fast: bool = True) -> Array:
     scheme = under(resolve("HME2"), config)
     estimator = (scheme.stream if fast else scheme.start)(known, config)  # type: ignore
-    return run_estimator(estimator, data, known).state
+    return run_estimator(estimator, *data, known.fix_interval).state
 
 
 @pytest.mark.parametrize("arrival", ["none", "mkf"])
@@ -72,7 +72,7 @@ def test_a_bound_that_nothing_reaches_changes_no_bit() -> None:
     assert not scheme.linear
     assert not hasattr(scheme, "kernel")
     estimator = scheme.stream(known, far)  # type: ignore[attr-defined]
-    found = run_estimator(estimator, data, known).state
+    found = run_estimator(estimator, *data, known.fix_interval).state
     assert estimator.solved == 0
     np.testing.assert_array_equal(found, run(configure(*base), data, known))
     reference = run(far, data, known, fast=False)
@@ -90,7 +90,7 @@ def test_the_compiled_form_is_the_reference(arrival: str, bound: str) -> None:
     data.fixes[23] = np.nan
     scheme = under(resolve("HME2"), config)
     estimator = scheme.stream(known, config)  # type: ignore[attr-defined]
-    found = run_estimator(estimator, data, known).state
+    found = run_estimator(estimator, *data, known.fix_interval).state
     assert estimator.solved > 0
     assert_same(found, run(config, data, known, fast=False), "estimate")
 

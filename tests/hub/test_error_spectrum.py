@@ -159,7 +159,7 @@ def test_limits_of_sequences_with_slow_and_turning_modes() -> None:
 
 def test_refusals() -> None:
     chain, sensors = chain_of("HME1", configure())
-    with pytest.raises(InputError, match=r"^frequencies: 2 Hz repeats with the chain"):
+    with pytest.raises(InputError, match=r"^frequencies: 2 Hz is a multiple of the rate"):
         error_spectrum(chain, sensors, np.array([0.2, 2.0]))
     with pytest.raises(InputError, match=r"^frequencies: give a list of positive"):
         error_spectrum(chain, sensors, np.array([0.3, 0.2]))

@@ -17,11 +17,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     overrides = [word for word in options.words if "=" in word]
     if options.describe:
         return _describe(files, overrides, options.config_dir)
-    from owtsweep.studies.replay.running import composed, configure, execute
+    from owtsweep.studies.replay.running import compose_replay, configure, execute
     from owtsweep.sweep.progress import make_progress
 
     if options.cfg and not files:  # a look at the keys needs no record
-        print(dump(composed(overrides, options.config_dir)), end="")
+        print(dump(compose_replay(overrides, options.config_dir)), end="")
         return DONE
     config = configure(files, overrides, options.config_dir)
     if options.cfg:
@@ -35,9 +35,9 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         say=lambda text: print(text, file=sys.stderr, flush=True),
     )  # fmt: skip
     from owtsweep.studies.replay import report
-    from owtsweep.studies.replay.terminal import spectrum_notes
+    from owtsweep.studies.replay.terminal import list_spectrum_notes
 
-    for note in spectrum_notes(config):
+    for note in list_spectrum_notes(config):
         print(f"note: {note}", file=sys.stderr)
     replayed, tables = outcome.run, written_tables(outcome)
     if tables:
@@ -48,13 +48,13 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
 def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | None) -> int:
     from owtsweep.motion.recorded import describe
-    from owtsweep.studies.replay.running import composed, expand
+    from owtsweep.studies.replay.running import compose_replay, expand
 
     require(len(files) > 0, "FILE: name the file to describe")
     columns: dict[str, str] = {}
     units: dict[str, str] = {}
     if overrides:
-        config = composed(overrides, config_dir)
+        config = compose_replay(overrides, config_dir)
         columns, units = config.columns.given(), config.units.given()
     described = [describe(file, columns=columns, units=units) for file in expand(files)]
     print("\n\n".join(map(str, described)))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import as_mapping, require
 from owtsweep.errors import InputError
+from owtsweep.io import markdown
 from owtsweep.io.files import check_writable, write_atomically
 from owtsweep.io.tables import write_table
 from owtsweep.sweep.comparison import Candidate, Comparable, Comparison, Findings
@@ -193,13 +194,11 @@ def _overview(comparison: Comparison, findings: Findings) -> pd.DataFrame:
 def _report(
     comparison: Comparison, findings: Findings, overview: pd.DataFrame, notes: Sequence[str]
 ) -> str:
-    header = ["| " + " | ".join(overview.columns) + " | run folder |"]
-    header.append("|" + "---|" * (len(overview.columns) + 1))
-    lines = [
-        "| " + " | ".join([*row, run.name]) + " |"
-        for row, run in zip(overview.itertuples(index=False), comparison.runs, strict=True)
-    ]
-    parts = ["# Comparison of " + f"{len(comparison.runs)} runs", "\n".join([*header, *lines])]
+    rows = zip(overview.itertuples(index=False), comparison.runs, strict=True)
+    table = markdown.table(
+        [*overview.columns, "run folder"], [[*row, run.name] for row, run in rows]
+    )
+    parts = ["# Comparison of " + f"{len(comparison.runs)} runs", table]
     if comparison.following:
         keys = ", ".join(f"`{key}`" for key in comparison.following)
         parts.append(f"Changing along with these keys: {keys}.")

@@ -9,8 +9,8 @@ import pytest
 
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Limits, describe, read
-from owtsweep.motion.recorded.columns import guess
-from owtsweep.motion.recorded.units import STANDARD_GRAVITY, factor
+from owtsweep.motion.recorded.columns import guess_roles
+from owtsweep.motion.recorded.units import STANDARD_GRAVITY, find_factor
 
 TIME = np.arange(1000) / 50.0
 X = 0.3 * np.sin(TIME)
@@ -48,7 +48,7 @@ def refusal(path: Path, **options) -> str:
     ],
 )
 def test_guess(names: list[str], expected: dict[str, str]) -> None:
-    found = guess(names)
+    found = guess_roles(names)
     assert expected.items() <= found.items()
     assert ("position_x" in found) == ("position_x" in expected or "position_y" in expected)
 
@@ -101,7 +101,7 @@ def test_no_time_and_no_channel(tmp_path: Path) -> None:
     ],
 )
 def test_units(unit: str, dimension: str, expected: float) -> None:
-    assert factor(unit, dimension, "units.x") == pytest.approx(expected, rel=1e-12)
+    assert find_factor(unit, dimension, "units.x") == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(

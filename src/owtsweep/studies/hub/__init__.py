@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.figures import palette
+from owtsweep.studies.hub.looks import LOOKS
+
 if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
@@ -16,6 +19,8 @@ if TYPE_CHECKING:
     from owtsweep.sweep.study import Engine
 
 __all__ = ["HubStudy"]
+
+palette.reserve(LOOKS)
 
 
 class HubStudy:

@@ -164,7 +164,7 @@ def _settled(config: HubConfig, records: Records) -> int:
     return round(config.measures.settling_time / records.sensors.step)
 
 
-def _frames(parts: Sequence[Iterable[measures.Table]]) -> list[pd.DataFrame]:
+def _frames(parts: Sequence[Iterable[measures.Columns]]) -> list[pd.DataFrame]:
     """One frame for each part's tables; pandas takes as long for all rows as for a quarter."""
     tables = [list(part) for part in parts]
     pieces = [piece for part in tables for piece in part]
@@ -243,7 +243,7 @@ def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
 
 def _from_sums(
     sums: Sums, scheme: str, records: Records, amplitude: float | None
-) -> Iterator[measures.Table]:
+) -> Iterator[measures.Columns]:
     period, replicates = records.natural_period, records.replicates
     finite = np.all(np.isfinite(sums.products), axis=(0, 1, 2))
     if finite.all():
@@ -264,7 +264,7 @@ def _by_loop(
     records: Records,
     settled: int,
     amplitude: float | None,
-) -> Iterator[measures.Table]:
+) -> Iterator[measures.Columns]:
     period = records.natural_period
     for index, replicate in enumerate(records.replicates):
         try:
@@ -291,7 +291,7 @@ def _looped(
     )
     if amplitude is None:
         responses = [
-            run_estimator(start(config, scheme, sensors), part, sensors)
+            run_estimator(start(config, scheme, sensors), *part, sensors.fix_interval)
             for part in (observed, noise)
         ]
         return measures.from_trajectories(responses[0], responses[1], truth, settled)
@@ -299,6 +299,6 @@ def _looped(
         amplitude * observed.specific_force + noise.specific_force,
         amplitude * observed.fixes + noise.fixes,
     )
-    response = run_estimator(start(config, scheme, sensors), whole, sensors)
+    response = run_estimator(start(config, scheme, sensors), *whole, sensors.fix_interval)
     extremes = config.measures.extremes
     return measures.from_trajectories(None, response, amplitude * truth, settled, extremes=extremes)

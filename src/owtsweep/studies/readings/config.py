@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from owtsweep.config import require
-from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.public import HubConfig
 
 
 @dataclass(frozen=True, kw_only=True)

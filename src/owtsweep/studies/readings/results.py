@@ -1,4 +1,4 @@
-"""What came out of the searches: tables, and the score drawn over each parameter."""
+"""The results of the searches: tables, and the score drawn over each parameter."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
 
-#: How many trials of each search `best` keeps: the best and its runners-up.
+#: Trials of each search in `best`: the best one and its runners-up.
 KEPT = 5
 
 

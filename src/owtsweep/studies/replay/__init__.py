@@ -48,8 +48,7 @@ class ReplayStudy:
 
     def backend(self, config: ReplayConfig) -> str:
         """Threads for kernels; processes as soon as one scheme is Python."""
-        from owtsweep.studies.hub.blocks import backend
-        from owtsweep.studies.hub.schemes import resolve_all
+        from owtsweep.studies.hub.public import backend, resolve_all
 
         return backend(config, resolve_all(config.schemes, config))
 
@@ -73,9 +72,9 @@ class ReplayStudy:
 
     def terminal(self, config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """The errors and the advice."""
-        from owtsweep.studies.replay.terminal import answer
+        from owtsweep.studies.replay.terminal import render_answer
 
-        return answer(config, tables)
+        return render_answer(config, tables)
 
     def drawings(
         self,

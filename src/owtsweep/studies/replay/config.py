@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from owtsweep.config import require
-from owtsweep.studies.hub.checks import one_of, positive
-from owtsweep.studies.hub.config import Grid, HubConfig
+from owtsweep.studies.hub.public import Grid, HubConfig, one_of, positive
 
 ENGINES = ("batch", "reference")
 INPUTS = ("auto", "motion", "sensors")

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep.figures.drawings import Drawing
+from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.studies.replay.config import ReplayConfig
 
 if TYPE_CHECKING:
@@ -36,35 +35,27 @@ def drawings(
     tables: Mapping[str, pd.DataFrame],
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """Name -> what draws it: a single record's figures, or the map over many records."""
-    from owtsweep.figures import style
-
-    def saved(draw: Callable[[], Figure]) -> Drawing:
-        def save(target: Path, name: str) -> list[Path]:
-            with style.context():
-                return style.save(draw(), target, name, metadata)
-
-        return save
-
-    figures = _of_one if len(config.grid.files) == 1 else _of_many
-    return {name: saved(draw) for name, draw in figures(config, tables).items()}
+    """The figures of a run by name: of one record its histories, of many the map over them."""
+    single = len(config.grid.files) == 1
+    figures = _of_one(config, tables) if single else _of_many(config, tables)
+    return {name: save_figure(draw, metadata) for name, draw in figures.items()}
 
 
 def _of_one(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame]
 ) -> dict[str, Callable[[], Figure]]:
     from owtsweep.studies.replay.figures import histories, place, spectrum
-    from owtsweep.studies.replay.session import session
-    from owtsweep.studies.replay.states import NONE, filter_states
+    from owtsweep.studies.replay.session import run_session
+    from owtsweep.studies.replay.states import NO_STATES, collect_filter_states
 
-    known = cache(lambda: session(config, config.grid.files[0]))
-    states = cache(lambda: filter_states(config, known()))
+    known = cache(lambda: run_session(config, config.grid.files[0]))
+    states = cache(lambda: collect_filter_states(config, known()))
 
     def history(name: str) -> Callable[[], Figure]:
         quantity, zoom = HISTORIES[name]
         filtered = quantity in ("acceleration", "bias")
         return lambda: histories.draw(
-            config, known(), states() if filtered else NONE, quantity, zoom=zoom,
+            config, known(), states() if filtered else NO_STATES, quantity, zoom=zoom,
             advised=_advised(tables),
         )  # fmt: skip
 
