@@ -19,8 +19,11 @@ from rich.console import Console
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, style, terminal
 from owtsweep.figures.palette import FIXED, relative_luminance, style_of
-from owtsweep.results import aggregate
+from owtsweep.results.best_scheme import best_scheme
+from owtsweep.results.cube import Cube
+from owtsweep.results.summary import summary
 from owtsweep.studies.hub import published
+from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA
 from owtsweep.studies.hub.figures import draw_all, mse_over_amplitude
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
@@ -95,7 +98,15 @@ def cells_of(figure, *, hatched: bool) -> dict[tuple[int, int], Rectangle]:
 )
 def test_map_colours_and_hatches_every_cell_as_the_table_says(periods, amplitudes):
     table = best_table(periods, amplitudes).sample(frac=1.0, random_state=1)
-    figure = best_scheme_map.draw(table, SCHEMES, window="full", tuning="paper", replicates=20)
+    figure = best_scheme_map.draw(
+        table,
+        SCHEMES,
+        CONDITIONS,
+        criterion="position",
+        window="full",
+        tuning="paper",
+        replicates=20,
+    )
     colours, hatches = cells_of(figure, hatched=False), cells_of(figure, hatched=True)
     assert len(colours) == len(table)
     for row in table.to_dict("records"):
@@ -115,7 +126,13 @@ def test_map_names_coinciding_schemes_together_and_explains_holes():
     table = best_table([3.0, 4.0], [0.2, 1.0]).iloc[:-1]
     table["distinguishable"] = True
     figure = best_scheme_map.draw(
-        table, SCHEMES, window="full", tuning="matched", coinciding=[("EKF", "MKF")]
+        table,
+        SCHEMES,
+        CONDITIONS,
+        criterion="position",
+        window="full",
+        tuning="matched",
+        coinciding=[("EKF", "MKF")],
     )
     shown = texts(figure)
     assert "EKF = MKF (0 cells)" in shown
@@ -129,14 +146,21 @@ def test_map_without_a_runner_up_names_the_best_alone():
     table = best_table([3.0], [0.2]).assign(
         runner_up="", mse_runner_up=math.nan, difference=math.nan, distinguishable=False
     )
-    figure = best_scheme_map.draw(table, ["HME2"], window="full", tuning="paper")
+    figure = best_scheme_map.draw(
+        table, ["HME2"], CONDITIONS, criterion="position", window="full", tuning="paper"
+    )
     assert [text.get_text() for text in figure.axes[0].texts] == ["HME2"]
 
 
 def test_map_refuses_a_criterion_without_rows():
     with pytest.raises(InputError, match=r"^best: no cell judged by velocity"):
         best_scheme_map.draw(
-            best_table([3.0], [0.2]), SCHEMES, criterion="velocity", window="full", tuning="paper"
+            best_table([3.0], [0.2]),
+            SCHEMES,
+            CONDITIONS,
+            criterion="velocity",
+            window="full",
+            tuning="paper",
         )
 
 
@@ -190,7 +214,9 @@ def test_saved_files_are_small_reproducible_and_know_their_run(tmp_path, monkeyp
     before = dict(mpl.rcParams)
     saved = []
     for folder in ("one", "other"):
-        figure = best_scheme_map.draw(table, SCHEMES, window="full", tuning="paper")
+        figure = best_scheme_map.draw(
+            table, SCHEMES, CONDITIONS, criterion="position", window="full", tuning="paper"
+        )
         saved.append(style.save(figure, tmp_path / folder, "map", {"run": "3f2a"}))
     assert dict(mpl.rcParams) == before
     for one, other in zip(*saved, strict=True):
@@ -206,7 +232,12 @@ def test_saved_files_are_small_reproducible_and_know_their_run(tmp_path, monkeyp
 
 def test_a_large_svg_is_written_again_with_letters_as_text(tmp_path, monkeypatch):
     figure = best_scheme_map.draw(
-        best_table([3.0, 4.0, 5.0], [0.2, 1.0]), SCHEMES, window="full", tuning="paper"
+        best_table([3.0, 4.0, 5.0], [0.2, 1.0]),
+        SCHEMES,
+        CONDITIONS,
+        criterion="position",
+        window="full",
+        tuning="paper",
     )
     _, outlined = style.save(figure, tmp_path, "outlined")
     assert "<text" not in outlined.read_text(encoding="utf-8")
@@ -251,16 +282,16 @@ def run(monkeypatch):
     rows = run_rows(SCHEMES, periods)
     config = SimpleNamespace(
         measures=SimpleNamespace(window="full", criterion="position"),
-        grid=SimpleNamespace(amplitude=amplitudes, replicates=3),
+        grid=SimpleNamespace(natural_period=periods, amplitude=amplitudes, replicates=3),
         tuning="paper",
     )
     monkeypatch.setattr("owtsweep.studies.hub.scheme_names", lambda _: SCHEMES)
     # what is drawn from the configuration alone: tests/hub/test_more_figures.py
     monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
-    values = aggregate.expand(rows, amplitudes)
+    cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})
     tables = {
-        "summary": aggregate.summary(values, SCHEMES),
-        "best_scheme": aggregate.best_scheme(values, SCHEMES, "full"),
+        "summary": summary(cube),
+        "best_scheme": best_scheme(cube, "full", CRITERIA),
     }
     return config, tables, rows
 
@@ -303,7 +334,7 @@ def rendered(renderable) -> str:
 
 def test_terminal_map_reads_without_colours():
     table = best_table([3.0, 8.0], [0.05, 1.0, 10.0])
-    lines = rendered(terminal.grid(table, SCHEMES, "position", "full")).splitlines()
+    lines = rendered(terminal.grid(table, SCHEMES, CONDITIONS, "position", "full")).splitlines()
     body = [line.split() for line in lines if " m " in line]
     assert body == [
         ["10", "m", "HME1", "HME1", "~"],
@@ -317,11 +348,11 @@ def test_terminal_map_reads_without_colours():
 def test_terminal_map_of_many_periods_and_of_missing_cells():
     periods = list(np.arange(3.0, 8.01, 0.25))
     table = best_table(periods, [0.2, 1.0]).iloc[1:]
-    text = rendered(terminal.grid(table, SCHEMES, "position", "full"))
+    text = rendered(terminal.grid(table, SCHEMES, CONDITIONS, "position", "full"))
     assert all(f"{period:g} s" in text for period in periods)
     assert max(map(len, text.splitlines())) <= 80
     assert " - " in text
-    nothing = rendered(terminal.grid(table, SCHEMES, "velocity", "full"))
+    nothing = rendered(terminal.grid(table, SCHEMES, CONDITIONS, "velocity", "full"))
     assert "No cell to compare" in nothing
 
 

@@ -9,14 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.comparing.comparison import Candidate, Comparable, Comparison, Findings
+from owtsweep.comparing.values import rank_values, show
 from owtsweep.config import as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.io.files import check_writable, write_atomically
 from owtsweep.io.tables import write_table
-from owtsweep.sweep.comparison import Candidate, Comparable, Comparison, Findings
 from owtsweep.sweep.runs import Run, load
 from owtsweep.sweep.study import FAILED, OK
-from owtsweep.sweep.swept import RUN, make_pairs, ranks, show, swept_keys
+from owtsweep.sweep.swept import RUN, make_pairs, swept_keys
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -155,7 +156,7 @@ def _arrange(
         for own, (run, _) in zip(values, loaded, strict=True):
             own[RUN] = run.folder.name if unique else str(run.folder)
         keys = [*keys, RUN]
-    places = list(zip(*(ranks([own[key] for own in values]) for key in keys), strict=True))
+    places = list(zip(*(rank_values([own[key] for own in values]) for key in keys), strict=True))
     order = sorted(range(len(loaded)), key=lambda i: places[i])
     runs = tuple(
         Candidate(run.folder.name, run.hash, run.config, rows, values[i])

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from owtsweep.results.status import FAILED as FAILED
+from owtsweep.results.status import OK as OK
+
 if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
     from owtsweep.config import Config
-
-OK = "ok"
-FAILED = "failed"
 
 
 @dataclass(frozen=True)

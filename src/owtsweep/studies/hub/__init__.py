@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
+    from owtsweep.comparing.comparison import Comparison, Findings
+    from owtsweep.results.conditions import Condition
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.sweep.comparison import Comparison, Findings
 
 __all__ = ["HubStudy"]
 
@@ -73,6 +74,12 @@ class HubStudy:
 
         return run(config, blocks)
 
+    def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
+        """Natural period and amplitude."""
+        from owtsweep.studies.hub.conditions import CONDITIONS
+
+        return CONDITIONS
+
     def sort_columns(self) -> list[str]:
         """What identifies a row."""
         return ["natural_period", "scheme", "measure", "window", "amplitude", "replicate"]
@@ -83,25 +90,23 @@ class HubStudy:
             from owtsweep.studies.hub.expected import answers
 
             return answers.tables(config, rows)
-        from owtsweep.results import aggregate
-        from owtsweep.results.cube import Cube
+        from owtsweep.results.best_scheme import best_scheme
+        from owtsweep.results.summary import summary
+        from owtsweep.studies.hub.conditions import cube_of
 
-        names = scheme_names(config)
-        cube = Cube.of_rows(rows, names, config.grid.amplitude)
-        return {
-            "summary": aggregate.summary(cube, names),
-            "best_scheme": aggregate.best_scheme(
-                cube, names, config.measures.window, criteria=criteria(config)
-            ),
-        }
+        cube = cube_of(config, rows)
+        best = best_scheme(cube, config.measures.window, criteria(config))
+        return {"summary": summary(cube), "best_scheme": best}
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """The map as a coloured grid."""
         from owtsweep.figures.terminal import grid
+        from owtsweep.studies.hub.conditions import CONDITIONS
 
         return grid(
             tables["best_scheme"],
             scheme_names(config),
+            CONDITIONS,
             config.measures.criterion,
             config.measures.window,
         )
@@ -135,9 +140,10 @@ class HubStudy:
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
         """How map, boundary and errors move between runs."""
-        from owtsweep.comparing import compare
+        from owtsweep.comparing.compare import compare
+        from owtsweep.studies.hub.comparing import aspects_of
 
-        return compare(comparison, folder, metadata=metadata)
+        return compare(comparison, folder, aspects_of, metadata=metadata)
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:

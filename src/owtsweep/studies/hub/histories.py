@@ -171,7 +171,7 @@ def _bias(config: HubConfig, records: Records, replicate: int, period: float) ->
     """R b^b of one record: its noise once more, without all else."""
 
     def named(name: str) -> np.random.Generator:
-        return stream(config.seed, STUDY, period, replicate, name)
+        return stream(config.seed, STUDY, (period,), replicate, name)
 
     quiet = replace(records.sensors, force_sigma=0.0, gravity=(0.0, 0.0))
     alone = sensing.noise(config.sensors, quiet, records.steps, named)

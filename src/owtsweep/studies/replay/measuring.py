@@ -106,4 +106,4 @@ def simulated_bias(
 
 
 def _streams(config: ReplayConfig, replicate: int) -> Callable[[str], np.random.Generator]:
-    return partial(stream, config.seed, STUDY, 0.0, replicate)
+    return partial(stream, config.seed, STUDY, (0.0,), replicate)

@@ -8,6 +8,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.spectra import Spectrum, spectrum
+from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
@@ -67,5 +68,5 @@ def expected_map(
         for i, period in enumerate(periods):
             shape = spectrum("translated", float(period), config.spectrum.bandwidth)
             unit = known.mse(shape.density, band, 1.0)[which] - floor
-            result[scheme.name][i] = (amplitudes * ratio) ** 2 * unit + floor
+            result[scheme.name][i] = superpose(unit, 0.0, floor, amplitudes * ratio)
     return result

@@ -65,15 +65,15 @@ def _drawings(
     """Name -> what draws it from the run's results."""
     from owtsweep.figures import best_scheme_map, style
     from owtsweep.io.files import write_atomically
-    from owtsweep.results import aggregate
-    from owtsweep.results.cube import Cube
+    from owtsweep.results.best_scheme import find_coinciding
     from owtsweep.studies.hub import scheme_names
+    from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, cube_of
     from owtsweep.studies.hub.figures import mse_over_amplitude
     from owtsweep.studies.hub.figures.tables import tables_6_to_9, to_markdown
 
     names = scheme_names(config)
     look: dict[str, Any] = {"window": config.measures.window, "tuning": config.tuning}
-    same = aggregate.coinciding(Cube.of_rows(rows, names, config.grid.amplitude), names)
+    same = find_coinciding(cube_of(config, rows), CRITERIA)
     failures = int((rows["status"] == FAILED).sum())
 
     def mse(period: float) -> Drawing:
@@ -92,7 +92,9 @@ def _drawings(
                 figure = best_scheme_map.draw(
                     tables["best_scheme"],
                     names,
+                    CONDITIONS,
                     criterion=criterion,
+                    quantity=f"{criterion} MSE (x + y)",
                     coinciding=same,
                     replicates=config.grid.replicates,
                     failures=failures,
@@ -124,9 +126,8 @@ def _illustrations(
 ) -> dict[str, Drawing]:
     """Name -> what draws it from the configuration: a record, its spectrum, time histories."""
     from owtsweep.figures import style
-    from owtsweep.results import aggregate
-    from owtsweep.results.cube import Cube
-    from owtsweep.studies.hub import scheme_names
+    from owtsweep.results.best_scheme import find_coinciding
+    from owtsweep.studies.hub.conditions import CRITERIA, cube_of
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import histories
 
@@ -144,8 +145,7 @@ def _illustrations(
         return style.save(record_and_spectrum.draw_spectrum(config), folder, name, metadata)
 
     def errors(folder: Path, name: str) -> list[Path]:
-        names = scheme_names(config)
-        same = aggregate.coinciding(Cube.of_rows(rows, names, config.grid.amplitude), names)
+        same = find_coinciding(cube_of(config, rows), CRITERIA)
         return style.save(error_spectra.draw(config, coinciding=same), folder, name, metadata)
 
     return {
