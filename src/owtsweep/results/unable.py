@@ -54,9 +54,9 @@ def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
 
     if unable.empty:
         return table
-    lines = unable.assign(measure="", window="", n=0, status=UNABLE)
     told = table.assign(status=OK, reason="")
-    return pd.concat([told, lines] if len(told) else [lines])[list(told.columns)]
+    lines = unable.assign(measure="", window="", n=0, status=UNABLE).reindex(columns=told.columns)
+    return pd.concat([told, lines]) if len(told) else lines
 
 
 def tell_in_best_scheme(
