@@ -277,14 +277,6 @@ def test_two_maps_show_both_runs(runs: dict[str, Run], monkeypatch, tmp_path: Pa
         two_maps.draw(runs["paper"], runs["matched"], criterion="x")
 
 
-def test_a_boundary_stands_between_the_rows_of_the_map() -> None:
-    amplitudes = [0.1, 1.0, 10.0]
-    values = np.array([0.1, np.sqrt(0.1), 1.0, 10.0, 0.0, np.inf, 1e-3, np.nan])
-    placed = two_maps.place(values, amplitudes)
-    np.testing.assert_allclose(placed[:7], [0, 0.5, 1, 2, -0.5, 2.5, -0.5])
-    assert np.isnan(placed[7])
-
-
 def test_two_maps_say_what_else_differs() -> None:
     one = configure(*SENSORS)
     other = dataclasses.replace(configure(*SENSORS, "sensors.yaw=1"), seed=7)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
+from owtsweep.studies.hub.conditions import CONDITIONS
 from owtsweep.studies.hub.fidelity.evidence import DIGITS, Evidence
 from owtsweep.verdicts.inference import Comparison, Side, interval
 
@@ -13,7 +14,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: HME2 has the lesser position MSE below the boundary, HME1 above it.
-LOWER, UPPER = "HME2", "HME1"
+SCHEMES = LOWER, UPPER = "HME2", "HME1"
+MEASURE = "position"
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ def boundary_at(evidence: Evidence, natural_period: float) -> Boundary | None:
     if rows is None:
         return None
     try:
-        row = boundary(rows, lower=LOWER, upper=UPPER, window=evidence.window).iloc[0]
+        row = boundary(rows, CONDITIONS, SCHEMES, MEASURE, evidence.window).iloc[0]
     except InputError:  # cases run directly have no products to find a root of
         return None
     label = f"boundary at {natural_period:g} s"
@@ -62,7 +64,8 @@ def ratio_of_boundaries(evidence: Evidence, period: float, to: float) -> Boundar
     if rows is None:
         return None
     try:
-        ratio = boundary_ratio(rows, period, to, lower=LOWER, upper=UPPER, window=evidence.window)
+        cells = (period,), (to,)
+        ratio = boundary_ratio(rows, CONDITIONS, cells, SCHEMES, MEASURE, evidence.window)
     except InputError:
         return None
     return Boundary(f"boundary at {period:g} s over that at {to:g} s", *ratio)

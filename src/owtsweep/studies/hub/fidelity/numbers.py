@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.results.cube import CONFIDENCE
+from owtsweep.statistics.student import CONFIDENCE
 from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
 from owtsweep.studies.hub.fidelity.reasons import reason
 from owtsweep.studies.hub.fidelity.score import published_numbers

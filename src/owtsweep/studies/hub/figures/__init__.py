@@ -48,14 +48,12 @@ def drawings(
     metadata
         Stored inside the figures.
     """
-    from owtsweep.results import aggregate
-    from owtsweep.results.cube import Cube
-    from owtsweep.studies.hub import scheme_names
+    from owtsweep.results.best_scheme import find_coinciding
+    from owtsweep.studies.hub.conditions import CRITERIA, cube_of
 
     @cache
     def coinciding() -> list[tuple[str, ...]]:
-        names = scheme_names(config)
-        return aggregate.coinciding(Cube.of_rows(rows, names, config.grid.amplitude), names)
+        return find_coinciding(cube_of(config, rows), CRITERIA)
 
     of_results = _of_results(config, tables, rows, coinciding)
     return {
@@ -77,6 +75,7 @@ def _of_results(
     """Name -> what draws it from the run's results."""
     from owtsweep.figures import best_scheme_map
     from owtsweep.studies.hub import scheme_names
+    from owtsweep.studies.hub.conditions import CONDITIONS
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
     names = scheme_names(config)
@@ -92,7 +91,9 @@ def _of_results(
         return lambda: best_scheme_map.draw(
             tables["best_scheme"],
             names,
+            CONDITIONS,
             criterion=criterion,
+            quantity=f"{criterion} MSE (x + y)",
             coinciding=coinciding(),
             replicates=config.grid.replicates,
             failures=failures,
