@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,10 +18,12 @@ from owtsweep.comparing.shift import compare_boundaries
 from owtsweep.errors import InputError
 from owtsweep.results.boundary import boundary
 from owtsweep.studies.hub.conditions import CONDITIONS
-from owtsweep.sweep.compare import Compared, compare
+from owtsweep.sweep import compare as comparing
+from owtsweep.sweep.compare import Compared
 
 GRID = ["grid.natural_period=[4.0,8.0]", "grid.amplitude=[0.1,0.25,1.0]", "grid.replicates=5"]
 WORDS = [*SMALL, *GRID, "schemes=[MKF,HME1,HME2]"]
+compare = partial(comparing.compare, load=owtsweep.load)
 
 
 @pytest.fixture(scope="module")

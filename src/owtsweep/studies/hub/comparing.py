@@ -11,6 +11,7 @@ from owtsweep.results.conditions import Grid
 from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS, grid_of
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.engines import ENGINES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,7 +37,7 @@ def aspects_of(run: Candidate) -> Aspects:
         window=window,
         pairing={key: getattr(config, key) for key in PAIRING},
         boundary=BOUNDARY,
-        best_of=partial(_best_expected, window) if config.engine == "expected" else None,
+        best_of=None if ENGINES[config.engine]().samples else partial(_best_expected, window),
     )
 
 
