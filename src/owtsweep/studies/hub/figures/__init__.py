@@ -127,9 +127,9 @@ def _illustrations(
 ) -> dict[str, Callable[[], Figure]]:
     """Name -> what draws it from the configuration: a record, its spectrum, time histories."""
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
-    from owtsweep.studies.hub.histories import histories
+    from owtsweep.studies.hub.histories import simulate_histories
 
-    simulated = cache(lambda: histories(config))
+    simulated = cache(lambda: simulate_histories(config))
 
     def history(quantity: str, *, zoom: bool) -> Callable[[], Figure]:
         return lambda: time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning)
