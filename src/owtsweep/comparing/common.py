@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.comparison import Candidate
 from owtsweep.config import require
-from owtsweep.results.best_scheme import best_scheme
+from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.conditions import Condition, Value, order_values, show_value
 from owtsweep.results.cube import Cube
 from owtsweep.results.expand import expand
@@ -126,7 +126,7 @@ def find_best(
         rows = shared.choose_rows(run.rows)
         return aspects.best_of(rows, shared.grid, shared.schemes, shared.criterion)
     cube = Cube.of(values, shared.schemes, shared.conditions)
-    return best_scheme(cube, aspects.window, [shared.criterion])
+    return find_best_schemes(cube, aspects.window, [shared.criterion])
 
 
 def expand_common(run: Candidate, shared: Common) -> pd.DataFrame:

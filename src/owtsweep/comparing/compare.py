@@ -108,7 +108,7 @@ def _find_boundaries(
     """The boundary of every run, with the run's `index`, and why some have none."""
     import pandas as pd
 
-    from owtsweep.results.boundary import COLUMNS, boundary
+    from owtsweep.results.boundary import COLUMNS, find_boundary
 
     parts, notes = [], []
     for index, (run, told) in enumerate(zip(runs, aspects, strict=True)):
@@ -116,7 +116,7 @@ def _find_boundaries(
             break
         rows = shared.choose_rows(run.rows)
         try:
-            table = boundary(
+            table = find_boundary(
                 rows, shared.conditions, shared.boundary, shared.criterion, told.window
             )
         except InputError as error:  # no such schemes, or amplitudes run one by one

@@ -90,13 +90,13 @@ class HubStudy:
             from owtsweep.studies.hub.expected import answers
 
             return answers.tables(config, rows)
-        from owtsweep.results.best_scheme import best_scheme
-        from owtsweep.results.summary import summary
-        from owtsweep.studies.hub.conditions import cube_of
+        from owtsweep.results.best_scheme import find_best_schemes
+        from owtsweep.results.summary import summarise
+        from owtsweep.studies.hub.conditions import make_cube
 
-        cube = cube_of(config, rows)
-        best = best_scheme(cube, config.measures.window, criteria(config))
-        return {"summary": summary(cube), "best_scheme": best}
+        cube = make_cube(config, rows)
+        best = find_best_schemes(cube, config.measures.window, criteria(config))
+        return {"summary": summarise(cube), "best_scheme": best}
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """The map as a coloured grid."""
@@ -141,9 +141,9 @@ class HubStudy:
     ) -> Findings:
         """How map, boundary and errors move between runs."""
         from owtsweep.comparing.compare import compare
-        from owtsweep.studies.hub.comparing import aspects_of
+        from owtsweep.studies.hub.comparing import describe_run
 
-        return compare(comparison, folder, aspects_of, metadata=metadata)
+        return compare(comparison, folder, describe_run, metadata=metadata)
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:

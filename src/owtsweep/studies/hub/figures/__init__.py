@@ -67,13 +67,13 @@ def _drawings(
     from owtsweep.io.files import write_atomically
     from owtsweep.results.best_scheme import find_coinciding
     from owtsweep.studies.hub import scheme_names
-    from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, cube_of
+    from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, make_cube
     from owtsweep.studies.hub.figures import mse_over_amplitude
     from owtsweep.studies.hub.figures.tables import tables_6_to_9, to_markdown
 
     names = scheme_names(config)
     look: dict[str, Any] = {"window": config.measures.window, "tuning": config.tuning}
-    same = find_coinciding(cube_of(config, rows), CRITERIA)
+    same = find_coinciding(make_cube(config, rows), CRITERIA)
     failures = int((rows["status"] == FAILED).sum())
 
     def mse(period: float) -> Drawing:
@@ -127,7 +127,7 @@ def _illustrations(
     """Name -> what draws it from the configuration: a record, its spectrum, time histories."""
     from owtsweep.figures import style
     from owtsweep.results.best_scheme import find_coinciding
-    from owtsweep.studies.hub.conditions import CRITERIA, cube_of
+    from owtsweep.studies.hub.conditions import CRITERIA, make_cube
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import histories
 
@@ -145,7 +145,7 @@ def _illustrations(
         return style.save(record_and_spectrum.draw_spectrum(config), folder, name, metadata)
 
     def errors(folder: Path, name: str) -> list[Path]:
-        same = find_coinciding(cube_of(config, rows), CRITERIA)
+        same = find_coinciding(make_cube(config, rows), CRITERIA)
         return style.save(error_spectra.draw(config, coinciding=same), folder, name, metadata)
 
     return {
