@@ -29,17 +29,25 @@ DESIGN_BEST += ["mse_best", "mse_runner_up", "difference", "ci_low", "ci_high", 
 VALUE_COLUMNS = ["scheme", "natural_period", "amplitude", "measure", "window", "replicate", "value"]
 
 
+def make_cube(values, schemes) -> Cube:
+    """The cube of values, each of them a row that was run directly."""
+    rows = values.assign(status="ok", motion=math.nan, cross=math.nan, noise=math.nan)
+    return Cube.of_rows(
+        rows, schemes, CONDITIONS, {"amplitude": values["amplitude"].unique()}, measures=MEASURES
+    )
+
+
 def make_summary(values, schemes) -> pd.DataFrame:
-    return summarise(Cube.of(values, schemes, CONDITIONS, measures=MEASURES))
+    return summarise(make_cube(values, schemes))
 
 
 def find_best(values, schemes, window, criteria=CRITERIA) -> pd.DataFrame:
-    cube = Cube.of(values, schemes, CONDITIONS, measures=MEASURES)
+    cube = make_cube(values, schemes)
     return find_best_schemes(cube, window, criteria)
 
 
 def coinciding(values, schemes) -> list[tuple[str, ...]]:
-    return find_coinciding(Cube.of(values, schemes, CONDITIONS), CRITERIA)
+    return find_coinciding(make_cube(values, schemes), CRITERIA)
 
 
 def superposed_rows(

@@ -57,10 +57,7 @@ def compare(
     shared = find_common(runs, aspects)
     notes = list(shared.notes)
     values = [expand_common(run, shared) for run in runs]
-    best = [
-        find_best(run, told, of_run, shared)
-        for run, told, of_run in zip(runs, aspects, values, strict=True)
-    ]
+    best = [find_best(run, told, shared) for run, told in zip(runs, aspects, strict=True)]
     boundaries, no_boundary = _find_boundaries(runs, aspects, shared)
     notes += no_boundary
     pair_tables, unpaired = _compare_pairs(comparison, aspects, shared, values, best)
