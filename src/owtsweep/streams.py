@@ -30,10 +30,10 @@ def stream(
     name
         What is drawn, e.g. "phase" or "imu_x".
     """
-    key = (crc32(study.encode()), *map(key_of, conditions), replicate, crc32(name.encode()))
+    key = (crc32(study.encode()), *map(encode_value, conditions), replicate, crc32(name.encode()))
     return np.random.Generator(np.random.SFC64(np.random.SeedSequence(seed, spawn_key=key)))
 
 
-def key_of(value: float | str) -> int:
+def encode_value(value: float | str) -> int:
     """The value of a condition as a part of a key, which must not be negative."""
     return crc32(value.encode()) if isinstance(value, str) else round(value * 1e6) % 2**64

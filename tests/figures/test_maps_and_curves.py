@@ -9,15 +9,15 @@ from rich.console import Console
 
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, curves, terminal
-from owtsweep.results.best_scheme import best_scheme
+from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
-from owtsweep.results.summary import summary
+from owtsweep.results.summary import summarise
 from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows
 
 
 def make_tables(conditions):
     cube = Cube.of_rows(make_rows(conditions), SCHEMES, conditions, GRID)
-    return summary(cube), best_scheme(cube, "full", ["strain"])
+    return summarise(cube), find_best_schemes(cube, "full", ["strain"])
 
 
 def draw_map(best, conditions):

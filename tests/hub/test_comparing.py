@@ -16,7 +16,7 @@ from tools import SMALL
 import owtsweep
 from owtsweep.comparing.shift import compare_boundaries
 from owtsweep.errors import InputError
-from owtsweep.results.boundary import boundary
+from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub.conditions import CONDITIONS
 from owtsweep.sweep import compare as comparing
 from owtsweep.sweep.compare import Compared
@@ -114,7 +114,7 @@ def test_boundaries_are_those_of_each_run(folder, compared):
     for name in ("early", "late"):
         own = table[table.folder == name].reset_index(drop=True)
         rows = owtsweep.load(folder / name).cases()
-        expected = boundary(rows, CONDITIONS, ("HME2", "HME1"), "position", "full")
+        expected = find_boundary(rows, CONDITIONS, ("HME2", "HME1"), "position", "full")
         pd.testing.assert_frame_equal(own[list(expected.columns)], expected)
 
 

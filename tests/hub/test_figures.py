@@ -17,9 +17,9 @@ from rich.console import Console
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, style, terminal
 from owtsweep.figures.drawings import draw_each
-from owtsweep.results.best_scheme import best_scheme
+from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
-from owtsweep.results.summary import summary
+from owtsweep.results.summary import summarise
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA
 from owtsweep.studies.hub.figures import drawings, mse_over_amplitude
@@ -250,8 +250,8 @@ def run(monkeypatch):
     monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
     cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})
     tables = {
-        "summary": summary(cube),
-        "best_scheme": best_scheme(cube, "full", CRITERIA),
+        "summary": summarise(cube),
+        "best_scheme": find_best_schemes(cube, "full", CRITERIA),
     }
     return config, tables, rows
 

@@ -16,14 +16,16 @@ PRODUCTS = ["motion", "cross", "noise"]
 
 
 def boundary(rows: pd.DataFrame, lower: str = "HME2", window: str = "full") -> pd.DataFrame:
-    return boundaries.boundary(rows, CONDITIONS, (lower, "HME1"), "position", window)
+    return boundaries.find_boundary(rows, CONDITIONS, (lower, "HME1"), "position", window)
 
 
 def boundary_ratio(
     rows: pd.DataFrame, period_a: float, period_b: float
 ) -> tuple[float, float, float]:
     cells = (period_a,), (period_b,)
-    return boundaries.boundary_ratio(rows, CONDITIONS, cells, ("HME2", "HME1"), "position", "full")
+    return boundaries.find_boundary_ratio(
+        rows, CONDITIONS, cells, ("HME2", "HME1"), "position", "full"
+    )
 
 
 def run_rows(
@@ -189,16 +191,16 @@ def test_a_boundary_over_other_conditions_or_over_none() -> None:
     rows = run_rows(MEANS).rename(columns={"natural_period": "heading", "amplitude": "gain"})
     both = pd.concat([rows.assign(soil="clay"), rows.assign(soil="sand", noise=2.0 * rows.noise)])
     told = ("HME2", "HME1"), "position", "full"
-    table = boundaries.boundary(both, (soil, heading, gain), *told)
+    table = boundaries.find_boundary(both, (soil, heading, gain), *told)
     assert list(table.columns[:2]) == ["soil", "heading"]
     cells = table[["soil", "heading"]].to_records(index=False).tolist()
     assert cells == [("clay", 4.0), ("clay", 8.0), ("sand", 4.0), ("sand", 8.0)]
     expected = boundary(run_rows(MEANS))["boundary"]
     np.testing.assert_array_equal(table["boundary"][:2], expected)
     assert (table["boundary"][2:].to_numpy() > expected.to_numpy()).all()
-    alone = boundaries.boundary(rows[rows.heading == 4.0], (gain,), *told)
+    alone = boundaries.find_boundary(rows[rows.heading == 4.0], (gain,), *told)
     assert list(alone.columns) == list(boundaries.COLUMNS)
     assert alone["boundary"][0] == pytest.approx(expected[0], rel=1e-12)
     cells = (("peat", 4.0), ("clay", 4.0))
     with pytest.raises(InputError, match=r"^soil heading: no records at peat 4 deg; the rows have"):
-        boundaries.boundary_ratio(both, (soil, heading, gain), cells, *told)
+        boundaries.find_boundary_ratio(both, (soil, heading, gain), cells, *told)

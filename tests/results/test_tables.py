@@ -10,11 +10,10 @@ import pytest
 from scipy import stats
 
 from owtsweep.errors import InputError
-from owtsweep.results import best_scheme as best_schemes
-from owtsweep.results import summary as summaries
-from owtsweep.results.best_scheme import find_coinciding
+from owtsweep.results.best_scheme import find_best_schemes, find_coinciding
 from owtsweep.results.cube import Cube
 from owtsweep.results.expand import expand
+from owtsweep.results.summary import summarise
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, MEASURES
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
@@ -30,17 +29,25 @@ DESIGN_BEST += ["mse_best", "mse_runner_up", "difference", "ci_low", "ci_high", 
 VALUE_COLUMNS = ["scheme", "natural_period", "amplitude", "measure", "window", "replicate", "value"]
 
 
+def make_cube(values, schemes) -> Cube:
+    """The cube of values, each of them a row that was run directly."""
+    rows = values.assign(status="ok", motion=math.nan, cross=math.nan, noise=math.nan)
+    return Cube.of_rows(
+        rows, schemes, CONDITIONS, {"amplitude": values["amplitude"].unique()}, measures=MEASURES
+    )
+
+
 def make_summary(values, schemes) -> pd.DataFrame:
-    return summaries.summary(Cube.of(values, schemes, CONDITIONS, measures=MEASURES))
+    return summarise(make_cube(values, schemes))
 
 
 def find_best(values, schemes, window, criteria=CRITERIA) -> pd.DataFrame:
-    cube = Cube.of(values, schemes, CONDITIONS, measures=MEASURES)
-    return best_schemes.best_scheme(cube, window, criteria)
+    cube = make_cube(values, schemes)
+    return find_best_schemes(cube, window, criteria)
 
 
 def coinciding(values, schemes) -> list[tuple[str, ...]]:
-    return find_coinciding(Cube.of(values, schemes, CONDITIONS), CRITERIA)
+    return find_coinciding(make_cube(values, schemes), CRITERIA)
 
 
 def superposed_rows(
@@ -363,7 +370,7 @@ def test_no_bit_depends_on_how_many_amplitudes_there_are(replicates):
     tables = []
     for amplitudes in (many, *([amplitude] for amplitude in many)):
         cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes}, measures=MEASURES)
-        tables.append(summaries.summary(cube))
+        tables.append(summarise(cube))
     order = list(DESIGN_SUMMARY[:5])
     one_by_one = pd.concat(tables[1:]).sort_values(order, kind="stable", ignore_index=True)
     whole = tables[0].sort_values(order, kind="stable", ignore_index=True)

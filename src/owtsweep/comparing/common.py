@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.comparison import Candidate
 from owtsweep.config import require
-from owtsweep.results.best_scheme import best_scheme
+from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.conditions import Condition, Value, order_values, show_value
 from owtsweep.results.cube import Cube
 from owtsweep.results.expand import expand
@@ -118,15 +118,13 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> Common
     return Common(first.conditions, grid, schemes, criteria[0], first.boundary, not without, notes)
 
 
-def find_best(
-    run: Candidate, aspects: Aspects, values: pd.DataFrame, shared: Common
-) -> pd.DataFrame:
+def find_best(run: Candidate, aspects: Aspects, shared: Common) -> pd.DataFrame:
     """The best scheme of every common cell, as the run's own best_scheme.csv tells it."""
+    rows = shared.choose_rows(run.rows)
     if aspects.best_of is not None:
-        rows = shared.choose_rows(run.rows)
         return aspects.best_of(rows, shared.grid, shared.schemes, shared.criterion)
-    cube = Cube.of(values, shared.schemes, shared.conditions)
-    return best_scheme(cube, aspects.window, [shared.criterion])
+    cube = Cube.of_rows(rows, shared.schemes, shared.conditions, shared.grid)
+    return find_best_schemes(cube, aspects.window, [shared.criterion])
 
 
 def expand_common(run: Candidate, shared: Common) -> pd.DataFrame:

@@ -57,10 +57,7 @@ def compare(
     shared = find_common(runs, aspects)
     notes = list(shared.notes)
     values = [expand_common(run, shared) for run in runs]
-    best = [
-        find_best(run, told, of_run, shared)
-        for run, told, of_run in zip(runs, aspects, values, strict=True)
-    ]
+    best = [find_best(run, told, shared) for run, told in zip(runs, aspects, strict=True)]
     boundaries, no_boundary = _find_boundaries(runs, aspects, shared)
     notes += no_boundary
     pair_tables, unpaired = _compare_pairs(comparison, aspects, shared, values, best)
@@ -108,7 +105,7 @@ def _find_boundaries(
     """The boundary of every run, with the run's `index`, and why some have none."""
     import pandas as pd
 
-    from owtsweep.results.boundary import COLUMNS, boundary
+    from owtsweep.results.boundary import COLUMNS, find_boundary
 
     parts, notes = [], []
     for index, (run, told) in enumerate(zip(runs, aspects, strict=True)):
@@ -116,7 +113,7 @@ def _find_boundaries(
             break
         rows = shared.choose_rows(run.rows)
         try:
-            table = boundary(
+            table = find_boundary(
                 rows, shared.conditions, shared.boundary, shared.criterion, told.window
             )
         except InputError as error:  # no such schemes, or amplitudes run one by one

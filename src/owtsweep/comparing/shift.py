@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.results.boundary import differences, mean_crossing, resampled_crossings
+from owtsweep.results.boundary import find_mean_crossing, resample_crossings, subtract_schemes
 from owtsweep.results.conditions import Condition
 from owtsweep.results.status import OK
 from owtsweep.statistics.bootstrap import RESAMPLES, percentile_interval
@@ -60,19 +60,19 @@ def compare_boundaries(
     if paired:
         runs = _common_records(runs, schemes, [*outer, "replicate"])
     one, two = (
-        differences(rows, conditions, schemes, measure, window)
+        subtract_schemes(rows, conditions, schemes, measure, window)
         for rows, window in zip(runs, windows, strict=True)
     )
     lines = []
     for cell in one:
         if cell not in two:
             continue
-        a, b = mean_crossing(one[cell]), mean_crossing(two[cell])
+        a, b = find_mean_crossing(one[cell]), find_mean_crossing(two[cell])
         if not (0.0 < a < np.inf and 0.0 < b < np.inf):
             continue
         low = high = np.nan
-        drawn_a = resampled_crossings(one[cell], cell, resamples)
-        drawn_b = resampled_crossings(two[cell], cell, resamples, apart=not paired)
+        drawn_a = resample_crossings(one[cell], cell, resamples)
+        drawn_b = resample_crossings(two[cell], cell, resamples, apart=not paired)
         if len(drawn_a) and len(drawn_b):
             with np.errstate(divide="ignore", invalid="ignore"):
                 low, high = percentile_interval(drawn_b / drawn_a)

@@ -34,7 +34,7 @@ def name_columns(conditions: Sequence[str]) -> list[str]:
     return [*conditions, *VERDICT_COLUMNS]
 
 
-def best_scheme(cube: Cube, window: str, criteria: Sequence[str]) -> pd.DataFrame:
+def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.DataFrame:
     """The scheme of least mean in every cell, and whether the data tell it from the next.
 
     Means are over the replicates that all schemes finished; a scheme that finished none in a cell
@@ -98,8 +98,8 @@ def best_scheme(cube: Cube, window: str, criteria: Sequence[str]) -> pd.DataFram
 def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]]:
     """Groups of schemes that coincide by all criteria in every cell and replicate.
 
-    Each group is in the order of the schemes, so its last member is the name that `best_scheme`
-    uses.
+    Each group is in the order of the schemes, so its last member is the name that
+    `find_best_schemes` uses.
     """
     judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
     if cube.empty:

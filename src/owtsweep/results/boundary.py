@@ -19,7 +19,7 @@ from owtsweep.results.conditions import Condition, Value, show_value
 from owtsweep.results.status import OK
 from owtsweep.results.superposition import PRODUCTS, find_crossing
 from owtsweep.statistics.bootstrap import RESAMPLES, percentile_interval, resample_means
-from owtsweep.streams import key_of
+from owtsweep.streams import encode_value
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,7 +30,7 @@ COLUMNS = ("boundary", "ci_low", "ci_high", "n", "wins")
 Cell = tuple[Value, ...]
 
 
-def boundary(
+def find_boundary(
     rows: pd.DataFrame,
     conditions: Sequence[Condition],
     schemes: tuple[str, str],
@@ -73,18 +73,18 @@ def boundary(
     import pandas as pd
 
     lines = []
-    for cell, products in differences(rows, conditions, schemes, measure, window).items():
-        value, wins = mean_crossing(products), ""
+    for cell, products in subtract_schemes(rows, conditions, schemes, measure, window).items():
+        value, wins = find_mean_crossing(products), ""
         if not 0.0 < value < np.inf:
             wins = {0.0: schemes[1], np.inf: schemes[0]}.get(value, "neither")
         low, high = np.nan, np.nan
         if not wins and len(products) > 1:
-            low, high = percentile_interval(resampled_crossings(products, cell, resamples))
+            low, high = percentile_interval(resample_crossings(products, cell, resamples))
         lines.append((*cell, value if not wins else np.nan, low, high, len(products), wins))
     return pd.DataFrame(lines, columns=[*_names(conditions)[:-1], *COLUMNS])
 
 
-def boundary_ratio(
+def find_boundary_ratio(
     rows: pd.DataFrame,
     conditions: Sequence[Condition],
     cells: tuple[Cell, Cell],
@@ -97,34 +97,34 @@ def boundary_ratio(
     """The boundary in the first cell over that in the second, with its 95 % interval.
 
     The records of two cells are independent, so they are resampled independently. Other parameters
-    are those of `boundary`.
+    are those of `find_boundary`.
 
     Returns
     -------
     tuple of float
         Ratio and the ends of its interval; NaN where one of the two has no boundary. An end is 0
-        or infinite as in `boundary`; resamples with 0 / 0 or inf / inf count against both ends.
+        or infinite as in `find_boundary`; resamples with 0 / 0 or inf / inf count against both.
 
     Raises
     ------
     InputError
-        As `boundary`, and if a cell is not among the rows.
+        As `find_boundary`, and if a cell is not among the rows.
     """
-    by_cell = differences(rows, conditions, schemes, measure, window)
+    by_cell = subtract_schemes(rows, conditions, schemes, measure, window)
     crossings, samples = [], []
     for cell in cells:
         near = [there for there in by_cell if _same(there, cell)]
         if not near:
             outer = conditions[:-1]
-            known = ", ".join(" ".join(map(show_value, there)) for there in by_cell)
+            present = ", ".join(" ".join(map(show_value, there)) for there in by_cell)
             shown = " ".join(c.show(value) for c, value in zip(outer, cell, strict=True))
             raise InputError(
-                f"{' '.join(c.name for c in outer)}: no records at {shown}; the rows have {known} "
-                f"{outer[-1].unit}".rstrip()
+                f"{' '.join(c.name for c in outer)}: no records at {shown}; the rows have "
+                f"{present} {outer[-1].unit}".rstrip()
             )
         products = by_cell[near[0]]
-        crossings.append(mean_crossing(products))
-        samples.append(resampled_crossings(products, near[0], resamples))
+        crossings.append(find_mean_crossing(products))
+        samples.append(resample_crossings(products, near[0], resamples))
     a, b = crossings
     if not (0.0 < a < np.inf and 0.0 < b < np.inf):
         return np.nan, np.nan, np.nan
@@ -135,7 +135,7 @@ def boundary_ratio(
     return a / b, low, high
 
 
-def differences(
+def subtract_schemes(
     rows: pd.DataFrame,
     conditions: Sequence[Condition],
     schemes: tuple[str, str],
@@ -144,7 +144,7 @@ def differences(
 ) -> dict[Cell, Array]:
     """Cell -> (records, 3): products of the first scheme less those of the second.
 
-    Parameters and errors are those of `boundary`; cells are sorted, and so are records by
+    Parameters and errors are those of `find_boundary`; cells are sorted, and so are records by
     replicate.
     """
     *outer, last = _names(conditions)
@@ -170,12 +170,12 @@ def differences(
     return {cell: products[places] for cell, places in cells.items()}
 
 
-def mean_crossing(products: Array) -> float:
+def find_mean_crossing(products: Array) -> float:
     """The root of the mean of (records, 3) differences."""
     return float(find_crossing(products.mean(axis=0)[None])[0])
 
 
-def resampled_crossings(
+def resample_crossings(
     products: Array, cell: Cell, resamples: int, *, apart: bool = False
 ) -> Array:
     """Roots of the means of resampled records; none for a single record.
@@ -191,7 +191,7 @@ def resampled_crossings(
     apart
         Draw others than equal cells do.
     """
-    key = [key_of(value) for value in cell] or [0]
+    key = [encode_value(value) for value in cell] or [0]
     if apart:  # as if the first condition lay 1e4 away
         key[0] += 10**10
     return find_crossing(resample_means(products, key, resamples))

@@ -97,21 +97,6 @@ class Cube:
         return result
 
     @classmethod
-    def of(
-        cls,
-        values: pd.DataFrame,
-        schemes: Sequence[str],
-        conditions: Sequence[Condition],
-        *,
-        measures: Sequence[str] = (),
-    ) -> Cube:
-        """The cube of values as `expand` returns them; arguments as in `of_rows`."""
-        kept = np.isfinite(values["value"].to_numpy(dtype=float))
-        unable = list_unable(values.iloc[:0].assign(status=OK), conditions, {})
-        superposed = np.zeros(len(values), dtype=bool)
-        return _build(values, schemes, conditions, {}, measures, superposed, kept, unable)
-
-    @classmethod
     def of_rows(
         cls,
         rows: pd.DataFrame,
@@ -121,7 +106,7 @@ class Cube:
         *,
         measures: Sequence[str] = (),
     ) -> Cube:
-        """The cube of a run's rows: what `of` makes of `expand`, in a tenth of the memory.
+        """The cube of a run's rows, in a tenth of the memory that `expand` takes.
 
         Parameters
         ----------
@@ -137,76 +122,65 @@ class Cube:
         measures
             The order of measures in tables; others follow alphabetically.
         """
+        require_usable(conditions)
         unable = list_unable(rows[rows["scheme"].isin(list(schemes))], conditions, grid)
         rows = without_unable(rows, conditions)
-        finished = (rows["status"] == OK).to_numpy()
-        last = conditions[-1]
-        superposed = np.zeros(len(rows), dtype=bool)
-        direct = finished
-        if last.expands:
-            at_one = rows[last.name].notna().to_numpy()
-            superposed = finished & ~at_one
-            for name in PRODUCTS:
-                superposed &= np.isfinite(rows[name].to_numpy(dtype=float))
-            direct = finished & at_one & rows[last.name].isin(list(grid[last.name])).to_numpy()
-        direct = direct & np.isfinite(rows["value"].to_numpy(dtype=float))
-        return _build(rows, schemes, conditions, grid, measures, superposed, direct, unable)
+        superposed, direct = _choose(rows, schemes, conditions[-1], grid)
+        used = superposed | direct
+        names = [condition.name for condition in conditions]
+        *outer, last = names
+        rank = {name: number for number, name in enumerate(measures)}
+        every = grid[last] if superposed.any() else _of(rows, last, direct)
+        labels: dict[str, Sequence[Any]] = {
+            "scheme": list(schemes),
+            "measure": sorted(
+                _of(rows, "measure", used).unique(), key=lambda m: (rank.get(m, len(rank)), m)
+            ),
+            "window": sorted(_of(rows, "window", used).unique()),
+            "replicate": np.unique(_of(rows, "replicate", used)).tolist(),
+            last: order_values(every, grid.get(last, ())),
+        }
+        for name in outer:
+            labels[name] = order_values(_of(rows, name, used), grid.get(name, ()))
+        inner = ["measure", "window", "replicate"]
+        products = values = None
+        if superposed.any():
+            place, shape = _places(rows, superposed, labels, ["scheme", *outer, *inner])
+            products = np.full((len(PRODUCTS), *shape), np.nan)
+            for part, name in zip(products, PRODUCTS, strict=True):
+                part.reshape(-1)[place] = _of(rows, name, superposed)
+        if direct.any():
+            place, shape = _places(rows, direct, labels, ["scheme", *names, *inner])
+            values = np.full(shape, np.nan)
+            values.reshape(-1)[place] = _of(rows, "value", direct)
+        if products is not None and values is not None:
+            both = np.isfinite(np.expand_dims(products[0], 1 + len(outer))) & np.isfinite(values)
+            _require_once(not both.any())
+        return cls(
+            schemes=tuple(schemes),
+            conditions=tuple(conditions),
+            levels=tuple(list(labels[name]) for name in names),
+            measures=tuple(labels["measure"]),
+            windows=tuple(labels["window"]),
+            products=products,
+            direct=values,
+            unable=unable,
+        )
 
 
-def _build(
-    rows: pd.DataFrame,
-    schemes: Sequence[str],
-    conditions: Sequence[Condition],
-    grid: Grid,
-    measures: Sequence[str],
-    superposed: NDArray[np.bool_],
-    direct: NDArray[np.bool_],
-    unable: pd.DataFrame,
-) -> Cube:
-    require_usable(conditions)
-    taking_part = rows["scheme"].isin(list(schemes)).to_numpy()
-    superposed, direct = superposed & taking_part, direct & taking_part
-    used = superposed | direct
-    names = [condition.name for condition in conditions]
-    *outer, last = names
-    rank = {name: number for number, name in enumerate(measures)}
-    labels: dict[str, Sequence[Any]] = {
-        "scheme": list(schemes),
-        "measure": sorted(
-            _of(rows, "measure", used).unique(), key=lambda name: (rank.get(name, len(rank)), name)
-        ),
-        "window": sorted(_of(rows, "window", used).unique()),
-        "replicate": np.unique(_of(rows, "replicate", used)).tolist(),
-        last: order_values(
-            grid[last] if superposed.any() else _of(rows, last, direct), grid.get(last, ())
-        ),
-    }
-    for name in outer:
-        labels[name] = order_values(_of(rows, name, used), grid.get(name, ()))
-    inner = ["measure", "window", "replicate"]
-    products = values = None
-    if superposed.any():
-        place, shape = _places(rows, superposed, labels, ["scheme", *outer, *inner])
-        products = np.full((len(PRODUCTS), *shape), np.nan)
-        for part, name in zip(products, PRODUCTS, strict=True):
-            part.reshape(-1)[place] = _of(rows, name, superposed)
-    if direct.any():
-        place, shape = _places(rows, direct, labels, ["scheme", *names, *inner])
-        values = np.full(shape, np.nan)
-        values.reshape(-1)[place] = _of(rows, "value", direct)
-    if products is not None and values is not None:
-        both = np.isfinite(np.expand_dims(products[0], 1 + len(outer))) & np.isfinite(values)
-        _require_once(not both.any())
-    return Cube(
-        schemes=tuple(schemes),
-        conditions=tuple(conditions),
-        levels=tuple(list(labels[name]) for name in names),
-        measures=tuple(labels["measure"]),
-        windows=tuple(labels["window"]),
-        products=products,
-        direct=values,
-        unable=unable,
-    )
+def _choose(
+    rows: pd.DataFrame, schemes: Sequence[str], last: Condition, grid: Grid
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Which rows are superposed ones that count, and which are others that do."""
+    finished = ((rows["status"] == OK) & rows["scheme"].isin(list(schemes))).to_numpy()
+    direct = finished & np.isfinite(rows["value"].to_numpy(dtype=float))
+    if not last.expands:
+        return np.zeros(len(rows), dtype=bool), direct
+    at_one = rows[last.name].notna().to_numpy()
+    superposed = finished & ~at_one
+    for name in PRODUCTS:
+        superposed &= np.isfinite(rows[name].to_numpy(dtype=float))
+    return superposed, direct & at_one & rows[last.name].isin(list(grid[last.name])).to_numpy()
 
 
 def _superposed(products: Floats, amplitudes: Sequence[Any]) -> Floats:

@@ -22,7 +22,7 @@ def name_columns(conditions: Sequence[str]) -> list[str]:
     return ["scheme", *conditions, "measure", "window", "mean", "ci_low", "ci_high", "n"]
 
 
-def summary(cube: Cube) -> pd.DataFrame:
+def summarise(cube: Cube) -> pd.DataFrame:
     """Mean over the replicates with its 95 % Student-t interval (NaN for a single replicate).
 
     Returns

@@ -53,9 +53,9 @@ class HubStudy:
     ) -> Findings:
         """How map, boundary and errors move between runs."""
         from owtsweep.comparing.compare import compare
-        from owtsweep.studies.hub.comparing import aspects_of
+        from owtsweep.studies.hub.comparing import describe_run
 
-        return compare(comparison, folder, aspects_of, metadata=metadata)
+        return compare(comparison, folder, describe_run, metadata=metadata)
 
     def write_fidelity(
         self, config: HubConfig, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]

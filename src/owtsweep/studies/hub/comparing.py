@@ -9,7 +9,7 @@ from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.comparison import Candidate
 from owtsweep.results.conditions import Grid
 from owtsweep.studies.hub import scheme_names
-from owtsweep.studies.hub.conditions import CONDITIONS, grid_of
+from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.engines import ENGINES
 
@@ -21,17 +21,15 @@ if TYPE_CHECKING:
 #: What the motion of a record depends on besides its natural period and replicate. Sigma, delay,
 #: rate, bias and tuning keep the phases of the motion and the draws of the noise.
 PAIRING = ("seed", "record", "spectrum", "band", "normalise")
-#: The schemes whose boundary is told: below it the first is better, above it the second.
-BOUNDARY = ("HME2", "HME1")
 
 
-def aspects_of(run: Candidate) -> Aspects:
+def describe_run(run: Candidate) -> Aspects:
     """What a comparison needs to know of a run."""
     config: HubConfig = run.config
     window = config.measures.window
     return Aspects(
         conditions=CONDITIONS,
-        grid=grid_of(config),
+        grid=get_grid(config),
         schemes=scheme_names(config),
         criterion=config.measures.criterion,
         window=window,

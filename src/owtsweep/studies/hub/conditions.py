@@ -23,16 +23,18 @@ CONDITIONS = (NATURAL_PERIOD, AMPLITUDE)
 MEASURES = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
 #: The measures by which schemes are told to coincide.
 CRITERIA = ("position", "velocity")
+#: The schemes whose boundary is told: below it the first is better, above it the second.
+BOUNDARY = ("HME2", "HME1")
 
 
-def grid_of(config: HubConfig) -> Grid:
+def get_grid(config: HubConfig) -> Grid:
     """The values of the conditions."""
     return {"natural_period": config.grid.natural_period, "amplitude": config.grid.amplitude}
 
 
-def cube_of(config: HubConfig, rows: pd.DataFrame) -> Cube:
+def make_cube(config: HubConfig, rows: pd.DataFrame) -> Cube:
     """The rows of a run of records as a cube."""
     from owtsweep.results.cube import Cube
     from owtsweep.studies.hub import scheme_names
 
-    return Cube.of_rows(rows, scheme_names(config), CONDITIONS, grid_of(config), measures=MEASURES)
+    return Cube.of_rows(rows, scheme_names(config), CONDITIONS, get_grid(config), measures=MEASURES)

@@ -82,13 +82,13 @@ class RecordsEngine(_Engine):
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """summary and best_scheme, with intervals over the records."""
-        from owtsweep.results.best_scheme import best_scheme
-        from owtsweep.results.summary import summary
-        from owtsweep.studies.hub.conditions import cube_of
+        from owtsweep.results.best_scheme import find_best_schemes
+        from owtsweep.results.summary import summarise
+        from owtsweep.studies.hub.conditions import make_cube
 
-        cube = cube_of(config, rows)
-        best = best_scheme(cube, config.measures.window, criteria(config))
-        return {"summary": summary(cube), "best_scheme": best}
+        cube = make_cube(config, rows)
+        best = find_best_schemes(cube, config.measures.window, criteria(config))
+        return {"summary": summarise(cube), "best_scheme": best}
 
     def drawings(
         self,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.conditions import CONDITIONS
+from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS
 from owtsweep.studies.hub.fidelity.evidence import DIGITS, Evidence
 from owtsweep.verdicts.inference import Comparison, Side, interval
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: HME2 has the lesser position MSE below the boundary, HME1 above it.
-SCHEMES = LOWER, UPPER = "HME2", "HME1"
+LOWER, UPPER = BOUNDARY
 MEASURE = "position"
 
 
@@ -39,13 +39,13 @@ class Boundary:
 
 def boundary_at(evidence: Evidence, natural_period: float) -> Boundary | None:
     """The boundary at one period (s); None where the run lacks a scheme or the period."""
-    from owtsweep.results.boundary import boundary
+    from owtsweep.results.boundary import find_boundary
 
     rows = _rows(evidence, natural_period)
     if rows is None:
         return None
     try:
-        row = boundary(rows, CONDITIONS, SCHEMES, MEASURE, evidence.window).iloc[0]
+        row = find_boundary(rows, CONDITIONS, BOUNDARY, MEASURE, evidence.window).iloc[0]
     except InputError:  # cases run directly have no products to find a root of
         return None
     label = f"boundary at {natural_period:g} s"
@@ -58,14 +58,14 @@ def boundary_at(evidence: Evidence, natural_period: float) -> Boundary | None:
 
 def ratio_of_boundaries(evidence: Evidence, period: float, to: float) -> Boundary | None:
     """The boundary at one period over that at another (s); None where either is missing."""
-    from owtsweep.results.boundary import boundary_ratio
+    from owtsweep.results.boundary import find_boundary_ratio
 
     rows = _rows(evidence, period, to)
     if rows is None:
         return None
     try:
         cells = (period,), (to,)
-        ratio = boundary_ratio(rows, CONDITIONS, cells, SCHEMES, MEASURE, evidence.window)
+        ratio = find_boundary_ratio(rows, CONDITIONS, cells, BOUNDARY, MEASURE, evidence.window)
     except InputError:
         return None
     return Boundary(f"boundary at {period:g} s over that at {to:g} s", *ratio)

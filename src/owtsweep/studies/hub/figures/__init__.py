@@ -49,11 +49,11 @@ def drawings(
         Stored inside the figures.
     """
     from owtsweep.results.best_scheme import find_coinciding
-    from owtsweep.studies.hub.conditions import CRITERIA, cube_of
+    from owtsweep.studies.hub.conditions import CRITERIA, make_cube
 
     @cache
     def coinciding() -> list[tuple[str, ...]]:
-        return find_coinciding(cube_of(config, rows), CRITERIA)
+        return find_coinciding(make_cube(config, rows), CRITERIA)
 
     of_results = _of_results(config, tables, rows, coinciding)
     return {

@@ -17,9 +17,9 @@ from owtsweep.figures.best_scheme_map import draw_cells
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_coinciding
-from owtsweep.results.boundary import boundary
+from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub import scheme_names
-from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, cube_of
+from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, CRITERIA, make_cube
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
 
@@ -30,8 +30,7 @@ if TYPE_CHECKING:
 
     from owtsweep.sweep.runs import Run
 
-#: The schemes whose boundary is drawn: below it the first is better, above it the second.
-BOUNDARY = LOWER, UPPER = "HME2", "HME1"
+LOWER, UPPER = BOUNDARY
 
 
 def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
@@ -116,11 +115,11 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
         fontsize=10,
     )
     rows = run.cases()
-    same = find_coinciding(cube_of(config, rows), CRITERIA)
+    same = find_coinciding(make_cube(config, rows), CRITERIA)
     notes = [f"{config.tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in
              same]  # fmt: skip
     try:
-        boundaries = boundary(rows, CONDITIONS, BOUNDARY, criterion, window)
+        boundaries = find_boundary(rows, CONDITIONS, BOUNDARY, criterion, window)
     except InputError:  # a scheme is not in this run, or amplitudes were run one by one
         return [*notes, f"{config.tuning}: no boundary, since the run lacks superposed rows of it."]
     return notes + _boundary(axes, boundaries, plane, config.tuning)
