@@ -94,7 +94,7 @@ def test_manifest_holds_seconds_per_block_of_all_sweeps(study, config, monkeypat
     assert blocks["each"]["C1.0"] >= 0.02
     assert next(iter(blocks["slowest"])) in ("C1.0", "C2.0")
     assert outcome.computed == 0
-    many = provenance.block_seconds({f"block {i:04}": float(i) for i in range(2000)})
+    many = provenance.summarise_seconds({f"block {i:04}": float(i) for i in range(2000)})
     assert (many["count"], many["each"], len(many["slowest"])) == (2000, {}, provenance.SLOWEST)
     assert (many["median"], many["slowest"]["block 1999"]) == (999.5, 1999.0)
 

@@ -248,7 +248,7 @@ def test_block_that_appeared_meanwhile_is_reused(study, config):
 
 
 def test_what_a_backend_loses_is_looked_for_and_run_again(study, config, monkeypatch):
-    every = Executor._round
+    every = Executor._run_round
     rounds = []
 
     def losing_two(self, work, tasks, numbers, *arguments):
@@ -260,14 +260,14 @@ def test_what_a_backend_loses_is_looked_for_and_run_again(study, config, monkeyp
                 self.store.path(key).unlink()
         yield from results
 
-    monkeypatch.setattr(Executor, "_round", losing_two)
+    monkeypatch.setattr(Executor, "_run_round", losing_two)
     outcome = sweep(study, config())
     assert rounds == [3, 1, 1]
     assert (outcome.computed, outcome.failed) == (12, [])
 
 
 def test_a_block_that_never_answers_fails(study, config, monkeypatch):
-    monkeypatch.setattr(Executor, "_round", lambda *arguments: iter(()))
+    monkeypatch.setattr(Executor, "_run_round", lambda *arguments: iter(()))
     outcome = sweep(study, config())
     assert {failure.reason for failure in outcome.failed} == {"its worker gave no answer"}
     assert (outcome.computed, sum(failure.cases for failure in outcome.failed)) == (0, 12)

@@ -22,7 +22,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if sys.stdout.isatty():
         from rich.console import Console
 
-        Console().print(_rich(compared.overview))
+        Console().print(_make_table(compared.overview))
     else:
         print(compared.overview.to_string(index=False))
     for note in compared.notes:
@@ -32,7 +32,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     return DONE
 
 
-def _rich(overview: pd.DataFrame) -> object:
+def _make_table(overview: pd.DataFrame) -> object:
     from rich import box
     from rich.table import Table
 

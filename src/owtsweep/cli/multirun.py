@@ -66,14 +66,12 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         for config, (words, values) in zip(configs, combinations, strict=True)
     ]
     check_writable(folder)
-    tree = _find_tree(options.overrides)
-    _check_hydra(tree)
+    _check_hydra(options.overrides)
     forget_outcomes(folder)
     write_record(folder, options.overrides, planned)
     began = time.monotonic()
     try:
-        job = Job(str(folder), tuple(argv), tree.taken)
-        _through_hydra(job, tree, options.config_dir, folder)
+        _through_hydra(Job(str(folder), tuple(argv)), options, folder)
     except KeyboardInterrupt:
         _tell(folder, planned, options, stopped=True)
         raise
@@ -86,28 +84,17 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
 class Job:
     """What Hydra calls for each run: a plain object, so that launchers can send it elsewhere.
 
-    It never raises, since one raise would take the rest of a launcher's queue with it. It leaves
+    It never raises, since one raise would take the rest of a launcher's queue with it, and leaves
     its outcome in the multirun folder.
-
-    Attributes
-    ----------
-    folder
-        The multirun folder.
-    argv
-        The command line.
-    taken
-        Overrides that Hydra does not see (`Tree.taken`).
     """
 
     folder: str
     argv: tuple[str, ...]
-    taken: tuple[str, ...] = ()
 
     def __call__(self, composed: Any) -> None:
         from hydra.core.hydra_config import HydraConfig
 
-        words = [*self.taken, *map(str, HydraConfig.get().overrides.task)]
-        task = [word for word in words if not _is_results(word)]
+        task = [str(o) for o in HydraConfig.get().overrides.task if not _is_results(str(o))]
         name = "refused-" + hashlib.blake2b("\n".join(task).encode(), digest_size=5).hexdigest()
         try:
             config = from_mapping(composed)
@@ -162,43 +149,19 @@ def _results(overrides: Sequence[str]) -> str:
     return given[-1] if given else "results"
 
 
-@dataclass(frozen=True)
-class Tree:
-    """Where Hydra composes a study's configurations, and from what.
-
-    Attributes
-    ----------
-    directory, primary
-        The folder of the configuration files, and the name of the one to begin with.
-    overrides
-        What Hydra is given.
-    taken
-        What it is not given: the choice of the study, which is the choice of the folder.
-    """
-
-    directory: str
-    primary: str
-    overrides: tuple[str, ...]
-    taken: tuple[str, ...] = ()
-
-
-def _find_tree(overrides: Sequence[str]) -> Tree:
-    return Tree(str(conf_directory()), "sweep", tuple(overrides))
-
-
-def _check_hydra(tree: Tree) -> None:
+def _check_hydra(overrides: Sequence[str]) -> None:
     """Refuse launchers and sweepers that are not there before anything is written."""
     from hydra import compose as hydra_compose
     from hydra import initialize_config_dir
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
-    settings = [o for o in tree.overrides if o.lstrip("+~").startswith("hydra")]
+    settings = [o for o in overrides if o.lstrip("+~").startswith("hydra")]
     if not settings:
         return
     try:
-        with initialize_config_dir(config_dir=tree.directory, version_base="1.3"):
-            hydra_compose(tree.primary, overrides=settings, return_hydra_config=True)
+        with initialize_config_dir(config_dir=str(conf_directory()), version_base="1.3"):
+            hydra_compose("sweep", overrides=settings, return_hydra_config=True)
     except (HydraException, OmegaConfBaseException) as error:
         raise InputError(one_line(error)) from error
 
@@ -246,7 +209,7 @@ def _combinations(overrides: Sequence[str]) -> list[tuple[list[str], dict[str, s
     return combinations
 
 
-def _through_hydra(job: Job, tree: Tree, config_dir: str | None, folder: Path) -> None:
+def _through_hydra(job: Job, options: argparse.Namespace, folder: Path) -> None:
     import hydra
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
@@ -260,15 +223,16 @@ def _through_hydra(job: Job, tree: Tree, config_dir: str | None, folder: Path) -
         "hydra/job_logging=none",
         "hydra/hydra_logging=none",
     ]
-    overrides = [o for o in tree.overrides if not _is_results(o)]
-    extra = ["--config-dir", config_dir] if config_dir else []
+    overrides = [o for o in options.overrides if not _is_results(o)]
+    extra = ["--config-dir", options.config_dir] if options.config_dir else []
     before = sys.argv
     sys.argv = [before[0], "--multirun", *extra, *overrides, *settings]
     full_error = os.environ.get("HYDRA_FULL_ERROR")
     os.environ["HYDRA_FULL_ERROR"] = "1"  # let errors reach us instead of ending in sys.exit
     try:
-        main = hydra.main(version_base="1.3", config_path=tree.directory, config_name=tree.primary)
-        main(job)()
+        hydra.main(version_base="1.3", config_path=str(conf_directory()), config_name="sweep")(
+            job
+        )()
     except (HydraException, OmegaConfBaseException) as error:
         raise InputError(one_line(error)) from error
     finally:

@@ -26,11 +26,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     except ValueError:
         manifest = None
     require(isinstance(manifest, dict), f"{path}: this is no manifest; run its sweep again")
-    _print({**_shortened(manifest, opened), "now": _now(opened)}, 0)
+    _print({**_shorten(manifest, opened), "now": _describe_folder(opened)}, 0)
     return DONE
 
 
-def _shortened(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
+def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
     """The manifest without its long lists."""
     shown = dict(manifest)
     if shown.get("state") == "running":
@@ -42,8 +42,8 @@ def _shortened(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
     return shown
 
 
-def _now(opened: Run) -> dict[str, Any]:
-    """What the folder holds, by reading all of it."""
+def _describe_folder(opened: Run) -> dict[str, Any]:
+    """What the run folder holds; reads all of it."""
     from owtsweep.sweep.plan import make_plan
 
     cases = dict.fromkeys(("done", "failed", "missing"), 0)

@@ -23,6 +23,10 @@ class Quantity(NamedTuple):
     components: tuple[str, ...]
 
 
+#: Position and velocity in the plane, as the hub study and its companions judge them.
+PLANAR_MOTION = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "vy")))
+
+
 class Innovation(NamedTuple):
     """value (m,): a measurement minus its prediction; covariance (m, m) of that difference."""
 

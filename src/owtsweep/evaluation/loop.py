@@ -1,65 +1,82 @@
-"""Run an estimator as it would run on board: one `update` per IMU step.
+"""Run an estimator as it would run on board: one `update` per step.
 
 The reference engine runs every scheme this way, and every engine a user's scheme without a kernel.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.estimate import Estimate
+from owtsweep.evaluation.collecting import collect
+from owtsweep.evaluation.estimate import PLANAR_MOTION, Quantity
 from owtsweep.evaluation.trajectory import Trajectory
 
 
 class Updating(Protocol):
     """What can be run.
 
-    An estimator may also offer `run_record(specific_force, positions) -> Trajectory`, which takes
-    many steps in one call and gives what `update` would give one by one.
+    An estimator may also offer `run_record(inputs, fixes) -> Trajectory`. It takes many steps in
+    one call and gives what `update` would give step by step; a fix that did not arrive is NaN.
     """
 
-    def update(self, specific_force: Array, position: Array | None = None) -> Any:
-        """Take one sample and perhaps a fix; return an `Estimate`."""
+    def update(self, inputs: Array, fix: Array | None = None, /) -> Any:
+        """Take the inputs of a step, and a fix if one arrived; return an `Estimate`."""
 
 
 def run_estimator(
-    estimator: Updating, specific_force: Array, fixes: Array, fix_interval: int
+    estimator: Updating,
+    inputs: Array,
+    fixes: Array,
+    fix_interval: int,
+    *,
+    judged: Sequence[Quantity] = PLANAR_MOTION,
 ) -> Trajectory:
     """Run an estimator over a whole record.
 
     Parameters
     ----------
-    specific_force
-        (steps, 2) in the IMU's frame, m/s^2.
+    inputs
+        (steps, i) what is measured at every step. In the hub study: specific force, m/s^2.
     fixes
-        (fixes, 2) in NED, m, at steps 0, M, 2 M, ...; a fix that is NaN did not arrive.
+        (fixes, m) what is measured at steps 0, M, 2 M, ...; NaN if it did not arrive. In the hub
+        study: position, m.
     fix_interval
         M, in steps.
+    judged
+        As for `run_steps`.
 
     Raises
     ------
     TypeError, ValueError
         As for `run_steps`.
     """
-    positions = np.full((len(specific_force), 2), np.nan)
-    positions[::fix_interval] = fixes
-    return run_steps(estimator, np.ascontiguousarray(specific_force), positions)
+    arrived = np.full((len(inputs), fixes.shape[1]), np.nan)
+    arrived[::fix_interval] = fixes
+    return run_steps(estimator, np.ascontiguousarray(inputs), arrived, judged=judged)
 
 
 def run_steps(
-    estimator: Updating, specific_force: Array, positions: Array, *, first: int = 0
+    estimator: Updating,
+    inputs: Array,
+    fixes: Array,
+    *,
+    first: int = 0,
+    judged: Sequence[Quantity] = PLANAR_MOTION,
 ) -> Trajectory:
     """Run an estimator over the next steps of a record.
 
     Parameters
     ----------
-    specific_force, positions
-        (steps, 2) in m/s^2 and m; NaN in a position where no fix arrived.
+    inputs, fixes
+        (steps, i) and (steps, m), a row per step; a fix that did not arrive is NaN.
     first
         Number of the first of these steps, for messages.
+    judged
+        The quantities to take from the estimates, in the order in which the state has them.
 
     Raises
     ------
@@ -70,45 +87,17 @@ def run_steps(
     """
     run_record = getattr(estimator, "run_record", None)
     if run_record is not None:
-        trajectory: Trajectory = run_record(specific_force, positions)
+        trajectory: Trajectory = run_record(inputs, fixes)
     else:
-        trajectory = _update_one_by_one(estimator, specific_force, positions, first)
+        estimates = _update_step_by_step(estimator, inputs, fixes)
+        trajectory = collect(estimates, judged, len(inputs), first)
     finite = np.isfinite(trajectory.state).all(axis=1)
     if not np.all(finite):
         raise ValueError(f"the estimate of step {first + int(np.argmin(finite))} is not finite")
     return trajectory
 
 
-def _update_one_by_one(
-    estimator: Updating, specific_force: Array, positions: Array, first: int
-) -> Trajectory:
-    steps = len(specific_force)
-    state = np.empty((steps, 4))
-    covariance: Array | None = None
-    innovation: Array | None = None
-    innovation_covariance: Array | None = None
-    arrived = np.logical_not(np.isnan(positions).any(axis=1))
-    for k in range(steps):
-        estimate = estimator.update(specific_force[k], positions[k] if arrived[k] else None)
-        if not isinstance(estimate, Estimate):
-            raise TypeError(f"update gave a {type(estimate).__name__}, not an owtsweep.Estimate")
-        state[k, :2] = _vector(estimate.position, "position", first + k)
-        state[k, 2:] = _vector(estimate.velocity, "velocity", first + k)
-        if estimate.covariance is not None:
-            if covariance is None:
-                covariance = np.full((steps, 4, 4), np.nan)
-            covariance[k] = estimate.covariance
-        if estimate.innovation is not None:
-            if innovation is None or innovation_covariance is None:
-                innovation = np.full((steps, 2), np.nan)
-                innovation_covariance = np.full((steps, 2, 2), np.nan)
-            innovation[k] = estimate.innovation.value
-            innovation_covariance[k] = estimate.innovation.covariance
-    return Trajectory(state, covariance, innovation, innovation_covariance)
-
-
-def _vector(value: Array, name: str, step: int) -> Array:
-    array = np.asarray(value, dtype=float)
-    if array.shape != (2,):
-        raise ValueError(f"the {name} of step {step} has the shape {array.shape}, not (2,)")
-    return array
+def _update_step_by_step(estimator: Updating, inputs: Array, fixes: Array) -> Iterator[Any]:
+    arrived = np.logical_not(np.isnan(fixes).any(axis=1))
+    for k, sample in enumerate(inputs):
+        yield estimator.update(sample, fixes[k] if arrived[k] else None)

@@ -11,16 +11,17 @@ from owtsweep.arrays import Array
 
 
 class Trajectory(NamedTuple):
-    """What an estimator gave over some steps, in NED.
+    """What an estimator gave over some steps.
 
     Attributes
     ----------
     state
-        (steps, 4): x, y (m), v_x, v_y (m/s).
+        (steps, n): the judged quantities, one after the other; of a planar motion x, y (m), v_x,
+        v_y (m/s) in NED.
     covariance
-        (steps, 4, 4) of the state, NaN at steps without one; None if no step has one.
+        (steps, n, n) of the state, NaN at steps without one; None if no step has one.
     innovation, innovation_covariance
-        (steps, 2) in m and (steps, 2, 2) in m^2, NaN at steps without one; None if no step has one.
+        (steps, m) and (steps, m, m), NaN at steps without one; None if no step has one.
     """
 
     state: Array
@@ -30,21 +31,24 @@ class Trajectory(NamedTuple):
 
     @property
     def deviation(self) -> Array:
-        """(steps, 4): standard deviations of x, y, v_x, v_y; NaN without a covariance."""
+        """(steps, n): standard deviations of the state; NaN without a covariance."""
         if self.covariance is None:
             return np.broadcast_to(np.nan, self.state.shape)
         return np.asarray(np.sqrt(np.einsum("kii->ki", self.covariance)))
 
     @property
     def scaled_innovation(self) -> Array:
-        """(steps, 2): innovations over their own standard deviations; NaN at steps without one."""
+        """(steps, m): innovations over their own standard deviations; NaN at steps without one.
+
+        If no step has one, m is 1.
+        """
         if self.innovation is None or self.innovation_covariance is None:
-            return np.broadcast_to(np.nan, (len(self.state), 2))
+            return np.broadcast_to(np.nan, (len(self.state), 1))
         variance = np.einsum("kii->ki", self.innovation_covariance)
         return np.asarray(self.innovation / np.sqrt(variance))
 
     def axis_covariance(self, axis: int) -> Array:
-        """(steps, 2, 2): of position and velocity along x (0) or y (1); NaN without one."""
+        """(steps, 2, 2) of (p, v) along x (0) or y (1) of a planar motion; NaN without one."""
         if self.covariance is None:
             return np.broadcast_to(np.nan, (len(self.state), 2, 2))
         return self.covariance[:, axis::2, axis::2]
@@ -75,5 +79,5 @@ def _join(series: Sequence[Array | None], pieces: Sequence[Trajectory]) -> Array
 
 
 def spread_to_both_axes(covariance: Array) -> Array:
-    """(n, 2, 2) of (p, v), alike for x and y, as (n, 4, 4) of (x, y, v_x, v_y)."""
+    """(n, 2, 2) of (p, v), the same for x and y, as (n, 4, 4) of a planar motion."""
     return np.kron(covariance, np.eye(2))

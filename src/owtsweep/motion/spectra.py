@@ -1,7 +1,7 @@
 """Motion spectra S(f) = a f / (f^2 + b f + c), Eq. (1) of Ren et al. (2019).
 
-The peak lies at f* = sqrt(c), Eq. (2). The denominator must be positive for every f > 0. That is
-so exactly when the denominator over f at the peak, 2 sqrt(c) + b, is positive.
+The peak lies at f* = sqrt(c), Eq. (2). The denominator must be positive for every f > 0. It is if,
+and only if, its value at the peak divided by f*, 2 sqrt(c) + b, is positive.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Spectrum:
 
     @property
     def peak_margin(self) -> float:
-        """2 sqrt(c) + b: the denominator over f at the peak. The peak is finite if this is > 0.
+        """2 sqrt(c) + b: the denominator at the peak divided by f*. If > 0, the peak is finite.
 
         The text below Eq. (2) prints the peak as a / (2 sqrt(c + b)). It should read
         a / (2 sqrt(c) + b).

@@ -76,7 +76,7 @@ class Fit:
 
     @property
     def half_bandwidth(self) -> float:
-        """sqrt(k), Hz."""
+        """Half-bandwidth sqrt(k), Hz."""
         return float(np.sqrt(self.bandwidth))
 
 

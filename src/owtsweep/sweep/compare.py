@@ -138,7 +138,7 @@ def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.D
         if failed:
             notes.append(f"{run.folder.name}: {failed} of its {len(rows)} rows failed")
         if unable:
-            notes.append(f"{run.folder.name}: {unable} of its {len(rows)} rows have no number")
+            notes.append(f"{run.folder.name}: no number in {unable} of its {len(rows)} rows")
         loaded.append((run, rows))
     return loaded
 

@@ -1,7 +1,7 @@
 """Many shards as one table of rows, in bounded memory.
 
-An Arrow table of a hundred rows costs some 10 kB beside what it holds, and text costs pandas more
-than numbers do. So shards are joined a batch at a time, and text is kept as a code per row.
+An Arrow table of a hundred rows takes some 10 kB besides its content, and pandas takes more memory
+for text than for numbers. So shards are joined a batch at a time, and text is a code per row.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
     Parameters
     ----------
     tables
-        `pyarrow.Table`s; they are let go as they are read.
+        `pyarrow.Table`s, freed as they are read.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
         return None
     sizes = [len(next(iter(batch.values()))) for batch in batches]
     names = list(dict.fromkeys(name for batch in batches for name in batch))
-    # Each column's pieces are let go as soon as it is whole.
+    # The pieces of a column are freed as soon as it is whole.
     columns = {name: _whole([batch.pop(name, None) for batch in batches], sizes) for name in names}
     return pd.DataFrame(columns, copy=False)
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 #: So many entries of a task travel to the coordinator; a scheme that warns at every step has more.
-MOST_RECORDS = 50
+MOST_ENTRIES = 50
 
 _here = threading.local()
 _capturing = threading.Lock()
@@ -60,8 +60,8 @@ def run_log(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def collected_records(elsewhere: bool) -> Iterator[list[LogEntry]]:
-    """What this thread logs, as a list to hand back; empty where `run_log` hears it anyway."""
+def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
+    """What this thread logs, as a list; empty unless `elsewhere`, for `run_log` hears it anyway."""
     entries: list[LogEntry] = []
     if not elsewhere:
         yield entries
@@ -129,7 +129,7 @@ class _Collector(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         if record.thread != self._thread or not _wanted(record):
             return
-        if len(self.entries) >= MOST_RECORDS:
+        if len(self.entries) >= MOST_ENTRIES:
             self.dropped += 1
             return
         self.entries.append(

@@ -27,7 +27,7 @@ def make_plan(study: Study, config: Config) -> Plan:
     return plan
 
 
-def tasks(plan: Mapping[str, Block]) -> list[Plan]:
+def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
     """The blocks by group: one task per group, because its blocks share expensive inputs."""
     groups: dict[str, Plan] = {}
     for key, block in plan.items():

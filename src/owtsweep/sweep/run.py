@@ -19,12 +19,12 @@ from owtsweep.io.tables import write_tables
 from owtsweep.sweep.execute import Executor
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.log import repeat, run_log
-from owtsweep.sweep.plan import Plan, count_cases, make_plan, tasks
+from owtsweep.sweep.plan import Plan, count_cases, make_plan, make_tasks
 from owtsweep.sweep.progress import Progress, SilentProgress
 from owtsweep.sweep.provenance import (
     State,
-    earlier_seconds,
     finish_manifest,
+    read_earlier_seconds,
     start_manifest,
     was_running,
 )
@@ -32,7 +32,7 @@ from owtsweep.sweep.runs import Results, Run
 from owtsweep.sweep.setback import Setback
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import OK, UNABLE, Study
-from owtsweep.sweep.versions import all_versions, outdated
+from owtsweep.sweep.versions import all_versions, count_outdated
 from owtsweep.sweep.worker import TaskResult, one_line
 
 logger = logging.getLogger(__name__)
@@ -70,7 +70,7 @@ class Outcome:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C: so many of all cases are stored in the folder."""
+    """Ctrl-C, with how many of all cases are stored in the folder."""
 
     def __init__(self, folder: Path, stored: int, cases: int) -> None:
         self.folder, self.stored, self.cases = folder, stored, cases
@@ -97,7 +97,7 @@ def sweep(
     fresh
         Delete the stored cases of this run first.
     progress
-        Who hears about it; nobody by default.
+        Is told how far the sweep is; by default nobody is.
     argv
         The command line, for the manifest.
 
@@ -175,7 +175,7 @@ class _Sweep:
         self.failed: list[Setback] = []
         self.unable: list[Setback] = []
         self.seconds = {block.label: 0.0 for block in plan.values()}
-        earlier = earlier_seconds(run.folder)
+        earlier = read_earlier_seconds(run.folder)
         self.seconds = {label: earlier[label] for label in self.seconds if label in earlier}
 
     def __call__(self, text: str) -> Outcome:
@@ -225,11 +225,11 @@ class _Sweep:
         missing = {key: block for key, block in self.plan.items() if store.status(key) != "done"}
         self.reused = self.cases - count_cases(missing)
         logger.info("sweep of %d cases, %d of them stored already", self.cases, self.reused)
-        for change, cases in outdated(self.run.study, store, self.plan, missing).items():
+        for change, cases in count_outdated(self.run.study, store, self.plan, missing).items():
             logger.warning("%d cases are recomputed: %s", cases, change)
-        todo = tasks(missing)
+        todo = make_tasks(missing)
         if others:
-            # Perhaps it is still going on: two sweeps that start at different ends share the work.
+            # Another sweep may be at work on this run: begun at the other end, both share it.
             todo.reverse()
         self.progress.start(self.cases, self.reused)
         with closing(self.executor.run(todo, self.progress.advance)) as results:
@@ -237,7 +237,7 @@ class _Sweep:
                 self._take(result)
 
     def _take(self, result: TaskResult) -> None:
-        repeat(result.records)
+        repeat(result.entries)
         self.computed += result.computed
         self.reused += result.reused
         self.seconds.update(result.seconds)
@@ -255,7 +255,7 @@ class _Sweep:
             self.progress.fail(failure.label, failure.reason, failure.cases)
 
     def _stored(self) -> int:
-        """Cases that are in the folder, those of tasks that did not report included."""
+        """How many cases the folder holds, those of tasks that did not report included."""
         store = self.run.store
         present = {path.name for path in store.cases.glob("part-*.parquet")}
         there = [block for key, block in self.plan.items() if store.path(key).name in present]

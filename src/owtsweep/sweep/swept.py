@@ -9,7 +9,7 @@ from typing import Any
 
 from owtsweep.sweep.comparison import Pair
 
-#: Sections and keys that say where and how a run was computed, or over which grid: not swept.
+#: Sections and keys that say over which grid, where and how a run is computed: not swept.
 NOT_SWEPT = frozenset({"grid", "schemes", "compute", "results", "name", "config_version"})
 #: The key that stands in where no key tells two runs apart: the name of the run folder.
 RUN = "run"

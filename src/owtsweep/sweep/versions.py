@@ -1,4 +1,4 @@
-"""Versions that decide whether a stored block is still what this program would compute."""
+"""Versions, which decide whether a stored block is what this program would compute today."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from owtsweep.sweep.shard import PREFIX
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import Study
 
-#: Shards outside the plan whose versions are looked up: enough to meet every version in use.
+#: So many shards outside the plan are asked for their versions: enough to meet each in use.
 SAMPLE = 64
 KINDS = ("schema_version", "numerics_version")
 
@@ -46,7 +46,7 @@ def package_version(name: str) -> str | None:
         return None
 
 
-def other_versions(study: Study, expected: Mapping[str, str]) -> str:
+def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
     """Why a worker with these sources must not compute for a coordinator; empty if it may."""
     ours = all_versions(study)
     differing = [name for name, value in expected.items() if ours.get(name, value) != value]
@@ -65,7 +65,7 @@ class _OtherVersion:
     numerics_version: int
 
 
-def outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str, int]:
+def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str, int]:
     """How many of the missing cases are stored in another version: `change -> cases`.
 
     Versions are part of a block's key, so such shards are simply not in the plan. Which versions

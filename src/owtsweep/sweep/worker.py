@@ -1,8 +1,7 @@
 """What happens in a worker: a thread, a process or a machine elsewhere computes and stores blocks.
 
-A worker writes each shard itself as soon as the block is done, or hands it back where the run
-folder is not its own. It catches every exception: joblib gives up its whole queue for one that
-escapes.
+A worker writes each shard itself as soon as the block is done, or hands it back if it does not see
+the run folder. It catches every exception: joblib gives up its whole queue for one that escapes.
 """
 
 from __future__ import annotations
@@ -20,17 +19,17 @@ from owtsweep.config import Config
 from owtsweep.errors import as_text
 from owtsweep.memory import keep_freed_memory
 from owtsweep.sweep.keys import block_key
-from owtsweep.sweep.log import LogEntry, collected_records, working_on
+from owtsweep.sweep.log import LogEntry, collect_entries, working_on
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.setback import Setback, collect_setbacks
 from owtsweep.sweep.store import Store, seal
 from owtsweep.sweep.study import FAILED, Block, Study
-from owtsweep.sweep.versions import other_versions
+from owtsweep.sweep.versions import tell_other_versions
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A disk that is full stays full: a sweep that sees one of these does not go on computing.
+#: A full disk stays full: after one of these errors a sweep computes no further.
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 NOT_COMPUTED = "not computed, because the disk is full"
 
@@ -63,12 +62,12 @@ class TaskResult:
         Label of each computed block -> seconds.
     returned
         Shards for the coordinator to store.
-    records
+    entries
         What was logged in a worker process.
     disk_full
         Whether a shard met a full disk.
     told
-        Cases that a thread has reported as they came.
+        Cases that a thread has told of already.
     """
 
     task: int
@@ -78,7 +77,7 @@ class TaskResult:
     reused: int = 0
     seconds: Mapping[str, float] = field(default_factory=dict)
     returned: tuple[Returned, ...] = ()
-    records: tuple[LogEntry, ...] = ()
+    entries: tuple[LogEntry, ...] = ()
     disk_full: bool = False
     told: int = 0
 
@@ -98,7 +97,7 @@ class Work:
     place
         What the worker is to the coordinator.
     token
-        File name in the run folder that proves that a machine elsewhere sees the same folder.
+        The name of a file in the run folder; a machine elsewhere that sees it sees the folder.
     """
 
     study: Study
@@ -117,7 +116,7 @@ class Work:
 
 @dataclass(frozen=True)
 class Local:
-    """What only threads share with the coordinator: a flag that stops them, and an ear."""
+    """What only threads share with the coordinator: a flag that stops them, and what to tell."""
 
     stop: threading.Event
     tell: Callable[[int], None]
@@ -128,20 +127,20 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
 
     A block that raises fails alone: the study is asked again for the blocks after it.
     """
-    differs = other_versions(work.study, work.metadata)
+    differs = tell_other_versions(work.study, work.metadata)
     if differs:
         failures = tuple(Setback(b.label, differs, b.cases) for b in blocks.values())
         return TaskResult(number, 0, failures)
     if work.place == "process":
         _leave_interrupts_to_the_coordinator()
         keep_freed_memory()
-    with collected_records(work.place != "thread") as records:
+    with collect_entries(work.place != "thread") as entries:
         task = _Task(work, number, blocks, local)
         try:
             task.run()
         finally:
             working_on("")
-        return task.result(tuple(records))
+        return task.result(tuple(entries))
 
 
 class _Task:
@@ -158,7 +157,7 @@ class _Task:
         self.returned: list[Returned] = []
         self.disk_full = False
 
-    def result(self, records: tuple[LogEntry, ...]) -> TaskResult:
+    def result(self, entries: tuple[LogEntry, ...]) -> TaskResult:
         return TaskResult(
             self.number,
             self.computed,
@@ -167,7 +166,7 @@ class _Task:
             self.reused,
             self.seconds,
             tuple(self.returned),
-            records,
+            entries,
             self.disk_full,
             self.told,
         )
@@ -262,6 +261,6 @@ def is_disk_full(error: BaseException) -> bool:
 
 
 def _leave_interrupts_to_the_coordinator() -> None:
-    # Ctrl-C reaches the whole process group. A worker that dies of it by itself is a broken pool.
+    # Ctrl-C reaches the whole process group. A worker that died of it would break the pool.
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, signal.SIG_IGN)

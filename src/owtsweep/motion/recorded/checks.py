@@ -1,4 +1,4 @@
-"""Checks a recording; what is wrong becomes one line that names the file and the place."""
+"""Checks a recording. An error is one line that names the file and the place."""
 
 from __future__ import annotations
 
@@ -156,8 +156,8 @@ def _check_size(path: Path, role: str, name: str, time: Array, values: Array) ->
         if abs(mean) > LARGEST_MEAN_FORCE:
             raise refuse(
                 path,
-                f"{name} has the mean {mean:.4g} m/s^2, as if it felt gravity (9.81): it must be "
-                f"a horizontal axis; check columns.{role} and units.{role}",
+                f"{name} has the mean {mean:.4g} m/s^2, as if it measured gravity (9.81): it must "
+                f"be a horizontal axis; check columns.{role} and units.{role}",
             )
     elif role.startswith(("position", "fix", "reference")):
         jump = np.abs(np.diff(values))

@@ -81,9 +81,9 @@ def _strip(name: str) -> str:
 def guess_roles(names: Sequence[str]) -> dict[str, str]:
     """role -> channel, from well-known names; roles without a channel are left out.
 
-    Both axes of a quantity come from one pair of names, or only x. Positions in a file that also
-    has a specific force become the reference, unless the file has one: they are what estimates from
-    that force are compared with.
+    The two axes of a quantity come from one pair of names; y may be missing. If a file has both a
+    specific force and positions, but no reference, the positions become the reference: estimates
+    from that force are compared with them.
     """
     bare = {name: _strip(name) for name in names}
 

@@ -34,7 +34,7 @@ class Channel:
     missing
         Number of rows without a value.
     mean, deviation, smallest, largest
-        Of the values; NaN if there are none.
+        Statistics of the values; NaN if there are none.
     rate
         Hz, from the median interval between values; NaN if the file has no time.
     gaps
@@ -116,7 +116,7 @@ def describe(
     columns: Mapping[str, str | None] | None = None,
     units: Mapping[str, str | None] | None = None,
 ) -> Description:
-    """Describe every channel of a file, from the first million rows at most.
+    """Describe every channel of a file, from its first million rows at most.
 
     Parameters
     ----------

@@ -21,7 +21,7 @@ FULL_BAND = 0.4
 
 @dataclass(frozen=True)
 class Grid:
-    """The times start + k / rate, k = 0 .. steps - 1; s and Hz."""
+    """The times start + k / rate for k = 0 ... steps - 1; start in s, rate in Hz."""
 
     start: float
     rate: float

@@ -94,7 +94,7 @@ def _assign_roles(table: ChannelTable, columns: Mapping[str, str | None]) -> dic
     if len(chosen) == 1 or set(chosen) == {"time", "yaw"}:
         raise refuse(
             table.path,
-            f"no channel of a known name among {listed}: set columns.position_x=NAME or "
+            f"no channel with a known name among {listed}: set columns.position_x=NAME or "
             "columns.specific_force_x=NAME (--describe shows what is there)",
         )
     return {"time": chosen.pop("time"), **chosen}

@@ -1,9 +1,10 @@
 """Computes a scheme's settled error per unit of motion, over the frequency of the motion.
 
-Once its gains have settled, a chain is a linear system that repeats with the fixes. Its response to
-a unit motion e^{iwt} is h_k e^{iwt_k}, where h_k repeats with the chain. For a sinusoid of random
-phase the mean square error is the mean of |h_k - 1|^2 over one period times the sinusoid's mean
-square. The mean square errors of sinusoids with different frequencies and independent phases add.
+A chain is a scheme's form for the batch engine. Once its gains have settled, it is a linear system
+whose coefficients repeat with the fixes. Its response to a unit motion e^{iwt} is h_k e^{iwt_k},
+where h_k repeats as the chain does. For a sinusoid of random phase the mean square error is the
+mean of |h_k - 1|^2 over one period times the sinusoid's mean square. The mean square errors of
+sinusoids with different frequencies and independent phases add.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ class ErrorSpectrum:
     velocity: Array
 
     def of(self, measure: str) -> Array:
-        """`position` or `velocity` by name."""
+        """The values of one measure; `measure` is `position` or `velocity`."""
         return {"position": self.position, "velocity": self.velocity}[measure]
 
 

@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.evaluation.estimate import Quantity
+from owtsweep.evaluation.estimate import PLANAR_MOTION
 from owtsweep.evaluation.measures import Errors, Mean, measure
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.batch import Sums
 
-#: What the study judges: position and velocity in NED.
-JUDGED = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "vy")))
 #: What the kernels sum, in their order.
 SUMMED = ("x", "y", "vx", "vy", "nees", "nis")
 #: Measures of the position's error, where each record is run at its amplitude.
@@ -116,7 +114,7 @@ def from_trajectories(
     )
     entries = []
     for window, start in zip(WINDOWS, (0, settled), strict=True):
-        means = measure(errors, JUDGED, start)
+        means = measure(errors, PLANAR_MOTION, start)
         if extremes and motion is None:
             squared = np.sum(errors.state[0][start:, :2] ** 2, axis=1)[:, None]
             values = zip(EXTREMES, _extremes(squared)[..., 0], strict=True)

@@ -1,7 +1,8 @@
 """Computes the noise floor: the settled MSE that sensor noise alone causes, without sampling.
 
-The settled system is periodic. The mean over a cycle of its variance is therefore the energy of its
-responses to unit impulses, one at each step of one cycle, divided by the steps of the cycle.
+A settled chain (a scheme's form for the batch engine) repeats after each cycle. The variance of its
+error, averaged over a cycle, is therefore the energy of its responses to unit impulses, one at each
+step of one cycle, divided by the number of steps in the cycle.
 """
 
 from __future__ import annotations

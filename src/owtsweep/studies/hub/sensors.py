@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.synthesis import Motion
+from owtsweep.motion.source import Motion
 from owtsweep.sensing.noise import WhiteNoise, WienerBias
 from owtsweep.sensing.sampling import Sampling
 from owtsweep.studies.hub.config import SensorConfig

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -21,17 +20,19 @@ def simulate_bias(
     *,
     piece: int | None = None,
 ) -> Iterator[Array]:
-    """R b^b of a record, (steps, 2) m/s^2 in NED, in pieces: its noise without all else.
+    """R b^b of a record, (steps, 2) m/s^2 in NED, in pieces.
 
     Parameters
     ----------
     stream
-        Name -> generator, as of the record's noise; so the bias is that of the record.
+        Gives the generator of a name. With the streams of a record's noise, the bias is the one
+        that this noise holds.
     piece
         Steps of a piece; the whole record at once by default.
     """
-    bias_alone = replace(sensors, force_sigma=0.0, gravity=(0.0, 0.0))
-    noise = ForceNoise(config, bias_alone, stream)
+    biases = ForceNoise(config, sensors, stream).bias
     size = piece or steps
     for begin in range(0, steps, size):
-        yield np.asarray(noise.next(min(size, steps - begin)) @ sensors.rotation.T)
+        length = min(size, steps - begin)
+        bias = np.stack([axis.draw(length) for axis in biases], axis=1)
+        yield np.asarray(bias @ sensors.rotation.T)

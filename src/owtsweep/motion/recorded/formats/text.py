@@ -134,7 +134,7 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
         return Layout(delimiter, first, names, units)
     raise refuse(
         path,
-        "has no table of numbers (two lines or more, two columns or more between commas, "
+        "has no table of numbers (at least two lines and two columns, separated by commas, "
         "semicolons, tabs or blanks)",
     )
 

@@ -1,4 +1,4 @@
-"""The four schemes of the hub study, and the function that turns an entry into a scheme."""
+"""The four schemes of the hub study; turns entries of the key `schemes` into schemes."""
 
 from __future__ import annotations
 

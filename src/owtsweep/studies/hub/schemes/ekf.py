@@ -25,11 +25,11 @@ class EKF:
     sections = ("ekf",)
 
     def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
-        """A fresh estimator."""
+        """Start a fresh estimator."""
         return FilterEstimator(tuning.ekf, sensors)
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh compiled estimator."""
+        """Start a fresh compiled estimator."""
         return online_chain(tuning.ekf, sensors)
 
     @shared

@@ -107,11 +107,11 @@ class HME1:
     sections = ("hme1", "hme.smoother_window")
 
     def start(self, sensors: Sensors, tuning: Any) -> HME1Estimator:
-        """A fresh estimator."""
+        """Start a fresh estimator."""
         return HME1Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh compiled estimator."""
+        """Start a fresh compiled estimator."""
         return online_chain(
             tuning.hme1, sensors, window=tuning.hme.smoother_window, delay=sensors.delay
         )

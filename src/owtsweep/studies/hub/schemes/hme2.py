@@ -42,7 +42,7 @@ class MovingHorizonEstimator:
         self.fix_number = -1
 
     def take_fix(self, fix: Array | None) -> None:
-        """Register 2, every T_g."""
+        """Register 2: take the fix of the next node, or None if it is missing; once per T_g."""
         self.fix_number += 1
         if self.fix_number > 0:
             self.effects.append(self._effect())
@@ -161,11 +161,11 @@ class HME2:
     sections = ("hme2", "hme")
 
     def start(self, sensors: Sensors, tuning: Any) -> HME2Estimator:
-        """A fresh estimator."""
+        """Start a fresh estimator."""
         return HME2Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh compiled estimator."""
+        """Start a fresh compiled estimator."""
         return online_chain(
             tuning.hme2,
             sensors,
@@ -203,11 +203,11 @@ class ConstrainedHME2:
     sections = HME2.sections
 
     def start(self, sensors: Sensors, tuning: Any) -> HME2Estimator:
-        """A fresh estimator that solves every window with its constraints."""
+        """Start a fresh estimator that solves every window with its constraints."""
         return SCHEME.start(sensors, tuning)
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh compiled estimator.
+        """Start a fresh compiled estimator.
 
         It solves a window by CasADi only if the unconstrained solution breaks a constraint.
         """

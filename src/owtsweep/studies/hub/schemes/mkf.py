@@ -48,11 +48,11 @@ class MKF:
     sections = ("mkf",)
 
     def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
-        """A fresh estimator."""
+        """Start a fresh estimator."""
         return FilterEstimator(tuning.mkf, sensors)
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh compiled estimator."""
+        """Start a fresh compiled estimator."""
         return online_chain(tuning.mkf, sensors)
 
     @shared
