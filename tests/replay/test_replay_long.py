@@ -105,7 +105,7 @@ def test_the_noise_does_not_depend_on_the_pieces(tmp_path):
     whole = signals.collect().specific_force
     assert np.array_equal(np.concatenate([*signals.force(700)]), whole)
     # by hand: the streams as DESIGN.md has them
-    named = partial(measuring.stream, config.seed, "replay", 0.0, 3)
+    named = partial(measuring.stream, config.seed, "replay", (0.0,), 3)
     noise = sensing.noise(config.sensors, sensors, record.steps, named)
     force = record.acceleration @ sensors.rotation + noise.specific_force
     assert np.array_equal(whole, force)

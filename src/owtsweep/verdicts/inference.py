@@ -26,8 +26,8 @@ Side = Literal["below", "above"]
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """A quantity against a threshold.
+class Decision:
+    """On which side of a threshold a quantity lies.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Comparison:
     p: float
 
 
-def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: Side) -> Comparison:
+def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: Side) -> Decision:
     """The ratio of two means against a threshold, paired over the replicates.
 
     "mean(a) / mean(b) < threshold" is "mean(a - threshold b) < 0", so the test is the paired t
@@ -77,7 +77,7 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
     b = np.broadcast_to(np.asarray(b, dtype=float), (n,))
     A, B = float(np.mean(a)), float(np.mean(b))
     if n < 2:
-        return Comparison(label, A / B, np.nan, np.nan, threshold, side, 0.0, 1.0)
+        return Decision(label, A / B, np.nan, np.nan, threshold, side, 0.0, 1.0)
     difference = a - threshold * b
     error = float(np.std(difference, ddof=1) / np.sqrt(n))
     distance = float(np.mean(difference)) * (1.0 if side == "above" else -1.0)
@@ -86,60 +86,60 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
         t = 0.0
     low, high = fieller(a, b, float(t_quantile(n - 1)))
     p = float(p_value(distance, error, n - 1))
-    return Comparison(label, A / B, low, high, threshold, side, t, p)
+    return Decision(label, A / B, low, high, threshold, side, t, p)
 
 
 def interval(
     label: str, value: float, low: float, high: float, threshold: float, side: Side
-) -> Comparison:
+) -> Decision:
     """A quantity whose interval is known from elsewhere (a bootstrap) against a threshold."""
     wholly_below, wholly_above = high < threshold, low > threshold
     on_side, off_side = (
         (wholly_below, wholly_above) if side == "below" else (wholly_above, wholly_below)
     )
     t = np.inf if on_side else -np.inf if off_side else 0.0
-    return Comparison(
+    return Decision(
         label, value, low, high, threshold, side, t, 0.0 if on_side or off_side else 1.0
     )
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One assertion: all its comparisons hold.
+    """One assertion: all its decisions hold.
 
     Attributes
     ----------
     text
         What is asserted, in words.
-    comparisons
+    decisions
         What the run has for it.
     missing
         What the run would need besides; a claim that lacks something can fall, never stand.
     """
 
     text: str
-    comparisons: tuple[Comparison, ...]
+    decisions: tuple[Decision, ...]
     missing: tuple[str, ...] = ()
 
     @property
     def verdict(self) -> str:
-        """By Holm's step-down test over the comparisons at a family-wise error of 5 %.
+        """By Holm's step-down test over the decisions at a family-wise error of 5 %.
 
-        Reproduced where every comparison is told to hold, not reproduced where at least one is
+        Reproduced where every one is told to hold, not reproduced where at least one is
         told to fail.
         """
-        told = holm([c.p for c in self.comparisons])
-        held = np.array([c.t > 0.0 for c in self.comparisons], dtype=bool)
+        told = holm([c.p for c in self.decisions])
+        held = np.array([c.t > 0.0 for c in self.decisions], dtype=bool)
         if np.any(told & ~held):
             return NOT_REPRODUCED
-        if self.missing or not self.comparisons:
+        if self.missing or not self.decisions:
             return MISSING
         return REPRODUCED if np.all(told & held) else UNDECIDED
 
     @property
-    def deciding(self) -> Comparison | None:
-        """The comparison that is furthest from holding."""
-        return min(self.comparisons, key=lambda c: c.t, default=None)
+    def deciding(self) -> Decision | None:
+        """The decision that is furthest from holding."""
+        return min(self.decisions, key=lambda c: c.t, default=None)
 
 
 def all_of(claims: Sequence[Claim]) -> str:

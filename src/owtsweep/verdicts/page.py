@@ -56,7 +56,7 @@ class Bullets:
 
 
 @dataclass(frozen=True)
-class Table:
+class TextTable:
     """Text in columns; columns named in `numbers` are set to the right."""
 
     columns: Sequence[str]
@@ -72,7 +72,7 @@ class Picture:
     caption: str
 
 
-Block = Heading | Paragraph | Bullets | Table | Picture
+Block = Heading | Paragraph | Bullets | TextTable | Picture
 
 
 def to_markdown(blocks: Sequence[Block], folder: Path) -> str:
@@ -90,7 +90,7 @@ def _markdown(block: Block, folder: Path) -> str:
             return "\n".join(f"- {item}" for item in items)
         case Picture(path, caption):
             return f"![{caption}]({path.relative_to(folder).as_posix()})"
-        case Table(columns, rows, numbers):
+        case TextTable(columns, rows, numbers):
             return markdown.table(columns, rows, numbers=numbers)
 
 
@@ -120,7 +120,7 @@ def _html(block: Block) -> str:
                 f'<figure><img alt="{text}" src="data:image/png;base64,{data}">'
                 f"<figcaption>{text}</figcaption></figure>"
             )
-        case Table(columns, rows, numbers):
+        case TextTable(columns, rows, numbers):
             head = "".join(_cell("th", column, column in numbers) for column in columns)
             lines = [
                 "".join(

@@ -5,12 +5,15 @@ They are kept as printed, misprints included: a `note` says where a number canno
 
 from __future__ import annotations
 
-from importlib import resources
 from typing import TYPE_CHECKING
+
+from owtsweep.verdicts.published import read_published
 
 if TYPE_CHECKING:
     import pandas as pd
 
+#: Whose `data/` holds what is printed.
+PACKAGE = "owtsweep.studies.hub"
 #: Measures that tables 6-9 give, with the names of their columns in the data file.
 MEASURES = {"x": "mse_x_m2", "y": "mse_y_m2", "vx": "mse_vx_m2_s2", "vy": "mse_vy_m2_s2"}
 
@@ -26,7 +29,7 @@ def mse_tables() -> pd.DataFrame:
     """
     import pandas as pd
 
-    wide = _read("ren2019_tables6to9_mse.csv").rename(
+    wide = read_published(PACKAGE, "ren2019_tables6to9_mse.csv").rename(
         columns={"natural_period_s": "natural_period", "amplitude_m": "amplitude"}
     )
     keys = ["table", "natural_period", "amplitude", "scheme"]
@@ -43,12 +46,12 @@ def mse_tables() -> pd.DataFrame:
 
 def facts() -> pd.DataFrame:
     """What the text says about the results: id (F1-F11), section, quantity, statement."""
-    return _read("ren2019_facts.csv", text=("section",))
+    return read_published(PACKAGE, "ren2019_facts.csv", text=("section",))
 
 
 def spectrum_table() -> pd.DataFrame:
     """Table 4: natural_period (s) and the spectrum's a (m^2 Hz), b (Hz), c (Hz^2) of Eq. (1)."""
-    table = _read("ren2019_table4_spectrum.csv").rename(
+    table = read_published(PACKAGE, "ren2019_table4_spectrum.csv").rename(
         columns={"natural_period_s": "natural_period"}
     )
     return table.astype({"natural_period": float})
@@ -56,15 +59,4 @@ def spectrum_table() -> pd.DataFrame:
 
 def sensor_table() -> pd.DataFrame:
     """Table 5: parameter, value, unit (SI)."""
-    return _read("ren2019_table5_sensors.csv").astype({"value": float})
-
-
-def _read(name: str, *, text: tuple[str, ...] = ()) -> pd.DataFrame:
-    import pandas as pd
-
-    source = resources.files("owtsweep.studies.hub") / "data" / name
-    with source.open(encoding="utf-8") as file:
-        table = pd.read_csv(file, dtype=dict.fromkeys(text, str))
-    if "note" in table:
-        table["note"] = table["note"].fillna("").astype(str)
-    return table
+    return read_published(PACKAGE, "ren2019_table5_sensors.csv").astype({"value": float})

@@ -1,4 +1,4 @@
-"""The HME1/HME2 boundary of a run, as the statements and the report need it."""
+"""The HME1/HME2 boundary of a run, and what the paper claims of it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS
-from owtsweep.studies.hub.fidelity.evidence import DIGITS, Evidence
-from owtsweep.verdicts.inference import Comparison, Side, interval
+from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, DIGITS, Evidence, cells
+from owtsweep.verdicts.claims import claim_ratio
+from owtsweep.verdicts.inference import Claim, Decision, Side, interval
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -16,6 +17,11 @@ if TYPE_CHECKING:
 #: HME2 has the lesser position MSE below the boundary, HME1 above it.
 LOWER, UPPER = BOUNDARY
 MEASURE = "position"
+#: Published boundaries: natural period (s) -> amplitude (m), section 5.3.
+PUBLISHED = {4.0: 0.3, 6.0: 1.0}
+#: A boundary read off a logarithmic axis is known to a factor of 2: the paper's own amplitudes
+#: around it are .2 and .5 m at 4 s, .7 and 2 m at 6 s.
+TOLERANCE = 2.0
 
 
 @dataclass(frozen=True)
@@ -32,7 +38,7 @@ class Boundary:
     high: float
     wins: str = ""
 
-    def against(self, threshold: float, side: Side) -> Comparison:
+    def against(self, threshold: float, side: Side) -> Decision:
         """Against a threshold; undecided where there is no boundary."""
         return interval(self.label, self.value, self.low, self.high, threshold, side)
 
@@ -73,13 +79,35 @@ def ratio_of_boundaries(evidence: Evidence, period: float, to: float) -> Boundar
 
 def all_boundaries(evidence: Evidence) -> dict[float, Boundary]:
     """Natural period (s) -> boundary, for the run's periods that have both schemes."""
-    found = {period: boundary_at(evidence, period) for period in sorted(evidence.periods)}
-    return {period: item for period, item in found.items() if item is not None}
+    boundaries = {period: boundary_at(evidence, period) for period in sorted(evidence.periods)}
+    return {period: item for period, item in boundaries.items() if item is not None}
 
 
-def within(boundary: Boundary, low: float, high: float) -> tuple[Comparison, ...]:
-    """The claim that a boundary lies in a range."""
-    return boundary.against(low, "above"), boundary.against(high, "below")
+def tolerated(period: float) -> tuple[float, float]:
+    """The least and the largest amplitude (m) that agree with a published boundary."""
+    return PUBLISHED[period] / TOLERANCE, PUBLISHED[period] * TOLERANCE
+
+
+def claim_within(text: str, boundary: Boundary | None, period: float) -> Claim:
+    """The claim that the boundary at a period (s) lies within the tolerance."""
+    if boundary is None:
+        return Claim(text, (), (f"boundary at {period:g} s",))
+    low, high = tolerated(period)
+    return Claim(text, (boundary.against(low, "above"), boundary.against(high, "below")))
+
+
+def boundary_claims(evidence: Evidence, period: float) -> list[Claim]:
+    """The boundary at a period (s) within the tolerance, and the better scheme outside of it."""
+    low, high = tolerated(period)
+    below = cells([period], [a for a in AMPLITUDES if a < low])
+    above = cells([period], [a for a in AMPLITUDES if a > high])
+    text = f"the boundary at {period:g} s lies in {low:g}-{high:g} m"
+    pair = (LOWER, UPPER)
+    return [
+        claim_within(text, boundary_at(evidence, period), period),
+        claim_ratio(f"{LOWER} is better below {low:g} m", evidence, pair, below, "below"),
+        claim_ratio(f"{UPPER} is better above {high:g} m", evidence, pair, above, "above"),
+    ]
 
 
 def _rows(evidence: Evidence, *periods: float) -> pd.DataFrame | None:
@@ -90,5 +118,7 @@ def _rows(evidence: Evidence, *periods: float) -> pd.DataFrame | None:
         & finished["natural_period"].astype(float).round(DIGITS).isin(periods)
     ]
     wanted = {(scheme, period) for scheme in (LOWER, UPPER) for period in periods}
-    there = zip(chosen["scheme"], chosen["natural_period"].astype(float).round(DIGITS), strict=True)
-    return chosen if wanted <= set(there) else None
+    present = zip(
+        chosen["scheme"], chosen["natural_period"].astype(float).round(DIGITS), strict=True
+    )
+    return chosen if wanted <= set(present) else None

@@ -6,7 +6,7 @@ They take everything but the natural period from the run's own configuration.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,8 +15,10 @@ from owtsweep.errors import InputError
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.filter_states import bias_of
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.true_bias import simulate_bias
 
 #: Natural period of the case of section 5.2, s.
 NATURAL_PERIOD = 3.8
@@ -53,8 +55,8 @@ def make_histories(config: HubConfig) -> Histories | None:
     Returns None where the run has not both schemes with a batch kernel, or its spectrum does not
     exist at 3.8 s.
     """
-    known = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
-    if not all(name in known and hasattr(known[name], "kernel") for name in SCHEMES):
+    schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
+    if not all(name in schemes and hasattr(schemes[name], "kernel") for name in SCHEMES):
         return None
     inside: dict[str, list[float]] = {name: [] for name in SCHEMES}
     accumulated: dict[tuple[str, str], list[float]] = {}
@@ -64,10 +66,11 @@ def make_histories(config: HubConfig) -> Histories | None:
             records = make_records(config, NATURAL_PERIOD, [replicate])
         except InputError:
             return None
-        bias = true_bias_state(config, replicate)
+        streams = records.stream(0)
+        bias = next(simulate_bias(config.sensors, records.sensors, records.steps, streams))
         settled = round(config.measures.settling_time / records.sensors.step)
         for name in SCHEMES:
-            chain = known[name].kernel(records.sensors, config, records.steps)  # type: ignore[attr-defined]
+            chain = schemes[name].kernel(records.sensors, config, records.steps)  # type: ignore[attr-defined]
             errors = absolute_errors(chain, records, bias)
             inside[name].append(float(np.mean(errors["velocity"][settled:] <= VELOCITY_BOUND)))
             for quantity, error in errors.items():
@@ -85,25 +88,16 @@ def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Ar
     Parameters
     ----------
     bias
-        (steps, 2): the true bias state, as `true_bias_state` returns it.
+        (steps, 2): the true R b^b, as `simulate_bias` gives it.
     """
     lanes = batch.Lanes(records)
     force, fixes = lanes.at(AMPLITUDE)
     position, velocity, _ = batch.trajectories(chain, records.sensors, force, fixes)
-    # The predictor holds the bias state, so the filter's newest one is the estimate of now.
-    estimated_bias = batch.states(chain, force, fixes)[:, 3]
+    # The predictor holds the bias, so the filter's newest estimate is that of now.
+    estimated_bias = bias_of(batch.states(chain, force, fixes), records.sensors)
     along = AMPLITUDE * records.direction
     return {
         "position": np.abs(position - lanes.position * along),
         "velocity": np.abs(velocity - lanes.velocity * along),
         "bias": np.abs(estimated_bias - bias),
     }
-
-
-def true_bias_state(config: HubConfig, replicate: int) -> Array:
-    """x4 = -R b + g of Eq. (6) over a record, (steps, 2) in NED, m/s^2."""
-    quiet = replace(config.sensors, imu=replace(config.sensors.imu, sigma=0.0))
-    records = make_records(replace(config, sensors=quiet), NATURAL_PERIOD, [replicate])
-    # Without white noise the specific force of the noise part is b - R' g.
-    bias: Array = -records.noise[0].specific_force @ records.sensors.rotation.T
-    return bias

@@ -26,11 +26,11 @@ def f9(evidence: Evidence) -> list[Claim]:
     text = "95 % of the velocity errors of HME1 and HME2 are within 0.05 m/s"
     if evidence.histories is None:
         return [Claim(text, (), LACKING)]
-    comparisons = tuple(
+    decisions = tuple(
         mean_ratio(f"3.8 s, 0.5 m: {name}", inside, 1.0, SHARE_INSIDE, "above")
         for name, inside in evidence.histories.inside.items()
     )
-    return [Claim(text, comparisons)]
+    return [Claim(text, decisions)]
 
 
 def f11(evidence: Evidence) -> list[Claim]:

@@ -7,17 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
-from owtsweep.studies.hub.fidelity.numbers import lies_within_records
 from owtsweep.studies.hub.fidelity.reasons import reason
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
-from owtsweep.verdicts.inference import MISSING
-from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, Table
+from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture
+from owtsweep.verdicts.sections import number_table
 
 if TYPE_CHECKING:
     import pandas as pd
-
-NO_VALUE = "–"
-COLUMNS = ("published", "this run", "95 % of records", "quantile", "ratio")
 
 
 def number_section(
@@ -54,25 +50,11 @@ def number_section(
 
 def _table(numbers: pd.DataFrame, number: int) -> list[Block]:
     cell = TABLE_CELLS[number]
-    chosen: Any = numbers[numbers["table"] == number].itertuples(index=False)
-    rows = [[row.scheme, row.measure, f"{row.published:.2e}", *_cells(row)] for row in chosen]
     condition = f"natural period {cell.natural_period:g} s, amplitude {cell.amplitude:g} m"
+    chosen = numbers[numbers["table"] == number]
     return [
         Heading(f"Table {number}: {condition}", 3),
-        Table(["scheme", "measure", *COLUMNS, "agrees"], rows, COLUMNS),
-    ]
-
-
-def _cells(row: Any) -> list[str]:
-    agrees = lies_within_records(row)
-    if agrees == MISSING:
-        return [*[NO_VALUE] * 4, agrees]
-    return [
-        f"{row.reproduced:.2e} [{row.ci_low:.2e}, {row.ci_high:.2e}]",
-        f"{row.record_low:.2e} to {row.record_high:.2e}",
-        f"{row.quantile:.2f}",
-        f"{row.ratio:.2f}",
-        agrees,
+        number_table(chosen.itertuples(index=False)),
     ]
 
 

@@ -97,22 +97,22 @@ def reason(evidence: Evidence, scheme: str, cell: Cell, measure: str, published:
     The cause named is the part (noise or motion) whose replacement by the print's own brings the
     number closer to the print; the sentence gives both.
     """
-    own = terms(evidence, scheme, cell, measure)
-    if own is None:
+    parts = terms(evidence, scheme, cell, measure)
+    if parts is None:
         return "its parts are unknown: evaluation=superposed separates motion from noise"
-    total = sum(own)
+    total = sum(parts)
     floor = implied_floor(scheme, measure)
     if floor <= 0.0:
-        return f"{_shares(own)}; the print implies no positive noise floor to compare with"
+        return f"{_shares(parts)}; the print implies no positive noise floor to compare with"
     motion = max(published - floor, 0.0)
-    with_noise = _distance(total - own.noise + floor, published)
-    with_motion = _distance(total - own.motion + motion, published)
-    sentences = [_shares(own), f"its noise floor is {own.noise / floor:.3g} times the print's"]
+    with_noise = _distance(total - parts.noise + floor, published)
+    with_motion = _distance(total - parts.motion + motion, published)
+    sentences = [_shares(parts), f"its noise floor is {parts.noise / floor:.3g} times the print's"]
     doubt = _doubt(evidence, scheme, measure, floor)
     if doubt:
         sentences.append(doubt)
     if motion > 0.0:
-        sentences.append(f"its motion term {own.motion / motion:.3g} times")
+        sentences.append(f"its motion term {parts.motion / motion:.3g} times")
     else:
         sentences.append("the print leaves no room for a motion term")
     cause = "noise floor" if with_noise < with_motion else "motion term"
@@ -146,12 +146,10 @@ def _doubt(evidence: Evidence, scheme: str, measure: str, floor: float) -> str:
     )
 
 
-def _shares(own: Terms) -> str:
-    total = sum(own)
-    product = f", {_percent(own.cross / total)} their product"
-    return f"ours is {_percent(own.motion / total)} motion, {_percent(own.noise / total)} noise" + (
-        product if abs(own.cross) > 0.005 * total else ""
-    )
+def _shares(parts: Terms) -> str:
+    motion, cross, noise = (part / sum(parts) for part in parts)
+    product = f", {_percent(cross)} their product" if abs(cross) > 0.005 else ""
+    return f"ours is {_percent(motion)} motion, {_percent(noise)} noise{product}"
 
 
 def _percent(share: float) -> str:

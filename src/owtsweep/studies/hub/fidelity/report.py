@@ -6,24 +6,22 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep.figures import style
-from owtsweep.io.files import write_atomically
-from owtsweep.io.tables import write_table
-from owtsweep.studies.hub import scheme_names
+from owtsweep.studies.hub import published, scheme_names
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity import contents, plots
 from owtsweep.studies.hub.fidelity.boundaries import all_boundaries
 from owtsweep.studies.hub.fidelity.consistency import consistency
 from owtsweep.studies.hub.fidelity.evidence import Evidence
 from owtsweep.studies.hub.fidelity.histories import make_histories
+from owtsweep.studies.hub.fidelity.history_statements import HISTORY_STATEMENTS
 from owtsweep.studies.hub.fidelity.numbers import compare_numbers
+from owtsweep.studies.hub.fidelity.statements import STATEMENTS
 from owtsweep.studies.hub.fidelity.summaries import fidelity_table
-from owtsweep.verdicts.judgement import claims_table, judge
-from owtsweep.verdicts.page import to_html, to_markdown
+from owtsweep.verdicts import report
+from owtsweep.verdicts.statements import JudgedStatement, judge, tabulate_claims
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
 
 def collect(config: HubConfig, rows: pd.DataFrame) -> Evidence:
@@ -44,6 +42,13 @@ def collect(config: HubConfig, rows: pd.DataFrame) -> Evidence:
         window=config.measures.window,
         histories=make_histories(config),
     )
+
+
+def judge_all(evidence: Evidence) -> list[JudgedStatement]:
+    """F1 to F11."""
+    facts = published.facts()
+    texts = dict(zip(facts["id"], facts["statement"], strict=True))
+    return judge(texts, {**STATEMENTS, **HISTORY_STATEMENTS}, evidence)
 
 
 def write_report(
@@ -74,50 +79,35 @@ def write_report(
         The files.
     """
     evidence = collect(config, rows)
-    numbers, judged, boundaries = (
-        compare_numbers(evidence),
-        judge(evidence),
-        all_boundaries(evidence),
-    )
+    numbers, judged = compare_numbers(evidence), judge_all(evidence)
+    boundaries, consistent = all_boundaries(evidence), consistency(evidence)
     table = fidelity_table(evidence, numbers, judged, boundaries)
-    consistent = consistency(evidence)
-    folder.mkdir(parents=True, exist_ok=True)
-    files = [
-        write_table(folder, "fidelity", table),
-        write_table(folder, "fidelity_numbers", numbers),
-        write_table(folder, "fidelity_claims", claims_table(judged)),
-        write_table(folder, "consistency", consistent),
-    ]
-    with style.context():
-        figures = {
-            "published_against_reproduced": plots.scatter(numbers),
-            "ratios": plots.ratios(numbers),
-            "boundaries": plots.boundary_plot(boundaries, evidence.amplitudes),
-        }
-        pictures = {stem: _save(figure, folder, stem, metadata) for stem, figure in figures.items()}
-    files += [file for saved in pictures.values() for file in saved]
-    blocks = contents.document(
-        contents.Findings(
-            name=name,
-            config=config,
-            evidence=evidence,
-            table=table,
-            numbers=numbers,
-            judged=judged,
-            consistency=consistent,
-            pictures={stem: saved[0] for stem, saved in pictures.items()},
-        )
+    return report.write_report(
+        folder,
+        name="fidelity",
+        title=f"Fidelity of {name}",
+        tables={
+            "fidelity": table,
+            "fidelity_numbers": numbers,
+            "fidelity_claims": tabulate_claims(judged),
+            "consistency": consistent,
+        },
+        figures={
+            "published_against_reproduced": lambda: plots.scatter(numbers),
+            "ratios": lambda: plots.ratios(numbers),
+            "boundaries": lambda: plots.boundary_plot(boundaries, evidence.amplitudes),
+        },
+        contents=lambda pictures: contents.document(
+            contents.Contents(
+                name=name,
+                config=config,
+                evidence=evidence,
+                table=table,
+                numbers=numbers,
+                judged=judged,
+                consistency=consistent,
+                pictures=pictures,
+            )
+        ),
+        metadata=metadata,
     )
-    texts = {
-        "fidelity.md": to_markdown(blocks, folder),
-        "fidelity.html": to_html(blocks, f"Fidelity of {name}"),
-    }
-    for file, text in texts.items():
-        write_atomically(folder / file, text)
-    return [*files, *(folder / file for file in texts)]
-
-
-def _save(
-    figure: Figure, folder: Path, stem: str, metadata: Mapping[str, str] | None
-) -> list[Path]:
-    return style.save(figure, folder / "figures", stem, metadata)

@@ -20,14 +20,13 @@ from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.batch import Lanes, superposed_sums
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.fidelity.boundaries import PUBLISHED
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
 
 #: Natural periods (s) that the published numbers need.
 PERIODS = (3.0, 4.0, 6.0, 8.0)
 MEASURES = ("x", "y", "vx", "vy")
-#: Published HME1/HME2 boundaries: natural period (s) -> amplitude (m), section 5.3.
-BOUNDARIES = {4.0: 0.3, 6.0: 1.0}
 WINNER_PENALTY = 0.5
 BOUNDARY_WEIGHT = 0.5
 #: What a boundary that does not exist counts as, in log2.
@@ -44,12 +43,12 @@ def scheme_products(
 
     `measures.window` says over which window.
     """
-    known = resolve(scheme)
+    resolved = resolve(scheme)
     result = {}
     for period, batch in lanes.items():
         sensors = batch.records.sensors
         settled = round(config.measures.settling_time / sensors.step)
-        chain = known.kernel(sensors, config, batch.records.steps)  # type: ignore[attr-defined]
+        chain = resolved.kernel(sensors, config, batch.records.steps)  # type: ignore[attr-defined]
         sums = superposed_sums(chain, batch, settled, consistency=False)
         parts = slice(0, 2) if config.measures.window == "full" else slice(1, 2)
         total = sums.products[parts, :4].sum(axis=0) / sums.steps[parts].sum()
@@ -146,5 +145,5 @@ def score(products: Products) -> Score:
 
 def boundary_distance(limits: Mapping[float, float]) -> float:
     """Sum of |log2| of the boundaries at 4 and 6 s over the published ones."""
-    parts = [np.log2(limits[period] / target) for period, target in BOUNDARIES.items()]
+    parts = [np.log2(limits[period] / target) for period, target in PUBLISHED.items()]
     return float(np.sum(np.where(np.isfinite(parts), np.abs(parts), NO_BOUNDARY)))

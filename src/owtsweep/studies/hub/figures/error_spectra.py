@@ -49,28 +49,28 @@ def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeError
 
     A scheme whose response does not settle with this tuning is absent.
     """
-    known = sensing.sensors(config.sensors)
+    sensors = sensing.sensors(config.sensors)
     low, high = config.band
     # a motion at a multiple of the fix rate stands still for the GNSS
-    highest = min(BEYOND[1] * high, max(high, 0.95 / known.fix_step))
+    highest = min(BEYOND[1] * high, max(high, 0.95 / sensors.fix_step))
     frequency = np.geomspace(BEYOND[0] * low, highest, points)
-    phase = frequency * known.fix_step
+    phase = frequency * sensors.fix_step
     frequency = frequency[np.abs(phase - np.round(phase)) > 0.02]
-    found: dict[str, SchemeErrors] = {}
+    errors: dict[str, SchemeErrors] = {}
     for scheme in resolve_all(config.schemes, config):
         if not hasattr(scheme, "kernel"):
             continue
         try:
-            chain = scheme.kernel(known, config)
-            spectrum = error_spectrum(chain, known, frequency)
+            chain = scheme.kernel(sensors, config)
+            spectrum = error_spectrum(chain, sensors, frequency)
         except InputError:
             continue
         try:
-            floor = noise_floor(chain, known)
+            floor = noise_floor(chain, sensors)
         except InputError:
             floor = None
-        found[scheme.name] = SchemeErrors(spectrum, floor)
-    return found
+        errors[scheme.name] = SchemeErrors(spectrum, floor)
+    return errors
 
 
 def draw(
@@ -96,15 +96,15 @@ def draw(
     InputError
         If no scheme of the study has an error spectrum.
     """
-    found = compute(config) if errors is None else errors
+    shown = compute(config) if errors is None else errors
     with style.context():
         figure = style.new_figure(10.0, 6.6 if motion else 5.2)
         ratios = [3.4, 1.0] if motion else [1.0]
         grid = figure.subplots(len(ratios), 2, squeeze=False, height_ratios=ratios)
         for axes, measure in zip(grid[0], UNITS, strict=True):
-            panel(axes, found, config, measure)
+            panel(axes, shown, config, measure)
         for axes in grid[1] if motion else ():
-            motion_spectra(axes, config, figure.axes[0].get_xlim())
+            draw_motion_spectra(axes, config, figure.axes[0].get_xlim())
         handles, labels = figure.axes[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside right upper", frameon=False)
         figure.suptitle(
@@ -116,7 +116,7 @@ def draw(
         )
         same = [f"{' and '.join(group)} give the same numbers." for group in coinciding]
         below = [MOTION_EXPLANATION] if motion else []
-        style.footnote(figure, " ".join([EXPLANATION, *below, *same, *unsettled(config, found)]))
+        style.footnote(figure, " ".join([EXPLANATION, *below, *same, *unsettled(config, shown)]))
     return figure
 
 
@@ -134,7 +134,7 @@ MOTION_EXPLANATION = (
 MOST_SPECTRA = 8
 
 
-def motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
+def draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
     """Draw the motion spectra of the grid's natural periods over their band, peaks at 1."""
     from owtsweep.motion.spectra import spectrum
 
@@ -187,14 +187,14 @@ def panel(
         raise InputError("schemes: none of this run has a settled error spectrum to draw")
     names = list(errors)
     top = 0.0
-    for name, found in errors.items():
+    for name, of_scheme in errors.items():
         look = style_of(name, names)
         line: dict[str, Any] = {"color": look.color, "linestyle": look.line, "linewidth": 1.6}
-        values = found.spectrum.of(measure)
-        axes.loglog(found.spectrum.frequency, values, label=name, **line)
+        values = of_scheme.spectrum.of(measure)
+        axes.loglog(of_scheme.spectrum.frequency, values, label=name, **line)
         top = max(top, float(values.max()))
-        if found.floor is not None:
-            floor = found.floor.of(measure)
+        if of_scheme.floor is not None:
+            floor = of_scheme.floor.of(measure)
             line["linewidth"] = 2.2
             axes.plot(FLOOR_SPAN, (floor, floor), transform=axes.get_yaxis_transform(), **line)
     _scales(axes, errors, config, measure, top)
@@ -205,13 +205,12 @@ def panel(
 def _scales(
     axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measure: str, top: float
 ) -> None:
-
     frequency: Array = next(iter(errors.values())).spectrum.frequency
     left, right = np.log(frequency[0]), np.log(frequency[-1])
     # room for the bars: the curves end where these begin
     end = left + (right - left) / (FLOOR_SPAN[0] - 0.02)
     axes.set_xlim(frequency[0], np.exp(end))
-    least = min(float(found.spectrum.of(measure).min()) for found in errors.values())
+    least = min(float(scheme.spectrum.of(measure).min()) for scheme in errors.values())
     axes.set_ylim(max(0.3 * least, top / 10.0**DECADES), 4.0 * top)
     axes.axvline(np.exp(left + FLOOR_SPAN[0] * (end - left) - 0.01), color="0.6", linewidth=0.8)
     axes.text(0.5 * sum(FLOOR_SPAN), 0.02, "noise\nalone", transform=axes.transAxes,

@@ -48,14 +48,14 @@ def _of_one(
     from owtsweep.studies.replay.session import run_session
     from owtsweep.studies.replay.states import NO_STATES, collect_filter_states
 
-    known = cache(lambda: run_session(config, config.grid.files[0]))
-    states = cache(lambda: collect_filter_states(config, known()))
+    recorded = cache(lambda: run_session(config, config.grid.files[0]))
+    states = cache(lambda: collect_filter_states(config, recorded()))
 
     def history(name: str) -> Callable[[], Figure]:
         quantity, zoom = HISTORIES[name]
         filtered = quantity in ("acceleration", "bias")
         return lambda: histories.draw(
-            config, known(), states() if filtered else NO_STATES, quantity, zoom=zoom,
+            config, recorded(), states() if filtered else NO_STATES, quantity, zoom=zoom,
             advised=_advised(tables),
         )  # fmt: skip
 

@@ -35,8 +35,8 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     from matplotlib.patches import Patch
 
     table, (first, second) = _coordinates(config, records)
-    own = advised[advised["source"] != "map"]
-    shown = table.merge(own, on="file").dropna(subset=[first, second])
+    measured = advised[advised["source"] != "map"]
+    shown = table.merge(measured, on="file").dropna(subset=[first, second])
     if shown.empty:
         raise InputError("no record has both coordinates of the map; give replay.table=FILE.csv")
     names = sorted(set(shown["best"]) | set(shown["runner_up"].dropna()) - {""})
@@ -97,11 +97,11 @@ def _coordinates(
 
 def _cell(values: pd.Series[Any]) -> float:
     """Width of a mark: the least distance between different coordinates, not too small."""
-    known = sorted({float(value) for value in values})
-    if len(known) < 2:
-        return max(abs(known[0]) * 0.2, 1e-3)
-    steps = [b - a for a, b in itertools.pairwise(known)]
-    return max(min(steps), (known[-1] - known[0]) / 12.0)
+    coordinates = sorted({float(value) for value in values})
+    if len(coordinates) < 2:
+        return max(abs(coordinates[0]) * 0.2, 1e-3)
+    steps = [b - a for a, b in itertools.pairwise(coordinates)]
+    return max(min(steps), (coordinates[-1] - coordinates[0]) / 12.0)
 
 
 def _mark(

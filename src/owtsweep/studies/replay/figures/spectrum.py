@@ -36,10 +36,10 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     InputError
         If the record does not move.
     """
-    found = describe_spectrum(config, config.grid.files[0])
-    if not found.moves:
+    spectrum = describe_spectrum(config, config.grid.files[0])
+    if not spectrum.moves:
         raise InputError("the record does not move, so it has no spectrum")
-    frequency, power = found.frequency, found.power
+    frequency, power = spectrum.frequency, spectrum.power
     low, high = config.fit_band
     shown = (frequency >= low / 2.0) & (frequency <= BEYOND * high)
     with style.context():
@@ -73,7 +73,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             share = f"; it holds {100 * record['band_share']:.0f} % of the variance"
         style.footnote(
             figure,
-            f"Horizontal displacement, from {found.source}. Grey: band [{low:g}, {high:g}] Hz, "
+            f"Horizontal displacement, from {spectrum.source}. Grey: band [{low:g}, {high:g}] Hz, "
             f"where Eq. (1) is fitted by Whittle likelihood{share}.",
         )
     return figure

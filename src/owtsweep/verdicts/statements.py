@@ -1,22 +1,21 @@
-"""The verdicts on F1-F11 as tables."""
+"""Statements of a paper: each a test, its verdict, and the verdicts as a table."""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from owtsweep.studies.hub import published
-from owtsweep.studies.hub.fidelity.evidence import Evidence
-from owtsweep.studies.hub.fidelity.history_statements import HISTORY_STATEMENTS
-from owtsweep.studies.hub.fidelity.statements import STATEMENTS
-from owtsweep.verdicts.inference import Claim, Comparison, all_of, settling
+from owtsweep.verdicts.inference import Claim, Decision, all_of, settling
 
 if TYPE_CHECKING:
     import pandas as pd
+
+#: What a study's tests look a run's values up in.
+Evidence = TypeVar("Evidence")
 
 CLAIM_COLUMNS = (
     "statement", "claim", "verdict", "decided_at", "value", "ci_low", "ci_high", "side",
@@ -25,13 +24,13 @@ CLAIM_COLUMNS = (
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedStatement:
     """A statement of the paper and what the run says to it.
 
     Attributes
     ----------
     name
-        F1 to F11.
+        What it is called, e.g. F1.
     text
         What the paper says.
     definition
@@ -61,53 +60,65 @@ class Judged:
         return "; ".join(f"{claim.text}: {explain(claim)}" for claim in self.claims)
 
 
-def judge(evidence: Evidence) -> list[Judged]:
-    """All statements in their order."""
-    tests = {**STATEMENTS, **HISTORY_STATEMENTS}
-    facts = published.facts().set_index("id")["statement"]
+def judge(
+    texts: Mapping[str, str],
+    tests: Mapping[str, Callable[[Evidence], list[Claim]]],
+    evidence: Evidence,
+) -> list[JudgedStatement]:
+    """All statements in their order.
+
+    Parameters
+    ----------
+    texts
+        Name of a statement -> what the paper says.
+    tests
+        Name of a statement -> the claims that it makes about a run; the docstring of a test is its
+        definition.
+    evidence
+        What the tests are given.
+    """
     return [
-        Judged(name, str(text), definition_of(tests[name]), tuple(tests[name](evidence)))
-        for name, text in facts.items()
-        if isinstance(name, str)
+        JudgedStatement(name, text, define(tests[name]), tuple(tests[name](evidence)))
+        for name, text in texts.items()
     ]
 
 
-def definition_of(test: Callable[[Evidence], list[Claim]]) -> str:
+def define(test: Callable[[Evidence], list[Claim]]) -> str:
     """A test's docstring in one line."""
     return " ".join((inspect.getdoc(test) or "").split())
 
 
 def explain(claim: Claim) -> str:
-    """A claim's verdict and the comparison that decides it."""
+    """A claim's verdict and the decision that settles it."""
     parts = [claim.verdict]
     if claim.deciding is not None:
-        parts.append(f"{_holding(claim)} of {len(claim.comparisons)} hold in the mean")
+        parts.append(f"{_count_holding(claim)} of {len(claim.decisions)} hold in the mean")
         parts.append(describe(claim.deciding))
     if claim.missing:
-        parts.append(f"{missing_text(claim.missing)} missing")
+        parts.append(f"{name_missing(claim.missing)} missing")
     return ", ".join(parts)
 
 
-def describe(comparison: Comparison) -> str:
-    """A comparison in words and numbers."""
-    claimed = f"to be {comparison.side} {comparison.threshold:.3g}"
-    if np.isnan(comparison.value):
-        return f"{comparison.label}, {claimed}"
-    interval = f"[{comparison.low:.3g}, {comparison.high:.3g}]"
-    if np.isnan(comparison.low):
-        interval = f"(t = {comparison.t:.2g}, no bounded interval)"
-    return f"{comparison.label} {comparison.value:.3g} {interval}, {claimed}"
+def describe(decision: Decision) -> str:
+    """A decision in words and numbers."""
+    claimed = f"to be {decision.side} {decision.threshold:.3g}"
+    if np.isnan(decision.value):
+        return f"{decision.label}, {claimed}"
+    interval = f"[{decision.low:.3g}, {decision.high:.3g}]"
+    if np.isnan(decision.low):
+        interval = f"(t = {decision.t:.2g}, no bounded interval)"
+    return f"{decision.label} {decision.value:.3g} {interval}, {claimed}"
 
 
-def missing_text(missing: tuple[str, ...], most: int = 4) -> str:
+def name_missing(missing: tuple[str, ...], most: int = 4) -> str:
     """What is missing, not all of it when that is much."""
     named = [f"({item})" if "," in item else item for item in missing[:most]]
     more = f" and {len(missing) - most} more" if len(missing) > most else ""
     return ", ".join(named) + more
 
 
-def claims_table(judged: list[Judged]) -> pd.DataFrame:
-    """One row per claim, with the comparison that is furthest from holding."""
+def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
+    """One row per claim, with the decision that is furthest from holding."""
     import pandas as pd
 
     rows = []
@@ -126,17 +137,17 @@ def claims_table(judged: list[Judged]) -> pd.DataFrame:
                     "ci_high": worst.high if worst else nan,
                     "side": worst.side if worst else "",
                     "threshold": worst.threshold if worst else nan,
-                    "holding": _holding(claim),
-                    "comparisons": len(claim.comparisons),
+                    "holding": _count_holding(claim),
+                    "comparisons": len(claim.decisions),
                     "missing": "; ".join(claim.missing),
                 }
             )
     return pd.DataFrame(rows, columns=list(CLAIM_COLUMNS))
 
 
-def _holding(claim: Claim) -> int:
-    """How many comparisons lie on the claimed side, whatever their intervals say."""
+def _count_holding(claim: Claim) -> int:
+    """How many decisions lie on the claimed side, whatever their intervals say."""
     return sum(
         c.value < c.threshold if c.side == "below" else c.value > c.threshold
-        for c in claim.comparisons
+        for c in claim.decisions
     )

@@ -1,0 +1,80 @@
+"""A published number beside the single records of a run: the print has one record."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.statistics.student import CONFIDENCE
+from owtsweep.verdicts.inference import MISSING, UNDECIDED, mean_ratio
+
+#: What `compare_number` gives.
+COLUMNS = (
+    "reproduced", "ci_low", "ci_high", "record_low", "record_high", "quantile", "ratio", "log2",
+    "missed_by_factor_2",
+)  # fmt: skip
+#: The central part of single records.
+TAILS = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
+#: A factor of 2, as a log2.
+MISSED = 1.0
+
+
+def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
+    """What a run gives for a published number.
+
+    Parameters
+    ----------
+    samples
+        (records,) of the run; None if it has none, which makes all numbers NaN.
+    published
+        Not negative.
+
+    Returns
+    -------
+    dict
+        `COLUMNS`. `reproduced`: mean over the records with its 95 % t interval; `record_low` and
+        `record_high`: 2.5th and 97.5th percentile of single records; `quantile`: the part of the
+        records below the published number (ties count half); ratio = reproduced / published,
+        `log2` its logarithm.
+    """
+    if samples is None:
+        return {**dict.fromkeys(COLUMNS, float("nan")), "missed_by_factor_2": False}
+    decision = mean_ratio("", samples, 1.0, published, "above")
+    low, high = np.percentile(samples, TAILS)
+    log2 = float(np.log2(decision.value / published))
+    return {
+        "reproduced": decision.value,
+        "ci_low": decision.low,
+        "ci_high": decision.high,
+        "record_low": float(low),
+        "record_high": float(high),
+        "quantile": quantile_of(published, samples),
+        "ratio": decision.value / published,
+        "log2": log2,
+        "missed_by_factor_2": abs(log2) > MISSED,
+    }
+
+
+def quantile_of(value: float, samples: Array) -> float:
+    """The part of the samples below a value, ties counting half."""
+    return float(np.mean(samples < value) + 0.5 * np.mean(samples == value))
+
+
+def lies_within_records(row: Any) -> str:
+    """Whether the published number could be one of the run's records: yes, no or undecided.
+
+    "yes" inside the central 95 % of single records, "no" outside, "undecided" for a single record,
+    "missing" for none.
+
+    Parameters
+    ----------
+    row
+        What `compare_number` gives, and `published`, as attributes.
+    """
+    if np.isnan(row.reproduced):
+        return MISSING
+    if row.record_low == row.record_high:
+        return UNDECIDED
+    return "yes" if row.record_low <= row.published <= row.record_high else "no"

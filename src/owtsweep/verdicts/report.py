@@ -1,0 +1,63 @@
+"""The files of a report on published results: tables, figures, Markdown and HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from owtsweep.figures.drawings import save_figure
+from owtsweep.io.files import write_atomically
+from owtsweep.io.tables import write_table
+from owtsweep.verdicts.page import Block, to_html, to_markdown
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+
+def write_report(
+    folder: Path,
+    *,
+    name: str,
+    title: str,
+    tables: Mapping[str, pd.DataFrame],
+    figures: Mapping[str, Callable[[], Figure]],
+    contents: Callable[[Mapping[str, Path]], Sequence[Block]],
+    metadata: Mapping[str, str] | None = None,
+) -> list[Path]:
+    """Write everything about a run and what is published.
+
+    Parameters
+    ----------
+    folder
+        Made if it does not exist: the tables, `<name>.md`, `<name>.html` and figures/.
+    title
+        Of the HTML file.
+    tables, figures
+        By the names of their files.
+    contents
+        From the figures' PNG files by name to the blocks of the page.
+    metadata
+        Stored inside the figures.
+
+    Returns
+    -------
+    list of Path
+        The files.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    files = [write_table(folder, stem, table) for stem, table in tables.items()]
+    pictures = {}
+    for stem, draw in figures.items():
+        saved = save_figure(draw, metadata)(folder / "figures", stem)
+        pictures[stem] = saved[0]
+        files += saved
+    blocks = contents(pictures)
+    for path, text in {
+        folder / f"{name}.md": to_markdown(blocks, folder),
+        folder / f"{name}.html": to_html(blocks, title),
+    }.items():
+        write_atomically(path, text)
+        files.append(path)
+    return files

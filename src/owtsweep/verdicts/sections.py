@@ -1,0 +1,143 @@
+"""Sections of a report on published results that do not depend on the study."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+from owtsweep.verdicts.numbers import lies_within_records
+from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, TextTable
+from owtsweep.verdicts.statements import JudgedStatement, explain
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+NO_VALUE = "–"
+NUMBER_COLUMNS = ("published", "this run", "95 % of records", "quantile", "ratio")
+
+
+def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
+    """How many statements have which verdict, in words."""
+    verdicts = [statement.verdict for statement in judged]
+    return ", ".join(
+        f"{verdicts.count(verdict)} {verdict}"
+        for verdict in (REPRODUCED, NOT_REPRODUCED, UNDECIDED, MISSING)
+        if verdict in verdicts
+    )
+
+
+def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Block]:
+    """All statements in a table, then each with its test and the verdicts on its claims.
+
+    Parameters
+    ----------
+    note
+        How the definitions came about.
+    """
+    rows = [
+        [s.name, s.text, s.verdict, " / ".join(claim.text for claim in s.claims)] for s in judged
+    ]
+    details: list[Block] = []
+    for statement in judged:
+        details += [
+            Heading(f"{statement.name}: {statement.verdict}", 3),
+            Paragraph(f"Paper: {statement.text}."),
+            Paragraph(f"Test: {statement.definition}"),
+            Bullets([f"{claim.text}: {explain(claim)}." for claim in statement.claims]),
+        ]
+    return [
+        Heading("Statements"),
+        Paragraph(
+            "A statement is reproduced where all its claims are, not reproduced where one is not, "
+            "else undecided (or missing, where the run lacks what a claim needs). A claim is "
+            "reproduced or not where the paired t test, corrected by Holm, or the bootstrap "
+            f"interval puts it wholly on one side. {note} "
+            "Of each claim the comparison that is furthest from holding is shown."
+        ),
+        TextTable(["", "the paper says", "verdict", "claims tested"], rows),
+        *details,
+    ]
+
+
+def number_table(numbers: Any) -> TextTable:
+    """Published numbers beside the run's; rows as `compare_number` gives them, with attributes."""
+    rows = [[row.scheme, row.measure, f"{row.published:.2e}", *_cells(row)] for row in numbers]
+    return TextTable(["scheme", "measure", *NUMBER_COLUMNS, "agrees"], rows, NUMBER_COLUMNS)
+
+
+def _cells(row: Any) -> list[str]:
+    agrees = lies_within_records(row)
+    if agrees == MISSING:
+        return [*[NO_VALUE] * 4, agrees]
+    return [
+        f"{row.reproduced:.2e} [{row.ci_low:.2e}, {row.ci_high:.2e}]",
+        f"{row.record_low:.2e} to {row.record_high:.2e}",
+        f"{row.quantile:.2f}",
+        f"{row.ratio:.2f}",
+        agrees,
+    ]
+
+
+def consistency_section(
+    table: pd.DataFrame, schemes: Sequence[str], freedom: Mapping[str, float]
+) -> list[Block]:
+    """NEES and NIS of each scheme over its degrees of freedom, and the verdicts on its cells.
+
+    Parameters
+    ----------
+    table
+        Columns scheme, nees, nis (over their degrees of freedom) and verdict, a row per cell.
+    freedom
+        Degrees of freedom of "nees" and "nis".
+    """
+    columns = [f"{name.upper()} / {n:g}, least to largest" for name, n in freedom.items()]
+    rows = []
+    for scheme in schemes:
+        cells = table[table["scheme"] == scheme]
+        counts = ", ".join(f"{word} {n}" for word, n in cells["verdict"].value_counts().items())
+        rows.append([scheme, *(_describe_range(cells[name]) for name in freedom), counts])
+    means = " and ".join(f"mean {name.upper()} over {n:g}" for name, n in freedom.items())
+    return [
+        Heading("Does the tuning know its own errors?"),
+        Paragraph(
+            f"{means[0].upper()}{means[1:]} in each cell; 1 is consistent, more is optimistic"
+            " (the covariance is too small), less pessimistic. A cell is consistent where both 95 %"
+            " intervals hold 1. All cells: consistency.csv."
+        ),
+        TextTable(["scheme", *columns, "cells by verdict"], rows, columns),
+    ]
+
+
+def _describe_range(values: pd.Series[float]) -> str:
+    finite = values.dropna()
+    return f"{finite.min():.2g} to {finite.max():.2g}" if len(finite) else NO_VALUE
+
+
+def missing_section(numbers: pd.DataFrame, judged: Sequence[JudgedStatement]) -> list[Block]:
+    """What the run would need for the rest of the paper; nothing where it has all."""
+    lacking: Any = numbers[numbers["reproduced"].isna()].itertuples(index=False)
+    tables = sorted({f"Table {row.table} {row.scheme}" for row in lacking})
+    items = [f"Published numbers: {', '.join(tables)}."] if tables else []
+    for statement in judged:
+        absent = [item for claim in statement.claims for item in claim.missing]
+        if absent:
+            items.append(f"{statement.name}: {'; '.join(dict.fromkeys(absent))}.")
+    if not items:
+        return []
+    return [
+        Heading("What this run lacks"),
+        Paragraph("Conditions and schemes that the paper's results need and this run has not:"),
+        Bullets(items),
+    ]
+
+
+def format_value(value: float) -> str:
+    """Three digits, or a dash for NaN."""
+    return f"{value:.3g}" if value == value else NO_VALUE
+
+
+def format_interval(row: Any) -> str:
+    """`reproduced` with its interval, where it has one."""
+    value, low, high = map(format_value, (row.reproduced, row.ci_low, row.ci_high))
+    return value if low == NO_VALUE else f"{value} [{low}, {high}]"

@@ -1,0 +1,117 @@
+"""One table of everything that a paper prints, with what a run says to it, one row each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, Decision
+from owtsweep.verdicts.numbers import lies_within_records
+from owtsweep.verdicts.statements import JudgedStatement
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+COLUMNS = (
+    "item", "kind", "published", "reproduced", "ci_low", "ci_high", "ratio", "agrees", "why",
+)  # fmt: skip
+NAN = float("nan")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One item: `kind` is number, statement, boundary, winner or summary.
+
+    `reproduced` has its 95 % interval, NaN where there is none; `agrees` is yes, no, undecided,
+    missing, a verdict, or empty where nothing is published.
+    """
+
+    item: str
+    kind: str
+    published: float = NAN
+    reproduced: float = NAN
+    ci_low: float = NAN
+    ci_high: float = NAN
+    agrees: str = MISSING
+    why: str = ""
+
+    def decided(self, decision: Decision | None, agrees: str) -> Row:
+        """The same item with what a run decides; without a decision only `agrees` changes."""
+        values = {} if decision is None else {
+            "reproduced": decision.value, "ci_low": decision.low, "ci_high": decision.high
+        }  # fmt: skip
+        return Row(**{**asdict(self), **values, "agrees": agrees})
+
+
+def make_table(rows: Sequence[Row]) -> pd.DataFrame:
+    """`COLUMNS`, with ratio = reproduced / published."""
+    import pandas as pd
+
+    table = pd.DataFrame([asdict(row) for row in rows], columns=list(COLUMNS))
+    return table.assign(ratio=table["reproduced"] / table["published"])
+
+
+def agreement(verdict: str) -> str:
+    """A verdict as the column `agrees` has it: yes, no, undecided or missing."""
+    return {REPRODUCED: "yes", NOT_REPRODUCED: "no"}.get(verdict, verdict)
+
+
+def statement_row(judged: JudgedStatement) -> Row:
+    """A statement; `published` is the threshold of the decision that settles its verdict."""
+    worst = judged.settling.deciding
+    row = Row(judged.name, "statement", worst.threshold if worst else NAN, why=judged.why)
+    return row.decided(worst, judged.verdict)
+
+
+def number_rows(numbers: pd.DataFrame) -> Iterator[Row]:
+    """The published numbers: columns table, scheme, measure, published, why, and those of a run."""
+    rows: Any = numbers.itertuples(index=False)
+    for row in rows:
+        yield Row(
+            item=f"table {row.table} {row.scheme} {row.measure}",
+            kind="number",
+            published=row.published,
+            reproduced=row.reproduced,
+            ci_low=row.ci_low,
+            ci_high=row.ci_high,
+            agrees=lies_within_records(row),
+            why=row.why,
+        )
+
+
+def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float]) -> Iterator[Row]:
+    """Median and 80th percentile of |log2(reproduced / published)|, by group of schemes.
+
+    Parameters
+    ----------
+    numbers
+        Columns scheme and log2.
+    goals
+        Group of schemes -> the median that counts as agreement.
+    """
+    for schemes, goal in goals.items():
+        chosen = numbers[numbers["scheme"].isin(schemes)]
+        distances = chosen["log2"].abs().dropna()
+        for label, quantile, limit in (("median", 0.5, goal), ("80th percentile", 0.8, NAN)):
+            value = float(distances.quantile(quantile)) if len(distances) else NAN
+            agrees = ""
+            if np.isfinite(limit):
+                # With numbers missing this is the distance of another set of numbers.
+                complete = len(distances) == len(chosen)
+                agrees = ("yes" if value <= limit else "no") if complete else MISSING
+            yield Row(
+                item=f"{label} |log2 ratio|, {', '.join(schemes)}",
+                kind="summary",
+                reproduced=value,
+                agrees=agrees,
+                why=_describe_distance(f"{len(distances)} of {len(chosen)} numbers", value, limit),
+            )
+
+
+def _describe_distance(size: str, value: float, limit: float) -> str:
+    factor = f", a factor of {2.0**value:.2f}" if np.isfinite(value) else ""
+    goal = f"; agreement: at most {limit:g}" if np.isfinite(limit) else ""
+    return f"over {size}{factor}{goal}"

@@ -1,0 +1,131 @@
+"""The 64 published numbers and the summary of everything, by brute force."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from fidelity_worlds import (
+    BEST_EKF,
+    EQUAL,
+    EVERYTHING,
+    printed,
+    scattered_world,
+    shrinking,
+    world,
+)
+from scipy import stats
+
+from owtsweep.studies.hub.fidelity import boundaries
+from owtsweep.studies.hub.fidelity.evidence import Evidence
+from owtsweep.studies.hub.fidelity.numbers import compare_numbers
+from owtsweep.studies.hub.fidelity.report import judge_all
+from owtsweep.studies.hub.fidelity.statements import STATEMENTS
+from owtsweep.studies.hub.fidelity.summaries import fidelity_table
+from owtsweep.verdicts.inference import REPRODUCED, all_of
+from owtsweep.verdicts.numbers import lies_within_records
+
+
+@pytest.fixture(scope="module")
+def scattered() -> Evidence:
+    return scattered_world()
+
+
+def test_numbers_by_brute_force(scattered):
+    table = compare_numbers(scattered)
+    assert len(table) == 64
+    rows = scattered.rows[scattered.rows["status"] == "ok"]
+    for number in table.to_dict("records"):
+        part = rows[(rows["scheme"] == number["scheme"]) & (rows["measure"] == number["measure"])]
+        part = part[
+            (part["natural_period"] == number["natural_period"]) & (part["window"] == "full")
+        ]
+        N = number["amplitude"]
+        records = (N**2 * part["motion"] + 2 * N * part["cross"] + part["noise"]).to_numpy()
+        mean = records.mean()
+        assert number["reproduced"] == pytest.approx(mean)
+        low, high = stats.t.interval(0.95, len(records) - 1, mean, stats.sem(records))
+        assert (number["ci_low"], number["ci_high"]) == pytest.approx((max(low, 0.0), high))
+        assert number["record_low"] == pytest.approx(np.percentile(records, 2.5))
+        assert number["record_high"] == pytest.approx(np.percentile(records, 97.5))
+        assert number["quantile"] == np.mean(records < number["published"])
+        assert number["log2"] == pytest.approx(np.log2(mean / number["published"]))
+        assert number["missed_by_factor_2"] == (abs(number["log2"]) > 1.0)
+        inside = number["record_low"] <= number["published"] <= number["record_high"]
+        assert lies_within_records(SimpleNamespace(**number)) == ("yes" if inside else "no")
+        assert number["missed_by_factor_2"] == ("% noise" in number["why"].replace(" %", "%"))
+
+
+def test_the_misprint_of_table_7_is_judged_as_meant(scattered):
+    table = compare_numbers(scattered)
+    noted = table[table["why"].str.contains("misprint")]
+    assert noted[["table", "scheme", "measure", "published"]].to_numpy().tolist() == [
+        [7, "EKF", "vx", 1.98e-3]
+    ]
+    assert "judged at 1.98e-03" in noted["why"].iloc[0]
+
+
+def test_a_world_that_prints_the_paper_agrees_with_it():
+    evidence = world(printed, measures=EVERYTHING)
+    numbers = compare_numbers(evidence)
+    # tables 7 and 8 give F and A at 8 s, so that nothing is left to fit there
+    assert numbers["log2"].abs().max() < 1e-9
+    table = fidelity_table(evidence, numbers, [], boundaries.all_boundaries(evidence))
+    table = table.set_index("item")
+    assert (table["kind"] == "number").sum() == 64
+    assert set(table.loc[table["kind"] == "winner", "agrees"]) == {"yes"}
+    assert table.loc[table["kind"] == "winner", "ratio"].to_numpy() == pytest.approx(1.0)
+    ratios = table[table.index.str.startswith("EKF velocity / position")]
+    assert ratios["reproduced"].to_numpy() == pytest.approx(ratios["published"].to_numpy())
+    assert set(ratios["agrees"]) == {"yes"}
+    assert table.loc["median |log2 ratio|, MKF, HME1, HME2", "agrees"] == "yes"
+
+
+def test_winners_and_boundaries_that_differ_are_told():
+    evidence = world(shrinking, measures=EVERYTHING)
+    numbers = compare_numbers(evidence)
+    table = fidelity_table(evidence, numbers, [], boundaries.all_boundaries(evidence))
+    agrees = table.set_index("item")["agrees"]
+    value = table.set_index("item")["reproduced"]
+    assert value["boundary 4 s"] == pytest.approx(0.3, rel=1e-3)
+    assert value["boundary 6 s"] == pytest.approx(0.3 / 2.25, rel=1e-3)
+    assert value["boundary 8 s / 4 s"] == pytest.approx(0.25, rel=1e-3)
+    items = ["boundary 4 s", "boundary 6 s", "boundary 8 s / 4 s"]
+    assert agrees[items].tolist() == ["yes", "no", "no"]
+    winners = ["table 6 winner", "table 7 winner", "table 8 winner", "table 9 winner"]
+    assert agrees[winners].tolist() == ["yes", "no", "no", "yes"]
+    assert value["table 8 winner"] == pytest.approx((1.0 + 1.0 / 0.075**2) / 2.0, rel=0.02)
+
+
+def test_without_a_boundary_the_cells_decide():
+    evidence = world({**EQUAL, "HME1": (1.0, 0.01)}, measures=EVERYTHING)
+    found = boundaries.all_boundaries(evidence)
+    table = fidelity_table(evidence, compare_numbers(evidence), [], found).set_index("item")
+    assert np.isnan(table.loc["boundary 4 s", "reproduced"])
+    assert table.loc["boundary 4 s", "agrees"] == "no"
+    assert "HME1 is better at every amplitude" in table.loc["boundary 4 s", "why"]
+    why = {statement.name: statement.why for statement in judge_all(evidence)}["F3"]
+    assert "nan" not in why
+
+
+def test_schemes_that_coincide_are_no_rivals():
+    """With consistent covariances EKF is MKF: it can be best all the same."""
+    twins = {**BEST_EKF, "MKF": BEST_EKF["EKF"]}
+    claims = STATEMENTS["F1"](world(twins))
+    assert all_of(claims) == REPRODUCED
+    assert all("HME" in c.label for claim in claims for c in claim.decisions)
+    against_mkf = STATEMENTS["F2"](world({**twins, "MKF": (9.0, 1.0)}))[1]
+    assert all(c.label.endswith(("EKF", "HME2")) for c in against_mkf.decisions)
+
+
+def test_distances_are_quantiles_of_log_ratios(scattered):
+    numbers = compare_numbers(scattered)
+    table = fidelity_table(scattered, numbers, [], {}).set_index("item")["reproduced"]
+    for group in (["MKF", "HME1", "HME2"], ["EKF"]):
+        own = np.abs(numbers.loc[numbers["scheme"].isin(group), "log2"])
+        name = ", ".join(group)
+        assert table[f"median |log2 ratio|, {name}"] == pytest.approx(np.median(own))
+        assert table[f"80th percentile |log2 ratio|, {name}"] == pytest.approx(
+            np.percentile(own, 80)
+        )

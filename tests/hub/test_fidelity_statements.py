@@ -1,0 +1,146 @@
+"""F1 to F11: statements that stand, fall or stay open."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from fidelity_worlds import (
+    BEST_EKF,
+    EQUAL,
+    Terms,
+    growing,
+    hme2_beyond,
+    mkf_at_two_cells,
+    mkf_far_from_hme1,
+    shrinking,
+    world,
+)
+
+from owtsweep.studies.hub import published
+from owtsweep.studies.hub.fidelity import boundaries, histories
+from owtsweep.studies.hub.fidelity.history_statements import HISTORY_STATEMENTS
+from owtsweep.studies.hub.fidelity.numbers import compare_numbers
+from owtsweep.studies.hub.fidelity.report import judge_all
+from owtsweep.studies.hub.fidelity.statements import STATEMENTS
+from owtsweep.studies.hub.fidelity.summaries import fidelity_table
+from owtsweep.verdicts.inference import (
+    MISSING,
+    NOT_REPRODUCED,
+    REPRODUCED,
+    UNDECIDED,
+    all_of,
+)
+
+
+def velocity_only(hme1: float, hme2: float) -> Callable[[str, float], dict[str, Terms]]:
+    """HME1 and HME2 differ in velocity alone."""
+
+    def terms(measure: str, period: float) -> dict[str, Terms]:
+        own = {"HME1": (hme1, 0.01), "HME2": (hme2, 0.01)} if measure == "velocity" else {}
+        return {**EQUAL, **own}
+
+    return terms
+
+
+RESTLESS = {"HME2": 0.6}
+CASES = [
+    ("F1", REPRODUCED, BEST_EKF, None),
+    ("F1", NOT_REPRODUCED, {**BEST_EKF, "EKF": (9.0, 1e3)}, None),
+    ("F1", NOT_REPRODUCED, {**BEST_EKF, "EKF": (0.1, 1e-3)}, None),
+    ("F1", UNDECIDED, {**BEST_EKF, "EKF": (5.0 - 2.5, 1e3)}, {"EKF": 0.6}),
+    ("F2", REPRODUCED, mkf_at_two_cells, None),
+    ("F2", NOT_REPRODUCED, {**EQUAL, "MKF": (9.0, 1.0)}, None),
+    ("F2", NOT_REPRODUCED, {**EQUAL, "MKF": (1.9, 0.001)}, None),
+    ("F2", NOT_REPRODUCED, mkf_far_from_hme1, None),
+    ("F2", UNDECIDED, EQUAL, {"MKF": 0.3}),
+    ("F3", REPRODUCED, hme2_beyond(0.3), None),
+    ("F3", NOT_REPRODUCED, hme2_beyond(1.2), None),
+    ("F3", NOT_REPRODUCED, hme2_beyond(0.1), None),
+    ("F3", UNDECIDED, hme2_beyond(0.6), RESTLESS),
+    ("F4", REPRODUCED, hme2_beyond(1.0), None),
+    ("F4", NOT_REPRODUCED, hme2_beyond(0.3), None),
+    ("F4", UNDECIDED, hme2_beyond(2.0), RESTLESS),
+    ("F5", REPRODUCED, growing, None),
+    ("F5", NOT_REPRODUCED, shrinking, None),
+    ("F5", NOT_REPRODUCED, lambda m, p: {**growing(m, p), "MKF": (0.5, 9.0)}, None),
+    ("F5", UNDECIDED, hme2_beyond(1.0), RESTLESS),
+    ("F6", REPRODUCED, {**EQUAL, "HME1": (4.0, 0.01), "HME2": (3.0, 0.01)}, None),
+    ("F6", NOT_REPRODUCED, {**EQUAL, "HME1": (4.0, 0.01), "HME2": (2.0, 0.01)}, None),
+    ("F6", NOT_REPRODUCED, {**EQUAL, "HME1": (4.0, 0.01), "HME2": (3.8, 0.01)}, None),
+    ("F6", UNDECIDED, {**EQUAL, "HME1": (4.0, 0.0), "HME2": (3.4, 0.0)}, {"HME2": 0.1}),
+    ("F7", REPRODUCED, hme2_beyond(1.0), None),
+    ("F7", NOT_REPRODUCED, hme2_beyond(3.0), None),
+    ("F7", UNDECIDED, hme2_beyond(2.0), RESTLESS),
+    ("F8", REPRODUCED, velocity_only(2.0, 1.5), None),
+    ("F8", NOT_REPRODUCED, velocity_only(1.5, 2.0), None),
+    ("F8", UNDECIDED, velocity_only(2.0, 2.0), RESTLESS),
+    ("F10", REPRODUCED, EQUAL, None),
+    ("F10", NOT_REPRODUCED, {**EQUAL, "MKF": (9.0, -0.01)}, None),
+    ("F10", UNDECIDED, {**EQUAL, "MKF": (9.0, 0.0)}, {"MKF": 0.5}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "verdict", "terms", "wobble"), CASES)
+def test_statement(name, verdict, terms, wobble):
+    claims = STATEMENTS[name](world(terms, wobble=wobble))
+    assert all_of(claims) == verdict
+
+
+def sums(**position) -> dict[tuple[str, str], np.ndarray]:
+    """Accumulated errors: HME1 worse by these factors than HME2, by quantity."""
+    base = np.array([1.0, 1.02, 0.99, 1.01])
+    apart = {"HME1": np.array([1.0, -1.0, -1.0, 1.0]), "HME2": np.array([-1.0, 1.0, 1.0, -1.0])}
+    factors = {"position": (0.8, 0.0), "velocity": (1.2, 0.0), "bias": (1.1, 0.0), **position}
+    return {
+        (scheme, quantity): base * (factor if scheme == "HME1" else 1.0) + spread * apart[scheme]
+        for quantity, (factor, spread) in factors.items()
+        for scheme in ("HME1", "HME2")
+    }
+
+
+@pytest.mark.parametrize(
+    ("name", "verdict", "inside", "accumulated"),
+    [
+        ("F9", REPRODUCED, [0.97, 0.98, 0.96, 0.97], sums()),
+        ("F9", NOT_REPRODUCED, [0.91, 0.92, 0.90, 0.91], sums()),
+        ("F9", UNDECIDED, [0.90, 1.00, 0.93, 0.96], sums()),
+        ("F11", REPRODUCED, [1.0] * 4, sums()),
+        ("F11", NOT_REPRODUCED, [1.0] * 4, sums(position=(1.2, 0.0))),
+        ("F11", NOT_REPRODUCED, [1.0] * 4, sums(velocity=(0.9, 0.0))),
+        ("F11", NOT_REPRODUCED, [1.0] * 4, sums(bias=(0.9, 0.0))),
+        ("F11", UNDECIDED, [1.0] * 4, sums(bias=(1.01, 0.2))),
+    ],
+)
+def test_history_statement(name, verdict, inside, accumulated):
+    shares = {"HME1": np.array(inside), "HME2": np.full(len(inside), 0.99)}
+    evidence = world(EQUAL, made=histories.Histories(shares, accumulated), periods=[4.0])
+    assert all_of(HISTORY_STATEMENTS[name](evidence)) == verdict
+
+
+def test_cells_and_schemes_that_the_run_lacks_are_named():
+    few = world(growing, periods=[4.0])
+    verdicts = {name: all_of(test(few)) for name, test in STATEMENTS.items()}
+    assert verdicts["F3"] == REPRODUCED  # all it needs is there
+    assert verdicts["F1"] == NOT_REPRODUCED  # what is there is enough to fall
+    assert {verdicts[name] for name in ("F4", "F5", "F7", "F10")} == {MISSING}
+    assert STATEMENTS["F7"](few)[0].missing == ("3 s, 2 m",)
+    assert "3 s, 0.05 m" in STATEMENTS["F1"](few)[0].missing
+
+    alone = world(growing, schemes=["HME1"])
+    judged = judge_all(alone)
+    assert [statement.name for statement in judged] == [f"F{i}" for i in range(1, 12)]
+    assert {statement.verdict for statement in judged} == {MISSING}
+    numbers = compare_numbers(alone)
+    assert (numbers["scheme"][numbers["reproduced"].notna()] == "HME1").all()
+    table = fidelity_table(alone, numbers, judged, boundaries.all_boundaries(alone))
+    assert set(table.loc[table["kind"].isin(["winner", "statement"]), "agrees"]) == {MISSING}
+    assert "not in this run" in table["why"][0]
+
+
+def test_a_definition_is_printed_with_each_statement():
+    for statement in judge_all(world(EQUAL, periods=[4.0])):
+        assert len(statement.definition) > 60
+        assert "\n" not in statement.why
+        assert statement.text.split()[0] in published.facts()["statement"].str.cat()

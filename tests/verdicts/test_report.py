@@ -1,0 +1,79 @@
+"""One document in two renderings, and the files of a report."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from owtsweep.figures import style
+from owtsweep.verdicts.page import Bullets, Heading, Paragraph, Picture, TextTable
+from owtsweep.verdicts.report import write_report
+from owtsweep.verdicts.sections import consistency_section, count_verdicts, missing_section
+from owtsweep.verdicts.summary import Row, distance_rows, make_table
+
+
+def contents(pictures):
+    return [
+        Heading("A run & a paper", 1),
+        Paragraph("It <agrees>."),
+        Bullets(["one", "two"]),
+        TextTable(["item", "value"], [["a|b", "1.5"], ["verdict", "reproduced"]], ["value"]),
+        Picture(pictures["empty"], "Nothing."),
+    ]
+
+
+def test_a_report_writes_tables_figures_and_both_pages(tmp_path):
+    files = write_report(
+        tmp_path / "judged",
+        name="judged",
+        title="A title",
+        tables={"numbers": pd.DataFrame({"value": [0.1]})},
+        figures={"empty": lambda: style.new_figure(2.0, 1.0)},
+        contents=contents,
+        metadata={"run": "3f2a"},
+    )
+    names = [path.relative_to(tmp_path / "judged").as_posix() for path in files]
+    assert names == [
+        "numbers.csv", "figures/empty.png", "figures/empty.svg", "judged.md", "judged.html"
+    ]  # fmt: skip
+    markdown = files[3].read_text(encoding="utf-8")
+    assert markdown.startswith("# A run & a paper\n\nIt <agrees>.\n\n- one\n- two\n\n")
+    assert "| item | value |\n| --- | ---: |\n| a\\|b | 1.5 |" in markdown
+    assert markdown.endswith("![Nothing.](figures/empty.png)\n")
+    html = files[4].read_text(encoding="utf-8")
+    assert "<h1>A run &amp; a paper</h1>" in html
+    assert '<td class="number good">reproduced</td>' in html
+    assert 'src="data:image/png;base64,' in html
+
+
+def test_a_summary_has_a_row_per_item_and_their_ratio():
+    numbers = pd.DataFrame({"scheme": ["A", "A", "B"], "log2": [0.2, -0.4, float("nan")]})
+    rows = [Row("item", "number", 2.0, 3.0, agrees="yes"), *distance_rows(numbers, {("A",): 0.35})]
+    table = make_table(rows).set_index("item")
+    assert table.loc["item", "ratio"] == 1.5
+    median = table.loc["median |log2 ratio|, A"]
+    assert (round(median["reproduced"], 12), median["agrees"]) == (0.3, "yes")
+    assert median["why"] == "over 2 of 2 numbers, a factor of 1.23; agreement: at most 0.35"
+    incomplete = next(iter(distance_rows(numbers, {("A", "B"): 0.35})))
+    assert incomplete.agrees == "missing"
+
+
+def test_sections_without_anything_to_tell_are_left_out():
+    complete = pd.DataFrame({"table": [1], "scheme": ["A"], "reproduced": [1.0]})
+    assert missing_section(complete, []) == []
+    lacking = complete.assign(reproduced=float("nan"))
+    assert missing_section(lacking, [])[-1] == Bullets(["Published numbers: Table 1 A."])
+    assert count_verdicts([]) == ""
+
+
+def test_consistency_is_told_per_scheme():
+    table = pd.DataFrame(
+        {
+            "scheme": ["A", "A"],
+            "nees": [0.9, 1.2],
+            "nis": [float("nan")] * 2,
+            "verdict": ["mixed"] * 2,
+        }
+    )
+    *_, text, grid = consistency_section(table, ["A"], {"nees": 4.0, "nis": 2.0})
+    assert text.text.startswith("Mean NEES over 4 and mean NIS over 2 in each cell")
+    assert grid.rows == [["A", "0.9 to 1.2", "–", "mixed 2"]]
