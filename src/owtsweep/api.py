@@ -34,8 +34,7 @@ def run(overrides: Sequence[str] = ()) -> Run:
     InputError
         If the overrides are wrong; nothing has been written then.
     """
-    from owtsweep.config import compose
-    from owtsweep.studies import get_study
+    from owtsweep.studies import compose, get_study
     from owtsweep.sweep.run import sweep
 
     config = compose(overrides)

@@ -13,9 +13,10 @@ from scipy.optimize import lsq_linear
 from tools import Array, assert_same, configure, measured, rows_of
 
 from dense import whitener
-from owtsweep.config import as_mapping, compose, load
+from owtsweep.config import as_mapping, load
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
+from owtsweep.studies import compose
 from owtsweep.studies.hub import HubStudy, window
 from owtsweep.studies.hub.blocks import plan
 from owtsweep.studies.hub.config import HubConfig

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from owtsweep.cli import DONE
-from owtsweep.config import compose
 from owtsweep.errors import InputError
+from owtsweep.studies import compose
 
 STUDY = "hub"
 

@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from owtsweep.cli import BAD_INPUT, DONE, FAILED, same_command
-from owtsweep.config import Config, compose, dump
+from owtsweep.config import Config, dump
 from owtsweep.errors import InputError
 from owtsweep.memory import keep_freed_memory
+from owtsweep.studies import compose
 
 if TYPE_CHECKING:
     from owtsweep.sweep.run import Outcome

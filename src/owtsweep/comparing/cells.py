@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from owtsweep.config import require
+from owtsweep.config import changed, require
 from owtsweep.results import aggregate
 from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.config import HubConfig
@@ -94,8 +94,8 @@ def best_of(run: Candidate, values: pd.DataFrame, shared: Common) -> pd.DataFram
     from owtsweep.studies.hub.expected.answers import best_scheme
 
     rows = run.rows[run.rows["natural_period"].isin(shared.natural_periods)]
-    grid = replace(config.grid, amplitude=shared.amplitudes)
-    return best_scheme(replace(config, grid=grid), rows, shared.schemes, [shared.criterion])
+    grid = changed(config.grid, amplitude=shared.amplitudes)
+    return best_scheme(changed(config, grid=grid), rows, shared.schemes, [shared.criterion])
 
 
 def values_of(run: Candidate, shared: Common) -> pd.DataFrame:

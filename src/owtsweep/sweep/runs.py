@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep import config as configuration
 from owtsweep import studies
 from owtsweep.config import Config, require
 from owtsweep.errors import InputError
@@ -162,5 +161,5 @@ def load(path: str | Path) -> Run:
     folder = Path(path)
     file = folder / "config.yaml"
     require(file.is_file(), f"{folder}: there is no config.yaml in it; name the folder of a run")
-    config = configuration.load(file)
+    config = studies.load_config(file)
     return Run(folder, config, studies.get_study(config.study))

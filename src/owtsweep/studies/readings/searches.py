@@ -85,10 +85,9 @@ def tuning_values(name: str) -> dict[str, Any]:
     """The dotted keys that a tuning file sets."""
     from omegaconf import OmegaConf
 
+    options = group_options(conf_directory(), "tuning")
+    require(name in options, f"tuning: there is no {name!r}; use {' or '.join(options)}")
     path = conf_directory() / "tuning" / f"{name}.yaml"
-    require(
-        path.is_file(), f"tuning: there is no {name!r}; use {' or '.join(group_options('tuning'))}"
-    )
     return dict(_flat(OmegaConf.to_container(OmegaConf.load(path))))
 
 

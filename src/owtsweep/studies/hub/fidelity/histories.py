@@ -6,11 +6,12 @@ They take everything but the natural period from the run's own configuration.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
@@ -102,8 +103,8 @@ def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Ar
 
 def true_bias_state(config: HubConfig, replicate: int) -> Array:
     """x4 = -R b + g of Eq. (6) over a record, (steps, 2) in NED, m/s^2."""
-    quiet = replace(config.sensors, imu=replace(config.sensors.imu, sigma=0.0))
-    records = make_records(replace(config, sensors=quiet), NATURAL_PERIOD, [replicate])
+    quiet = changed(config.sensors, imu=changed(config.sensors.imu, sigma=0.0))
+    records = make_records(changed(config, sensors=quiet), NATURAL_PERIOD, [replicate])
     # Without white noise the specific force of the noise part is b - R' g.
     bias: Array = -records.noise[0].specific_force @ records.sensors.rotation.T
     return bias
