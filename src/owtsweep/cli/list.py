@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
 
 from owtsweep.cli import DONE
@@ -49,8 +50,8 @@ def _print_choices(study: str, tree: Tree) -> None:
 
 
 def _purpose(study: str) -> str:
-    """The first sentence of what a study's class says of itself."""
-    lines = (type(get_study(study)).__doc__ or "").strip().splitlines()
+    """The first line of what a study's module says of itself."""
+    lines = (sys.modules[type(get_study(study)).__module__].__doc__ or "").splitlines()
     return lines[0] if lines else ""
 
 

@@ -64,7 +64,7 @@ def _numbers(entry: Mapping[Any, Any]) -> list[float]:
     except (TypeError, ValueError):
         raise ValueError(f"{{{shown}}} is no entry of an axis; use a number, {ENTRY}") from None
     if not 2 <= points <= MOST_POINTS:
-        raise ValueError(f"{{{shown}}} has {points} points; give 2 to {MOST_POINTS}")
+        raise ValueError(f"{{{shown}}} has a count of {points}; give 2 to {MOST_POINTS}")
     if not (math.isfinite(first) and math.isfinite(last)):
         raise ValueError(f"{{{shown}}} needs finite ends")
     if first >= last:

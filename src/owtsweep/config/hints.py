@@ -41,4 +41,4 @@ def unknown_key(key: str, keys: Sequence[str]) -> str:
 def did_you_mean(name: str, names: Sequence[str]) -> str:
     """The nearest name, if any is near, and all names."""
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
-    return (f"did you mean {near[0]}? " if near else "") + f"There are {', '.join(names)}"
+    return (f"did you mean {near[0]}? There" if near else "there") + f" are {', '.join(names)}"
