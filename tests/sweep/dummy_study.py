@@ -20,8 +20,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from owtsweep.config import Compute, Config, Section, changed, key, typed
-from owtsweep.config.axes import Axis
+from owtsweep.config import Axis, Compute, Config, Section, changed, key, typed
 from owtsweep.sweep.study import FAILED, OK, Block
 
 

@@ -216,7 +216,7 @@ def _through_hydra(job: Any, options: argparse.Namespace, folder: Path, located:
     from omegaconf.errors import OmegaConfBaseException
 
     settings = [
-        f"results={folder}",
+        f"++results={folder}",
         f"hydra.sweep.dir={folder}",
         "hydra.sweep.subdir=.",
         f"hydra.run.dir={folder}",

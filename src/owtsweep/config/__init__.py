@@ -4,17 +4,22 @@ This room knows no study. `owtsweep.studies` finds a study's tree and its model 
 together; from then on nobody looks at OmegaConf objects again.
 """
 
+from owtsweep.config.axes import Axis
 from owtsweep.config.checks import require
 from owtsweep.config.common import Compute, Config
 from owtsweep.config.composition import Tree, compose_plain, conf_directory, group_options
 from owtsweep.config.identity import as_mapping
-from owtsweep.config.section import Section, key
+from owtsweep.config.section import Finite, NotNegative, Positive, Section, key
 from owtsweep.config.stored import dump
 from owtsweep.config.typed import changed, checked, typed, with_values
 
 __all__ = [
+    "Axis",
     "Compute",
     "Config",
+    "Finite",
+    "NotNegative",
+    "Positive",
     "Section",
     "Tree",
     "as_mapping",

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic.fields import FieldInfo
 
 ENTRY = "{log: [first, last, count]} or {linear: [first, last, count]}"
 #: What fits a machine: more points are a slip.
@@ -45,6 +46,11 @@ T = TypeVar("T")
 Axis = Annotated[
     list[T], Field(min_length=1), BeforeValidator(expand), AfterValidator(require_distinct)
 ]
+
+
+def is_axis(field: FieldInfo) -> bool:
+    """Whether a field is an axis."""
+    return any(getattr(mark, "func", None) is expand for mark in field.metadata)
 
 
 def _numbers(entry: Mapping[Any, Any]) -> list[float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,8 @@ from typing import Any
 from owtsweep.config.checks import require
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import in_one_line
-from owtsweep.config.stored import resolved
+from owtsweep.config.section import bare_type, is_section
+from owtsweep.config.stored import read, resolved
 from owtsweep.errors import InputError
 
 #: Trees of further studies lie in conf/studies/<name>/: no config group of the tree above them.
@@ -33,6 +34,39 @@ class Tree:
     def options(self, group: str) -> list[str]:
         """The names of a group's files."""
         return group_options(self.folder, group)
+
+    def admit(self, overrides: Sequence[str]) -> list[str]:
+        """Overrides as Hydra takes them: `++` before a key that the files leave to the model.
+
+        A tree need not list a key that has a default in the model; Hydra would refuse it then.
+        """
+        listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
+        left = {key for key in _keys_with_default(self.model) if not _holds(listed, key)}
+        keys = [override.partition("=")[0] for override in overrides]
+        groups = set(self.groups())
+        return [
+            f"++{override}" if key in left and key.partition(".")[0] not in groups else override
+            for key, override in zip(keys, overrides, strict=True)
+        ]
+
+
+def _keys_with_default(model: Any, prefix: str = "", *, within: bool = False) -> Iterator[str]:
+    """Dotted keys that may be missing; `within` a section that may be missing all may."""
+    for name, field in model.model_fields.items():
+        missing = within or not field.is_required()
+        if missing:
+            yield f"{prefix}{name}"
+        if is_section(kind := bare_type(field.annotation)):
+            yield from _keys_with_default(kind, f"{prefix}{name}.", within=missing)
+
+
+def _holds(mapping: Any, key: str) -> bool:
+    """Whether nested mappings hold a dotted key."""
+    for part in key.split("."):
+        if not isinstance(mapping, dict) or part not in mapping:
+            return False
+        mapping = mapping[part]
+    return True
 
 
 def conf_directory() -> Path:

@@ -10,8 +10,8 @@ from pydantic.fields import FieldInfo
 
 #: Numbers by what they can be. A field's own bounds go into `key(..., ge=1)`.
 Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 #: How messages and docs/configuration.md name a type.
 TYPE_NAMES = {bool: "true or false", str: "text", int: "a whole number", float: "a number"}

@@ -21,8 +21,8 @@ def dump(config: Config) -> str:
     return OmegaConf.to_yaml(OmegaConf.create(as_plain(config)))
 
 
-def read(path: Path) -> dict[str, Any]:
-    """The plain data of a config.yaml.
+def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
+    """The plain data of a YAML file, with interpolations replaced by their values unless told not.
 
     Raises
     ------
@@ -32,7 +32,7 @@ def read(path: Path) -> dict[str, Any]:
     from omegaconf import OmegaConf
 
     try:
-        return resolved(OmegaConf.load(path))
+        return resolved(OmegaConf.load(path), resolve=resolve)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     except Exception as error:  # the YAML library's own errors have no common, typed base
@@ -55,7 +55,7 @@ def load(path: Path, model: type[C]) -> C:
         raise InputError(f"{path}: {error}") from error
 
 
-def resolved(mapping: Any) -> dict[str, Any]:
+def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
     """Plain data of an OmegaConf object or of a mapping, interpolations replaced by their values.
 
     Raises
@@ -68,7 +68,7 @@ def resolved(mapping: Any) -> dict[str, Any]:
 
     try:
         loaded = mapping if OmegaConf.is_config(mapping) else OmegaConf.create(dict(mapping))
-        plain = OmegaConf.to_container(loaded, resolve=True)
+        plain = OmegaConf.to_container(loaded, resolve=resolve)
     except OmegaConfBaseException as error:
         raise InputError(in_one_line(error)) from error
     if not isinstance(plain, dict):

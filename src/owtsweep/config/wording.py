@@ -70,7 +70,7 @@ def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: st
             return f"{number} {told}"
         return f"{value:g} must be at least {f'{limit:g} {unit}'.strip()}"
     if kind in ("less_than", "less_than_equal"):
-        return f"{value:.3g} is more than {limit}; lower it"
+        return f"{value} is more than {limit}; lower it"
     return f"{value!r} cannot be taken ({kind.replace('_', ' ')})"
 
 

@@ -43,12 +43,14 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
     """
     name, others = _take_out_study(overrides)
     if name is None:
-        return Located(None, registry.tree_of(_default(primary)), others)
+        tree = registry.tree_of(_default(primary))
+        return Located(None, tree, tree.admit(others))
     entry = registry.find(name)
     _check_command(name, primary)
     given = {_key(other) for other in others}
     implied = [override for override in entry.implied if _key(override) not in given]
-    return Located(name, registry.tree_of(name), [*implied, *others])
+    tree = registry.tree_of(name)
+    return Located(name, tree, [*implied, *tree.admit(others)])
 
 
 def compose(

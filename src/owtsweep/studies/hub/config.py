@@ -7,9 +7,7 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from owtsweep.config import Config, Section, key
-from owtsweep.config.axes import Axis
-from owtsweep.config.section import Finite, NotNegative, Positive
+from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
 
 
 class Grid(Section):

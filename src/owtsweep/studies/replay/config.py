@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from owtsweep.config import Section, key, require
-from owtsweep.config.section import Positive
+from owtsweep.config import Positive, Section, key, require
 from owtsweep.studies.hub.config import Grid, HubConfig
 
 
