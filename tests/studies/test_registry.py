@@ -99,6 +99,7 @@ def test_studies_that_do_not_work_leave_the_others_alone(
         ("missing", r"ModuleNotFoundError: No module named 'no_such_module'"),
         ("lacking", r"it lacks .*config_type, .*schema_version"),
         ("renamed", r"it calls itself 'stranger'"),
+        ("untyped", r"its configuration is no Config"),
     ):
         told = rf"^study: '{name}' of the package broken-study does not work \({says}"
         with pytest.raises(InputError, match=told) as caught:
@@ -107,7 +108,7 @@ def test_studies_that_do_not_work_leave_the_others_alone(
     assert compose(["study=stranger"]).study == "stranger"
     assert main(["list"]) == 0
     out = capsys.readouterr().out
-    assert out.count("broken-study") == 3
+    assert out.count("broken-study") == 4
     assert "The stranger's own." in out
 
 

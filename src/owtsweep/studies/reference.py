@@ -19,9 +19,9 @@ Every key of every study. Set one by `key=value` on the command line, e.g.
 are in degrees.
 
 An *axis* is a list whose entries are numbers, `{log: [first, last, count]}` or
-`{linear: [first, last, count]}`: `grid.amplitude=[{log:[0.05,10,100]},20]` gives 100 amplitudes
-from 0.05 m to 10 m, each the same factor above the one before, and 20 m. Numbers between the ends
-are rounded to 12 digits. `config.yaml` stores the numbers.
+`{linear: [first, last, count]}`: `'grid.amplitude=[{log:[0.05,10,100]},20]'` (in quotes, because
+of the shell) gives 100 amplitudes from 0.05 m to 10 m, each the same factor above the one before,
+and 20 m. Numbers between the ends are rounded to 12 digits. `config.yaml` stores the numbers.
 
 This page is written by `python -m owtsweep.studies.reference docs/configuration.md`."""
 

@@ -16,7 +16,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config import Tree, conf_directory, require
+from owtsweep.config import Config, Tree, conf_directory, require
 from owtsweep.config.composition import TREES
 from owtsweep.config.hints import did_you_mean
 from owtsweep.errors import InputError, as_text
@@ -96,6 +96,8 @@ def get_study(name: str) -> Study:
         lacks = _lacks(study)
         require(not lacks, f"it lacks {', '.join(lacks)}")
         require(study.name == name, f"it calls itself {study.name!r}")
+        if entry.package:
+            require(issubclass(study.config_type(), Config), "its configuration is no Config")
     except (Exception, SystemExit) as error:  # whatever another package does while it loads
         if not entry.package:
             raise
