@@ -12,6 +12,7 @@ from types import SimpleNamespace
 from dummy_study import DummyStudy, make_config
 
 from owtsweep import cli, studies
+from owtsweep.cli import program
 from owtsweep.cli import sweep as command
 from owtsweep.config import changed
 from owtsweep.sweep import progress
@@ -27,7 +28,7 @@ if __name__ == "__main__":
         c = changed(c, compute=changed(c.compute, scheduler=scheduler[0]))
     study = DummyStudy(pause=float(seconds))
     studies.get_study = lambda name: study
-    cli.import_module = lambda name: SimpleNamespace(
+    program.import_module = lambda name: SimpleNamespace(
         run=lambda options, argv: command.run_one(c, ["sweep", "grid.note=two words"])
     )
     progress.make_progress = lambda quiet: progress.SilentProgress()
