@@ -87,7 +87,7 @@ def _stages(run: Run) -> dict[str, list[float]]:
     _, writing = timed(write)
     stored, after = timed(status)
     (frame, lacking), reading = timed(run.stored)
-    _, aggregating = timed(lambda: run.study.aggregate(run.config, frame))
+    _, aggregating = timed(lambda: run.engine.tables(run.config, frame))
     assert set(missing) == {"missing"}
     assert set(stored) == {"done"}
     assert not lacking
@@ -102,7 +102,7 @@ def _stages(run: Run) -> dict[str, list[float]]:
 def _rows(run: Run, block: Any, random: np.random.Generator) -> Any:
     if run.study.name == "hub":
         return made_up_rows(block.content, random)
-    return next(run.study.run(run.config, [block]))[1]
+    return next(run.engine.run(run.config, [block]))[1]
 
 
 def _whole_sweep(place: Path, repeats: int) -> list[dict[str, Any]]:

@@ -36,9 +36,16 @@ class BulkStudy:
     name = "bulk"
     schema_version = 1
     numerics_version = 1
+    samples = True
 
     def config_type(self) -> type[Config]:
         return BulkConfig
+
+    def conditions(self, config: BulkConfig) -> tuple[()]:
+        return ()
+
+    def engine(self, config: BulkConfig) -> BulkStudy:
+        return self
 
     def plan(self, config: BulkConfig) -> list[Block]:
         """Per group one block of each scheme, as in the hub study."""
@@ -80,19 +87,19 @@ class BulkStudy:
     def sort_columns(self) -> list[str]:
         return ["scheme", "replicate"]
 
-    def aggregate(self, config: BulkConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    def tables(self, config: BulkConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """The exact sum of every scheme and how many cases it has."""
         groups = rows.groupby("scheme", as_index=False, observed=True)["value"]
         return {"summary": groups.agg(["sum", "count"])}
 
-    def overview(self) -> str:
+    def overview(self, config: BulkConfig) -> str:
         return "none"
 
     def terminal(self, config: Any, tables: Any) -> Any:
         return ""
 
-    def draw(self, *arguments: Any, **options: Any) -> list[Path]:
-        return []
+    def drawings(self, *arguments: Any) -> dict[str, Any]:
+        return {}
 
 
 def value(scheme: str, replicate: np.ndarray) -> np.ndarray:

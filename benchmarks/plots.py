@@ -70,14 +70,14 @@ def _kernels(found: dict[str, Any]) -> Any:
 
 def _breakdown(found: dict[str, Any]) -> Any:
     """Core-milliseconds per replicate, by part."""
-    from owtsweep.figures.palette import FIXED
     from owtsweep.figures.style import new_figure
+    from owtsweep.studies.hub.looks import LOOKS
 
     rows = found["breakdown"]
     figure = new_figure(9.0, 2.9)
     ax = figure.subplots()
     colors = [
-        FIXED[name].color if (name := row["part"].split(":")[0]) in FIXED else "0.6" for row in rows
+        LOOKS[name].color if (name := row["part"].split(":")[0]) in LOOKS else "0.6" for row in rows
     ]
     values = [row["ms"] for row in rows]
     bars = ax.barh([row["part"] for row in rows], values, color=colors)

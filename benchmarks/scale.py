@@ -27,7 +27,7 @@ from owtsweep.studies import compose, get_study
 from owtsweep.sweep.plan import count_cases, make_plan
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.runs import Run
+from owtsweep.sweep.runs import Results, Run
 from owtsweep.sweep.shard import encode
 
 
@@ -100,9 +100,9 @@ def hub(replicates: int) -> dict[str, Any]:
             rows, missing = run.stored()
         assert rows is not None
         with clock.stage("aggregate"):
-            tables = study.aggregate(config, rows)
+            tables = run.engine.tables(config, rows)
         with clock.stage("map"):
-            files = study.draw(config, tables, rows, Path(folder), only=study.overview())
+            files = run.draw(run.engine.overview(config), Results(rows, tables))
         correct = done == len(plan) and not missing and len(files) > 0
         correct &= set(tables["summary"]["n"]) == {replicates}
     return {

@@ -2,10 +2,11 @@
 
     sensor_logger | python examples/online_from_pipe.py HME1 tuning=matched > estimates.csv
 
-One line in per IMU sample: time, fx, fy (s; m/s^2 in the IMU's frame), with a fix also x, y (m, in
-NED), else nothing or two empty fields. One line out for each, at once: time, x, y, vx, vy and their
-standard deviations. Rates, delay, yaw and tuning come as overrides. Lines that start with # or with
-a column's name are skipped; any other bad line ends it with one line that names it, exit code 2.
+Input: one line per IMU sample: time, fx, fy (s; m/s^2 in the IMU's frame). With a fix, x and y
+follow (m, in NED); without one, nothing or two empty fields. Output: one line for each, at once:
+time, x, y, vx, vy and their standard deviations. Rates, delay, yaw and tuning are overrides. Lines
+that start with # or with "time" are skipped. Any other bad line ends the program with one line that
+names it and exit code 2.
 """
 
 import math
@@ -52,28 +53,29 @@ def main(arguments: list[str]) -> int:
 
 
 def parse(line: str) -> Sample:
-    """time, force and fix (or None) of a line.
+    """Time, force and fix (or None) of a line.
 
     Raises
     ------
     ValueError
-        If there are not three or five fields, or one of them is no number.
+        If the number of fields is not three or five, or a field is not a finite number.
     """
     fields = [field.strip() for field in line.split(",")]
     while len(fields) > 3 and not fields[-1]:
         fields.pop()
     if len(fields) not in (3, 5):
         raise ValueError(f"{len(fields)} fields; give time,fx,fy or time,fx,fy,x,y")
-    values = list(numbers(fields))
+    values = list(read_numbers(fields))
     return values[0], values[1:3], values[3:] or None
 
 
-def numbers(fields: list[str]) -> Iterator[float]:
+def read_numbers(fields: list[str]) -> Iterator[float]:
+    """The fields as finite numbers."""
     for field in fields:
         try:
             value = float(field)
         except ValueError:
-            raise ValueError(f"{field!r} is no number") from None
+            raise ValueError(f"{field!r} is not a number") from None
         if not math.isfinite(value):
             raise ValueError(f"{field!r} is not finite")
         yield value
@@ -82,6 +84,6 @@ def numbers(fields: list[str]) -> Iterator[float]:
 if __name__ == "__main__":
     try:
         sys.exit(main(sys.argv[1:]))
-    except (BrokenPipeError, KeyboardInterrupt):  # the reader has gone, or the watch is over
+    except (BrokenPipeError, KeyboardInterrupt):  # nobody reads the output, or the user stops it
         sys.stderr.close()
         sys.exit(130)

@@ -2,7 +2,7 @@
 
     python experiments/figure_04.py [RUN]
 
-draws it for a run that is there, or for the default study (which it runs or finishes first).
+RUN is the folder of a run. Without it, the default study is used, and run first if needed.
 """
 
 import sys

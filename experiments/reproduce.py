@@ -1,24 +1,28 @@
 """Everything behind docs/reproduction.md: the search, the runs, all figures, the reports.
 
-    python experiments/reproduce.py [REPLICATES]
+    python experiments/reproduce.py [REPLICATES] [--check]
 
-Runs what is missing below results/ (100 records per cell by default), draws and reports, and copies
-the small outputs to results/reference/. `make reproduce` calls it.
+Runs what is missing below results/ (100 records per cell by default), draws and reports. Then it
+says whether the small outputs agree with results/reference/, and to what, and copies there what
+does not. With --check everything is computed anew in a temporary folder, nothing is copied, and the
+exit code is 1 if something differs. `make reproduce` calls it.
 """
 
+import argparse
 import shutil
 import sys
+import tempfile
 from pathlib import Path
 
 from PIL import Image  # comes with matplotlib
 from PIL.PngImagePlugin import PngInfo
 
 import owtsweep
+from agreement import PROVENANCE, compare_folders, largest_difference
 from owtsweep.cli import main
 from owtsweep.figures import style
 from owtsweep.studies.hub.figures import two_maps
 
-REPLICATES = sys.argv[1] if len(sys.argv) > 1 else "100"
 REFERENCE = Path("results/reference")
 #: Run -> its overrides. `matched_on_paper` has the truth of `paper`: only the tuning differs.
 RUNS = {
@@ -47,7 +51,82 @@ KEPT = {
 }
 
 
-def step(*words: str) -> None:
+class Reproduction:
+    """Runs below one folder, and what differs between them and results/reference."""
+
+    def __init__(self, results: Path, replicates: str, *, check: bool) -> None:
+        self.results, self.replicates, self.check = results, replicates, check
+        self.differing: list[str] = []
+
+    def sweep(self, name: str, *overrides: str) -> None:
+        """Run one study under a name, or stop with its exit code."""
+        run_command("sweep", f"results={self.results}", f"name={name}", *overrides)
+
+    def report(self, name: str) -> None:
+        """Draw all figures of a run and hold it against the print."""
+        run_command("figures", str(self.results / name))
+        run_command("fidelity", str(self.results / name))
+
+    def keep(self, name: str) -> None:
+        """Compare a run's small outputs with results/reference/<name>; copy them if they differ."""
+        with tempfile.TemporaryDirectory() as folder:
+            made, kept = Path(folder), REFERENCE / name
+            for pattern in KEPT[name]:
+                for file in sorted((self.results / name).glob(pattern)):
+                    copy_small(file, made / file.name)
+            differences = compare_folders(made, kept)
+            self.tell(name, differences, largest_difference(made, kept))
+            if differences and not self.check:
+                kept.mkdir(parents=True, exist_ok=True)
+                for file in differences:
+                    (kept / file).unlink(missing_ok=True)
+                for file in {*differences, *PROVENANCE}:
+                    if (made / file).is_file():
+                        shutil.copy(made / file, kept / file)
+
+    def keep_picture(self, file: Path) -> None:
+        """The same for one picture of several runs."""
+        with tempfile.TemporaryDirectory() as folder:
+            made, kept = Path(folder) / "made", Path(folder) / "kept"
+            for target in (made, kept):
+                target.mkdir()
+            copy_small(file, made / file.name)
+            if (REFERENCE / file.name).is_file():
+                shutil.copy(REFERENCE / file.name, kept)
+            differences = compare_folders(made, kept)
+            self.tell(file.name, differences, 0.0)
+            if differences and not self.check:
+                shutil.copy(made / file.name, REFERENCE / file.name)
+
+    def tell(self, name: str, differences: dict[str, str], largest: float) -> None:
+        """Print whether a part of the reference was met, and remember what was not."""
+        if not differences:
+            exact = "to the last digit" if largest == 0.0 else f"to {largest:.1e}"
+            print(f"{name}: agrees with {REFERENCE / name}, numbers {exact}", flush=True)
+        for file, text in differences.items():
+            print(f"{name}: {file} {text}", flush=True)
+        self.differing += [f"{name}/{file}" for file in differences]
+
+    def make_all(self) -> None:
+        """The search, the runs, the ablations, and the two maps side by side."""
+        self.sweep("readings", "experiment=readings")
+        self.keep("readings")
+        for name, overrides in RUNS.items():
+            self.sweep(name, f"grid.replicates={self.replicates}", *overrides)
+            self.report(name)
+            self.keep(name)
+        for name, overrides in ABLATIONS.items():
+            words = ["experiment=paper", "schemes=[HME1,HME2]"]
+            self.sweep(name, *words, f"grid.replicates={self.replicates}", *overrides)
+            self.keep(name)
+        paper, matched = (owtsweep.load(self.results / n) for n in ("paper", "matched_on_paper"))
+        metadata = {"paper": paper.hash, "matched": matched.hash}
+        figure = two_maps.draw(paper, matched)
+        png, _ = style.save(figure, self.results, "two_maps", metadata)
+        self.keep_picture(png)
+
+
+def run_command(*words: str) -> None:
     """Run one command of the program, or stop with its exit code."""
     print("$ python -m owtsweep", *words, flush=True)
     code = main(list(words))
@@ -55,21 +134,11 @@ def step(*words: str) -> None:
         sys.exit(code)
 
 
-def keep(run: Path, name: str) -> None:
-    """Copy a run's small outputs to results/reference/<name>, pictures with fewer colours."""
-    target = REFERENCE / name
-    shutil.rmtree(target, ignore_errors=True)
-    target.mkdir(parents=True)
-    for pattern in KEPT[name]:
-        for file in sorted(run.glob(pattern)):
-            if file.suffix == ".png":
-                shrink(file, target / file.name)
-            else:
-                shutil.copy(file, target / file.name)
-
-
-def shrink(source: Path, target: Path) -> None:
-    """Write a PNG with a palette and its metadata: a third of the size, the same to the eye."""
+def copy_small(source: Path, target: Path) -> None:
+    """Copy a file; a PNG gets a palette: a third of the size, the same to the eye."""
+    if source.suffix != ".png":
+        shutil.copy(source, target)
+        return
     picture = Image.open(source)
     notes = PngInfo()
     for key, value in picture.info.items():
@@ -79,19 +148,14 @@ def shrink(source: Path, target: Path) -> None:
     small.save(target, optimize=True, pnginfo=notes)
 
 
-step("sweep", "experiment=readings", "name=readings")
-keep(Path("results/readings"), "readings")
-for name, overrides in RUNS.items():
-    step("sweep", f"grid.replicates={REPLICATES}", *overrides, f"name={name}")
-    step("figures", f"results/{name}")
-    step("fidelity", f"results/{name}")
-    keep(Path(f"results/{name}"), name)
-for name, overrides in ABLATIONS.items():
-    words = ["experiment=paper", "schemes=[HME1,HME2]", f"grid.replicates={REPLICATES}"]
-    step("sweep", *words, *overrides, f"name={name}")
-    keep(Path(f"results/{name}"), name)
-paper, matched = (owtsweep.load(f"results/{name}") for name in ("paper", "matched_on_paper"))
-figure = two_maps.draw(paper, matched)
-metadata = {"paper": paper.hash, "matched": matched.hash}
-png, _ = style.save(figure, Path("results"), "two_maps", metadata)
-shrink(png, REFERENCE / "two_maps.png")
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description="Make everything behind docs/reproduction.md.")
+    parser.add_argument("replicates", nargs="?", default="100", help="records per cell")
+    parser.add_argument("--check", action="store_true", help="compute anew, compare, copy nothing")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as scratch:
+        results = Path(scratch) if options.check else Path("results")
+        reproduction = Reproduction(results, options.replicates, check=options.check)
+        reproduction.make_all()
+    if options.check and reproduction.differing:
+        sys.exit(f"{len(reproduction.differing)} files differ: {', '.join(reproduction.differing)}")

@@ -1,8 +1,9 @@
-"""The best-scheme maps of two tunings side by side, with the HME1/HME2 boundary and its reasons.
+"""The best-scheme maps of two tunings side by side, with the HME1/HME2 boundary and its causes.
 
     python experiments/two_maps.py PAPER_RUN MATCHED_RUN [FILE_STEM]
 
-draws them for two runs that are there, into FILE_STEM.png and .svg (default: two_maps, here).
+draws them for the runs in two folders, into FILE_STEM.png and .svg (default: two_maps in the
+current folder).
 """
 
 import sys

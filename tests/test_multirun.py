@@ -77,7 +77,7 @@ def test_failed_runs_are_listed_with_the_command_that_retries_just_them(capsys):
 
 
 def test_an_unexpected_exception_in_one_run_leaves_the_others(capsys, monkeypatch):
-    command = importlib.import_module("owtsweep.cli.sweep")
+    command = importlib.import_module("owtsweep.cli.multirun")
     original = command.run_one
 
     def run_one(config, argv):
@@ -109,7 +109,7 @@ def test_a_refused_run_is_told_apart(capsys):
 
 
 def test_an_interrupt_tells_what_is_done(capsys, monkeypatch):
-    command = importlib.import_module("owtsweep.cli.sweep")
+    command = importlib.import_module("owtsweep.cli.multirun")
     original = command.run_one
 
     def run_one(config, argv):

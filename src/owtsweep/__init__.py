@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from owtsweep.api import load, replay, run
     from owtsweep.errors import InputError
-    from owtsweep.studies.hub.contract import Estimate, Innovation
+    from owtsweep.evaluation.estimate import Estimate, Innovation
     from owtsweep.studies.hub.online import online
     from owtsweep.sweep.runs import Run
 
@@ -22,9 +22,9 @@ __all__ = [
 ]  # fmt: skip
 
 _HOMES = {
-    "Estimate": "owtsweep.studies.hub.contract",
+    "Estimate": "owtsweep.evaluation.estimate",
     "InputError": "owtsweep.errors",
-    "Innovation": "owtsweep.studies.hub.contract",
+    "Innovation": "owtsweep.evaluation.estimate",
     "Run": "owtsweep.sweep.runs",
     "load": "owtsweep.api",
     "online": "owtsweep.studies.hub.online",

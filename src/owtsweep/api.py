@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep.sweep.runs import load
+from owtsweep import studies
+from owtsweep.errors import InputError
+from owtsweep.sweep.runs import Run
 
 if TYPE_CHECKING:
     from owtsweep.studies.replay.result import Replay
-    from owtsweep.sweep.runs import Run
 
 __all__ = ["load", "replay", "run"]
 
@@ -27,18 +29,34 @@ def run(overrides: Sequence[str] = ()) -> Run:
     -------
     Run
         With its `config`, `cases()`, `summary()` and `best_scheme()`. Failed cases stand among
-        its cases with the status "failed" and a reason.
+        its cases with the status "failed" and a reason; those that their scheme cannot work out
+        have the status "unable".
 
     Raises
     ------
     InputError
         If the overrides are wrong; nothing has been written then.
     """
-    from owtsweep.studies import compose, get_study
     from owtsweep.sweep.run import sweep
 
-    config = compose(overrides)
-    return sweep(get_study(config.study), config).run
+    config = studies.compose(overrides)
+    return sweep(studies.get_study(config.study), config).run
+
+
+def load(path: str | PathLike[str]) -> Run:
+    """Open the run in a folder.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no run, or one that this version cannot read.
+    """
+    folder = Path(path)
+    file = folder / "config.yaml"
+    if not file.is_file():
+        raise InputError(f"{folder}: there is no config.yaml in it; name the folder of a run")
+    config = studies.load_config(file)
+    return Run(folder, config, studies.get_study(config.study))
 
 
 def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] = ()) -> Replay:

@@ -2,13 +2,13 @@
 
 
 class InputError(ValueError):
-    """Bad input: one line that names the argument, says what is wrong and what would work.
+    """Bad input. The message is one line: the argument, what is wrong, what would work.
 
-    The command line prints it without a traceback and exits with code 2; nothing has been
-    written by then.
+    The command line prints it without a traceback and exits with code 2, before anything is
+    written.
     """
 
 
 def as_text(error: BaseException) -> str:
-    """Any exception's type and message in one line."""
+    """Type and message of an exception, in one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from owtsweep.studies.hub.contract import Estimate, Scheme, Sensors
+    from owtsweep.evaluation.estimate import Estimate
+    from owtsweep.studies.hub.contract import Scheme, Sensors
 
     Array = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from types import SimpleNamespace
 
 from dummy_study import DummyStudy, make_config
 
-from owtsweep import cli, studies
+from owtsweep import studies
 from owtsweep.cli import program
-from owtsweep.cli import sweep as command
+from owtsweep.cli import running as command
 from owtsweep.config import changed
 from owtsweep.sweep import progress
 
@@ -32,5 +32,5 @@ if __name__ == "__main__":
         run=lambda options, argv: command.run_one(c, ["sweep", "grid.note=two words"])
     )
     progress.make_progress = lambda quiet: progress.SilentProgress()
-    code = cli.main(["sweep", "grid.note=two words"])
+    code = program.main(["sweep", "grid.note=two words"])
     sys.exit(code)

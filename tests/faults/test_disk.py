@@ -12,7 +12,7 @@ import pytest
 from fault_tools import content
 
 from owtsweep import studies
-from owtsweep.cli import sweep as command
+from owtsweep.cli import running as command
 from owtsweep.errors import InputError
 from owtsweep.io import files
 from owtsweep.sweep.keys import run_folder

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from owtsweep.studies.hub.contract import Estimate
+from owtsweep.evaluation.estimate import Estimate
 
 
 class Failing:

@@ -48,7 +48,7 @@ def with_outlier(config: HubConfig) -> tuple[Measurements, Array, Sensors]:
 def run(config: HubConfig, data: Measurements, known: Sensors, *, fast: bool = True) -> Array:
     scheme = under(resolve("HME2"), config)
     estimator = (scheme.stream if fast else scheme.start)(known, config)  # type: ignore
-    return run_estimator(estimator, data, known).state
+    return run_estimator(estimator, *data, known.fix_interval).state
 
 
 @pytest.mark.parametrize("arrival", ["none", "mkf"])
@@ -73,7 +73,7 @@ def test_a_bound_that_nothing_reaches_changes_no_bit() -> None:
     assert not scheme.linear
     assert not hasattr(scheme, "kernel")
     estimator = scheme.stream(known, far)  # type: ignore[attr-defined]
-    found = run_estimator(estimator, data, known).state
+    found = run_estimator(estimator, *data, known.fix_interval).state
     assert estimator.solved == 0
     np.testing.assert_array_equal(found, run(configure(*base), data, known))
     reference = run(far, data, known, fast=False)
@@ -91,7 +91,7 @@ def test_the_compiled_form_is_the_reference(arrival: str, bound: str) -> None:
     data.fixes[23] = np.nan
     scheme = under(resolve("HME2"), config)
     estimator = scheme.stream(known, config)  # type: ignore[attr-defined]
-    found = run_estimator(estimator, data, known).state
+    found = run_estimator(estimator, *data, known.fix_interval).state
     assert estimator.solved > 0
     assert_same(found, run(config, data, known, fast=False), "estimate")
 
@@ -191,7 +191,7 @@ def test_a_sweep_runs_it_directly_and_says_so(caplog: pytest.LogCaptureFixture) 
         "MKF, 4 s, replicate 0", "HME2, 4 s, replicate 0, 0.1 m", "HME2, 4 s, replicate 0, 2 m",
     ]  # fmt: skip
     with caplog.at_level(logging.WARNING):
-        assert HubStudy().backend(bound) == "loky"
+        assert HubStudy().engine(bound).backend(bound) == "loky"
     assert [record.message for record in caplog.records] == [
         "HME2: its constraints leave no kernel that serves all amplitudes; it runs step by step, "
         "amplitude by amplitude"

@@ -10,7 +10,7 @@ import pytest
 from hold_last_fix import HoldLastFix, HoldLastFixEstimator
 from tools import configure
 
-from owtsweep.studies.hub.contract import Estimate, Innovation
+from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.testing import check_scheme, example_sensors
 

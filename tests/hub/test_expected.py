@@ -262,11 +262,11 @@ def test_tables_keep_their_columns(tmp_path: Path) -> None:
     assert (summary["n"] == 0).all()
     assert summary["ci_low"].isna().all()
     assert not (found.best_scheme()["best"] == "EKF").any()  # it coincides with MKF
-    study = HubStudy()
-    assert {block.content["scheme"] for block in study.plan(found.config)} == set(SCHEMES)  # type: ignore[arg-type]
-    figures = found.draw(study.overview())
+    engine = HubStudy().engine(found.config)
+    assert {block.content["scheme"] for block in engine.plan(found.config)} == set(SCHEMES)
+    figures = found.draw(engine.overview(found.config))
     assert [file.suffix for file in figures] == [".png", ".svg"]
-    with pytest.raises(InputError, match=r"^only: an expected study has no figure 'figure_03"):
+    with pytest.raises(InputError, match=r"^only: this run has no figure 'figure_03"):
         found.draw("figure_03_record")
 
 

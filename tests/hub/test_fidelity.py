@@ -18,7 +18,7 @@ from tools import configure
 import owtsweep
 import owtsweep.api
 from owtsweep.cli import main
-from owtsweep.studies.hub import batch
+from owtsweep.studies.hub import HubStudy, batch
 from owtsweep.studies.hub.fidelity import boundaries, consistency, histories, reasons
 from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, PERIODS, SCHEMES, Cell, Evidence
 from owtsweep.studies.hub.fidelity.history_statements import HISTORY_STATEMENTS
@@ -28,6 +28,7 @@ from owtsweep.studies.hub.fidelity.statements import STATEMENTS
 from owtsweep.studies.hub.fidelity.summaries import fidelity_table
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
+from owtsweep.sweep.runs import Run
 from owtsweep.verdicts import judgement
 from owtsweep.verdicts.inference import (
     MISSING,
@@ -618,8 +619,8 @@ def test_other_folders_are_refused_in_one_line(tmp_path, monkeypatch, capsys):
     assert "study 'blade'" in error
     failed = pd.DataFrame({"status": ["failed"]})
     config = configure()
-    study = SimpleNamespace(name="hub")
-    broken = SimpleNamespace(folder=tmp_path, config=config, study=study, cases=lambda: failed)
+    broken = Run(tmp_path, config, HubStudy())
+    monkeypatch.setattr(Run, "cases", lambda run: failed)
     monkeypatch.setattr(owtsweep.api, "load", lambda path: broken)
     assert main(["fidelity", str(tmp_path)]) == 2
     assert "no case of this run has succeeded" in capsys.readouterr().err

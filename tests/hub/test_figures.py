@@ -1,14 +1,12 @@
-"""Figures, terminal map and palette: what they show is what the tables hold."""
+"""Figures and terminal map: what they show is what the tables hold."""
 
 from __future__ import annotations
 
-import html
 import io
 import itertools
 import math
 from types import SimpleNamespace
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
@@ -18,10 +16,11 @@ from rich.console import Console
 
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, style, terminal
-from owtsweep.figures.palette import FIXED, relative_luminance, style_of
+from owtsweep.figures.drawings import draw_each
 from owtsweep.results import aggregate
 from owtsweep.studies.hub import published
-from owtsweep.studies.hub.figures import draw_all, mse_over_amplitude
+from owtsweep.studies.hub.figures import drawings, mse_over_amplitude
+from owtsweep.studies.hub.looks import LOOKS
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
 
@@ -100,7 +99,7 @@ def test_map_colours_and_hatches_every_cell_as_the_table_says(periods, amplitude
     assert len(colours) == len(table)
     for row in table.to_dict("records"):
         place = periods.index(row["natural_period"]), amplitudes.index(row["amplitude"])
-        expected = FIXED[row["best"]].color.lower()
+        expected = LOOKS[row["best"]].color.lower()
         assert to_hex(colours[place].get_facecolor()) == expected
         assert (place in hatches) == (not row["distinguishable"])
     shown = texts(figure)
@@ -184,38 +183,6 @@ def test_mse_figure_survives_intervals_that_reach_zero(tmp_path, relative_margin
     assert "cut at 0.1 of the mean" in texts(figure)
 
 
-def test_saved_files_are_small_reproducible_and_know_their_run(tmp_path, monkeypatch):
-    monkeypatch.setitem(mpl.rcParams, "font.size", 7.0)  # a setting of the user's
-    table = best_table([3.0, 4.0, 5.0, 6.0, 7.0, 8.0], [0.05, 0.2, 1.0, 10.0])
-    before = dict(mpl.rcParams)
-    saved = []
-    for folder in ("one", "other"):
-        figure = best_scheme_map.draw(table, SCHEMES, window="full", tuning="paper")
-        saved.append(style.save(figure, tmp_path / folder, "map", {"run": "3f2a"}))
-    assert dict(mpl.rcParams) == before
-    for one, other in zip(*saved, strict=True):
-        assert one.read_bytes() == other.read_bytes()
-    png, svg = saved[0]
-    assert (png.name, svg.name) == ("map.png", "map.svg")
-    assert b"run\x003f2a" in png.read_bytes()
-    text = svg.read_text(encoding="utf-8")
-    assert '{"run": "3f2a"}' in html.unescape(text)
-    assert "<dc:date>" not in text
-    assert svg.stat().st_size < 500 * 1024
-
-
-def test_a_large_svg_is_written_again_with_letters_as_text(tmp_path, monkeypatch):
-    figure = best_scheme_map.draw(
-        best_table([3.0, 4.0, 5.0], [0.2, 1.0]), SCHEMES, window="full", tuning="paper"
-    )
-    _, outlined = style.save(figure, tmp_path, "outlined")
-    assert "<text" not in outlined.read_text(encoding="utf-8")
-    monkeypatch.setattr(style, "SVG_LIMIT", outlined.stat().st_size - 1)
-    _, written = style.save(figure, tmp_path, "written")
-    assert "<text" in written.read_text(encoding="utf-8")
-    assert written.stat().st_size < outlined.stat().st_size
-
-
 def run_rows(schemes, periods) -> pd.DataFrame:
     """The rows of a run whose EKF and MKF coincide, with one failed case."""
     rows = []
@@ -246,7 +213,7 @@ def run_rows(schemes, periods) -> pd.DataFrame:
 
 @pytest.fixture
 def run(monkeypatch):
-    """Arguments of `draw_all` for a small run."""
+    """Arguments of `drawings` for a small run."""
     periods, amplitudes = [4.0, 5.0], [0.2, 1.0]
     rows = run_rows(SCHEMES, periods)
     config = SimpleNamespace(
@@ -265,8 +232,8 @@ def run(monkeypatch):
     return config, tables, rows
 
 
-def test_draw_all_draws_everything_of_a_run(run, tmp_path):
-    files = draw_all(*run, tmp_path, metadata={"run": "3f2a"})
+def test_everything_of_a_run_is_drawn(run, tmp_path):
+    files = draw_each(drawings(*run, {"run": "3f2a"}), tmp_path, None)
     assert all(file.is_file() for file in files)
     assert {file.name for file in files} == {
         f"{stem}.{suffix}"
@@ -280,19 +247,19 @@ def test_draw_all_draws_everything_of_a_run(run, tmp_path):
     } | {"tables_6_to_9.csv", "tables_6_to_9.md"}
 
 
-def test_draw_all_draws_one_by_name(run, tmp_path, monkeypatch):
+def test_one_figure_is_drawn_by_name(run, tmp_path, monkeypatch):
     drawn = []
     monkeypatch.setattr(
         style, "save", lambda figure, *_: drawn.append(texts(figure)) or [tmp_path / "x.png"]
     )
-    assert draw_all(*run, tmp_path, only="figure_18_best_scheme") == [tmp_path / "x.png"]
+    assert draw_each(drawings(*run), tmp_path, "figure_18_best_scheme") == [tmp_path / "x.png"]
     assert "EKF = MKF (4 cells)" in drawn[0]
     assert "up to 3 records per cell" in drawn[0]
     assert "1 case failed" in drawn[0]
-    files = draw_all(*run, tmp_path, only="tables_6_to_9")
+    files = draw_each(drawings(*run), tmp_path, "tables_6_to_9")
     assert [file.suffix for file in files] == [".csv", ".md"]
     with pytest.raises(InputError, match=r"^only: this run has no figure 'map'; use figure_18_"):
-        draw_all(*run, tmp_path, only="map")
+        draw_each(drawings(*run), tmp_path, "map")
 
 
 def rendered(renderable) -> str:
@@ -323,22 +290,3 @@ def test_terminal_map_of_many_periods_and_of_missing_cells():
     assert " - " in text
     nothing = rendered(terminal.grid(table, SCHEMES, "velocity", "full"))
     assert "No cell to compare" in nothing
-
-
-def test_every_scheme_has_a_look_of_its_own():
-    names = [*SCHEMES, *(f"user{number}" for number in range(40))]
-    looks = [style_of(name, names) for name in names]
-    assert len({look.color for look in looks}) == len(names)
-    paper = looks[:4]
-    assert len({look.marker for look in looks[:11]}) == 11
-    assert len({look.line for look in paper}) >= 3
-    for look in looks:
-        assert contrast(look.color, look.text_color) >= 4.5
-    assert style_of("user0", ["user0", "MKF"]) == style_of("user0", names)
-    with pytest.raises(InputError, match=r"^scheme: 'nobody' is none of"):
-        style_of("nobody", SCHEMES)
-
-
-def contrast(one: str, other: str) -> float:
-    low, high = sorted((relative_luminance(one), relative_luminance(other)))
-    return (high + 0.05) / (low + 0.05)

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from tools import Key, configure, rows_of, run_batch, whole_series
 
-from owtsweep.evaluation.loop import Trajectory
+from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub import blocks, measures
 from owtsweep.studies.hub.batch import Sums
 from owtsweep.studies.hub.chain import Chain

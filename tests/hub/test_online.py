@@ -241,8 +241,8 @@ def test_a_record_with_missing_fixes_runs_in_the_loop() -> None:
     fixes = data.fixes.copy()
     fixes[[3, 7]] = np.nan
     data = data._replace(fixes=fixes)
-    fast = run_estimator(stream("HME1", config, sensors), data, sensors)
-    slow = run_estimator(resolve("HME1").start(sensors, config), data, sensors)
+    fast = run_estimator(stream("HME1", config, sensors), *data, sensors.fix_interval)
+    slow = run_estimator(resolve("HME1").start(sensors, config), *data, sensors.fix_interval)
     assert_same(fast.state, slow.state, "estimate")
     assert fast.innovation is not None
     assert slow.innovation is not None

@@ -11,8 +11,9 @@ from scipy.integrate import quad
 from scipy.stats import kstest
 
 from owtsweep.errors import InputError
+from owtsweep.motion.source import Motion
 from owtsweep.motion.spectra import Spectrum, translated
-from owtsweep.motion.synthesis import Motion, lines, synthesise
+from owtsweep.motion.synthesis import lines, synthesise
 from owtsweep.streams import stream
 
 BAND = (0.05, 0.6)

@@ -33,7 +33,7 @@ def gaussian(spectrum: Spectrum, seed: int) -> np.ndarray:
 def test_synthesised_records_give_back_their_period_and_bandwidth(
     period: float, bandwidth: float
 ) -> None:
-    found = []
+    fits = []
     for replicate in range(16):
         motion = synthesise(
             translated(period, bandwidth),
@@ -42,20 +42,20 @@ def test_synthesised_records_give_back_their_period_and_bandwidth(
             step=STEP,
             band=(0.02, 1.0),
         )
-        found.append(fit(motion.position, STEP))
+        fits.append(fit(motion.position, STEP))
     score = np.array(
         [
             [
                 (one.natural_period - period) / one.errors["natural_period"],
                 (one.bandwidth - bandwidth) / one.errors["bandwidth"],
             ]
-            for one in found
+            for one in fits
         ]
     )
     assert np.all(np.sqrt(np.mean(score**2, axis=0)) < 1.0)
-    assert abs(np.mean([one.natural_period for one in found]) / period - 1) < 0.01
-    assert all(not one.warnings for one in found)
-    assert min(one.explained for one in found) > 0.75
+    assert abs(np.mean([one.natural_period for one in fits]) / period - 1) < 0.01
+    assert all(not one.warnings for one in fits)
+    assert min(one.explained for one in fits) > 0.75
 
 
 def test_standard_errors_are_those_of_gaussian_records() -> None:
@@ -70,7 +70,7 @@ def test_standard_errors_are_those_of_gaussian_records() -> None:
 
 def test_a_plain_search_over_a_b_c_finds_the_same_minimum() -> None:
     record = gaussian(translated(5.0, 2e-3), 7)
-    found = fit(record, STEP)
+    fitted = fit(record, STEP)
     frequency, power = periodogram(record, STEP)
     inside = (frequency >= 0.05) & (frequency <= 0.6)
     f, observed = frequency[inside], power[inside]
@@ -82,7 +82,7 @@ def test_a_plain_search_over_a_b_c_finds_the_same_minimum() -> None:
         density = abc[0] * f / below
         return float(np.sum(np.log(density) + observed / density))
 
-    best = found.spectrum
+    best = fitted.spectrum
     start = np.array([best.a, best.b, best.c])
     options = {"xatol": 1e-10, "fatol": 1e-10, "maxiter": 4000}
     for shift in (1.0, 1.003):
@@ -96,9 +96,9 @@ def test_periodogram_sums_to_the_variance_and_has_the_level_of_the_spectrum() ->
     frequency, power = periodogram(record + slope, STEP)
     flat = record - np.polynomial.Polynomial.fit(np.arange(STEPS), record, 1)(np.arange(STEPS))
     assert power.sum() * frequency[0] == pytest.approx(np.var(flat), rel=1e-9)
-    found = fit(record, STEP)
-    area = quad(lambda f: float(found.spectrum.density(np.array(f))), 0.05, 0.6, limit=200)[0]
-    assert area == pytest.approx(np.var(flat) * found.band_share, rel=0.02)
+    fitted = fit(record, STEP)
+    area = quad(lambda f: float(fitted.spectrum.density(np.array(f))), 0.05, 0.6, limit=200)[0]
+    assert area == pytest.approx(np.var(flat) * fitted.band_share, rel=0.02)
 
 
 def test_two_axes_are_one_direction_seen_from_north() -> None:
@@ -137,7 +137,7 @@ def test_a_long_record_has_the_same_lines(monkeypatch: pytest.MonkeyPatch, steps
     frequency, power = periodogram(series[:, :kept], STEP)
     monkeypatch.setattr(whittle, "LONG", 100)
     before = series.copy()
-    found = periodogram(series, STEP)
+    spectrum = periodogram(series, STEP)
     assert np.array_equal(series, before)
-    np.testing.assert_allclose(found[0], frequency, rtol=1e-12)
-    np.testing.assert_allclose(found[1], power, rtol=1e-7, atol=1e-12 * power.max())
+    np.testing.assert_allclose(spectrum[0], frequency, rtol=1e-12)
+    np.testing.assert_allclose(spectrum[1], power, rtol=1e-7, atol=1e-12 * power.max())

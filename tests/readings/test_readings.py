@@ -51,9 +51,9 @@ def test_a_search_keeps_its_whole_trail_and_gets_better():
 
 def test_the_settled_judge_is_the_geometric_mean_over_the_grid():
     config = small(1, ONE)
-    base = with_values(config, searches.tuning_values("matched"))
+    base = with_values(config, searches.read_tuning("matched"))
     lanes = scoring.make_lanes(base, range(1), [4.0, 8.0])
-    judged = searches._settled(base, ["HME1"], lanes)["score"]
+    judged = searches._score_settled(base, ["HME1"], lanes)["score"]
     settled = with_values(base, {"measures.window": "settled"})
     products = scoring.scheme_products(settled, "HME1", lanes)
     values = [
@@ -81,7 +81,7 @@ def test_a_diverging_trial_is_kept_and_counts_as_bad(monkeypatch):
         raise InputError("update_rule: makes the covariance negative")
 
     config = small(1, ONE)
-    monkeypatch.setattr(scoring, "scheme_products", diverge)
+    monkeypatch.setattr(searches, "scheme_products", diverge)
     ((_, rows),) = searches.run(config, searches.plan(config))
     assert rows.score[0] == searches.DIVERGED
     assert rows.status[0] == "failed"
@@ -89,7 +89,7 @@ def test_a_diverging_trial_is_kept_and_counts_as_bad(monkeypatch):
 
 
 def test_what_was_found_can_be_written_into_the_tuning_without_undoing_the_search():
-    fixed = searches.fixed_values(ONE, "paper")
+    fixed = searches.take_fixed_values(ONE, "paper")
     assert "hme1.q_a" not in fixed
     assert "hme.smoother_window" not in fixed
     assert fixed["hme1.model"] == "sigma1"
@@ -150,7 +150,7 @@ def test_without_optuna_one_line_says_what_to_install(monkeypatch):
 def test_tunings_are_complete_and_state_their_name():
     keys = None
     for path in (conf_directory() / "tuning").glob("*.yaml"):
-        values = searches.tuning_values(path.stem)
+        values = searches.read_tuning(path.stem)
         assert values["tuning"] == path.stem
         assert yaml.safe_load(path.read_text()) is not None
         scheme_keys = {key for key in values if not key.startswith(("sensors.", "record."))}

@@ -14,15 +14,16 @@ import numpy as np
 import pytest
 from replay_tools import config_of, motion_file, sensor_file
 
+from owtsweep.evaluation.trajectory import Trajectory, join
 from owtsweep.figures.decimate import decimate
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.rows import Rows
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.replay import blocks, estimating, measuring, session, states, windows
 from owtsweep.studies.replay.envelope import Envelope
-from owtsweep.studies.replay.estimating import Estimated, estimate, estimates
+from owtsweep.studies.replay.estimating import estimate, estimate_pieces
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import listen, measure, simulated_bias
+from owtsweep.studies.replay.measuring import listen, measure, simulate_true_bias
 
 ROOT = Path(__file__).parents[2]
 EDGES = [0, 1, 77, 77, 150, 777, 1501]
@@ -37,12 +38,12 @@ SLOW = (
 def short_pieces(monkeypatch):
     for module in (measuring, estimating, windows):
         monkeypatch.setattr(module, "PIECE", 640)
-    monkeypatch.setattr(measuring.pieces_of, "__defaults__", (640,))
+    monkeypatch.setattr(measuring.cut_into_pieces, "__defaults__", (640,))
 
 
-def same(one: Estimated, other: Estimated) -> bool:
-    pairs = zip(vars(one).values(), vars(other).values(), strict=True)
-    return all(np.array_equal(a, b, equal_nan=True) for a, b in pairs)
+def same(one: Trajectory, other: Trajectory) -> bool:
+    assert all(series is not None for series in (*one, *other))
+    return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(one, other, strict=True))
 
 
 @pytest.mark.parametrize("name", ["EKF", "MKF", "HME1", "HME2"])
@@ -61,9 +62,9 @@ def test_estimates_do_not_depend_on_the_pieces(tmp_path, short_pieces, name, how
     edges = [*(e for e in EDGES if e < record.steps), record.steps]
     whole = estimate(config, resolve(name), sensors, measure(config, sensors, record, 0))
     signals = [listen(config, sensors, record, 0)]
-    pieces = [p for (p,) in estimates(config, resolve(name), sensors, signals, edges)]
+    pieces = [p for (p,) in estimate_pieces(config, resolve(name), sensors, signals, edges)]
     assert [len(p.state) for p in pieces] == list(np.diff(edges))
-    assert same(Estimated.joined(pieces), whole)
+    assert same(join(pieces), whole)
 
 
 @pytest.mark.parametrize("name", ["MKF", "HME2"])
@@ -74,9 +75,9 @@ def test_replicates_side_by_side_are_those_alone(tmp_path, name):
     record = load_record(config, str(path))
     several = [listen(config, sensors, record, replicate) for replicate in range(5)]
     edges = [0, record.steps]
-    beside = next(estimates(config, resolve(name), sensors, several, edges))
+    beside = next(estimate_pieces(config, resolve(name), sensors, several, edges))
     for signals, found in zip(several, beside, strict=True):
-        alone = next(estimates(config, resolve(name), sensors, [signals], edges))[0]
+        alone = next(estimate_pieces(config, resolve(name), sensors, [signals], edges))[0]
         assert same(found, alone)
 
 
@@ -101,7 +102,7 @@ def test_the_noise_does_not_depend_on_the_pieces(tmp_path):
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
     signals = listen(config, sensors, record, 3)
-    whole = signals.whole().specific_force
+    whole = signals.collect().specific_force
     assert np.array_equal(np.concatenate([*signals.force(700)]), whole)
     # by hand: the streams as DESIGN.md has them
     named = partial(measuring.stream, config.seed, "replay", 0.0, 3)
@@ -117,7 +118,7 @@ def test_the_simulated_bias_is_that_of_the_noise(tmp_path, monkeypatch):
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
     monkeypatch.setattr(measuring, "PIECE", 640)
-    found = np.concatenate([*simulated_bias(config, sensors, record.steps, 2)])
+    found = np.concatenate([*simulate_true_bias(config, sensors, record.steps, 2)])
     force = measure(config, sensors, record, 2).specific_force @ sensors.rotation.T
     expected = force - record.acceleration + np.array(sensors.gravity)
     assert np.max(np.abs(found - expected)) < 1e-7
@@ -134,13 +135,13 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
     config = config_of([path])
 
     def seen() -> tuple:
-        found = session.session(config, str(path))
-        return found, states.filter_states(config, found)
+        found = session.run_session(config, str(path))
+        return found, states.collect_filter_states(config, found)
 
     one, one_states = seen()
     for module in (measuring, estimating, windows):
         monkeypatch.setattr(module, "PIECE", 640)
-    monkeypatch.setattr(measuring.pieces_of, "__defaults__", (640,))
+    monkeypatch.setattr(measuring.cut_into_pieces, "__defaults__", (640,))
     other, other_states = seen()
     assert one.windows == other.windows
     assert one.bounds == other.bounds
@@ -152,7 +153,7 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
             assert len(estimated.state) == steps.stop - steps.start
             assert same(estimated, other.seen[window][name])
     if one.record.position is not None:
-        whole = estimate(config, resolve("HME1"), one.sensors, one.signals.whole())
+        whole = estimate(config, resolve("HME1"), one.sensors, one.signals.collect())
         error = np.abs(whole.state[:, 0] - one.record.position[:, 0])[one.record.steps // 5 :]
         assert other.bounds["position"]["HME1"] == np.nanmax(error)
     assert one_states.repeated == other_states.repeated
@@ -168,9 +169,9 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
 def test_the_windows_are_about_the_largest_motion(tmp_path):
     path = motion_file(tmp_path / "a.csv", duration=60.0)
     record = load_record(config_of([path]), str(path))
-    largest = windows.Largest(record)
+    largest = windows.LargestMotion(record)
     largest.add(record.position)
-    found = windows.windows(record, largest)
+    found = windows.choose_windows(record, largest)
     time, size = record.time, np.hypot(*record.position.T)
     inside = (time >= time[0] + 27.5) & (time <= time[-1] - 7.5)
     middle = time[np.argmax(np.where(inside, size, -1.0))]
@@ -244,7 +245,7 @@ def test_memory_grows_by_the_record_alone(tmp_path, kernels):
     small = motion_file(tmp_path / "small.csv", duration=30.0)
     config = config_of([small], "replay.replicates=1")
     list(blocks.run(config, blocks.plan(config)))  # compiling takes memory of its own
-    states.filter_states(config, session.session(config, str(small)))
+    states.collect_filter_states(config, session.run_session(config, str(small)))
     rows = 400_000
     peak, run = replay_long(tmp_path, rows, "replay.replicates=1", "schemes=[MKF,HME1,HME2]")
     import pyarrow.parquet as pq

@@ -45,7 +45,7 @@ def test_errors_coverage_and_nees(case):
         total = 0.0
         for axis in range(2):
             e = error[k, [axis, axis + 2]]
-            total += e @ np.linalg.solve(estimated.covariance[2000 + k, axis], e)
+            total += e @ np.linalg.solve(estimated.axis_covariance(axis)[2000 + k], e)
         nees.append(total)
     every = found["nees", "settled"][0]
     assert np.mean(nees) == pytest.approx(every, rel=0.35)
@@ -78,19 +78,21 @@ def test_holding_the_last_fix(case):
             last = measured.fixes[k // 100]
         squared.append(np.sum((last - record.position[k]) ** 2))
     sensors = sensing.sensors(config_of([]).sensors)
-    held = {(n, w): v for n, w, v, _ in measures.held(record, measured.fixes, sensors, 2000)}
+    held = {
+        (n, w): v for n, w, v, _ in measures.measure_last_fix(record, measured.fixes, sensors, 2000)
+    }
     assert held["position", "settled"] == pytest.approx(np.mean(squared[2000:]))
     assert held["position", "full"] == pytest.approx(np.mean(squared))
 
 
 def test_whiteness():
     draw = np.random.default_rng(1)
-    p = [measures.whiteness(draw.standard_normal((300, 2)))[1] for _ in range(400)]
+    p = [measures.check_whiteness(draw.standard_normal((300, 2)))[1] for _ in range(400)]
     assert np.mean(np.array(p) < 0.05) == pytest.approx(0.05, abs=0.04)
     assert np.mean(p) == pytest.approx(0.5, abs=0.06)
     white = draw.standard_normal((2000, 2))
     coloured = white[1:] + 0.5 * white[:-1]
-    lag_1, p_coloured = measures.whiteness(coloured)
+    lag_1, p_coloured = measures.check_whiteness(coloured)
     assert lag_1 == pytest.approx(0.4, abs=0.05)  # .5 / 1.25
     assert p_coloured < 1e-10
 
@@ -104,13 +106,13 @@ def test_without_a_reference_there_are_innovations_alone(tmp_path):
     estimated = estimate(config, resolve("HME1"), sensors, measured)
     names = {n for n, *_ in measures.measure(record, measured.fixes, estimated, sensors, 2000)}
     assert names == {"fix_residual", "nis", "innovation", "innovation_lag_1", "innovation_white_p"}
-    assert not list(measures.held(record, measured.fixes, sensors, 2000))
+    assert not list(measures.measure_last_fix(record, measured.fixes, sensors, 2000))
 
 
 def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
     """End to end: file, grid, sensors, scheme, errors against the expectation without records."""
     from owtsweep.motion.spectra import translated
-    from owtsweep.studies.replay.expectation import expectation
+    from owtsweep.studies.replay.expectation import expect_errors
 
     path = motion_file(tmp_path / "a.csv", duration=1000.0, rms=0.5, period=5.0)
     config = config_of([path])
@@ -123,15 +125,17 @@ def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
             measured = measure(config, sensors, record, replicate)
             state = estimate(config, scheme, sensors, measured).state[4000:]
             mse.append(np.mean(np.sum((state[:, :2] - record.position[4000:]) ** 2, axis=1)))
-        known = expectation(config, scheme, sensors, record.steps, (0.05, 0.6))
+        known = expect_errors(config, scheme, sensors, record.steps, (0.05, 0.6))
         rms = float(np.sqrt(np.mean(np.sum(record.position[4000:] ** 2, axis=1))))
         expected, _ = known.mse(translated(5.0).density, (0.05, 0.6), rms)
         assert np.mean(mse) == pytest.approx(expected, rel=0.1), name
-        assert place.expected_at(config, facts_of(config, record, sensors))[name][0] == (
+        assert place.expect_at_record(config, facts_of(config, record, sensors))[name][0] == (
             pytest.approx(expected, rel=0.1)
         )
 
 
 def facts_of(config, record, sensors):
     """A record's line of records.csv."""
-    return {n: v for n, _, v, _ in facts.facts(config, record, sensors, resolve("HME1"), 2000)}
+    return {
+        n: v for n, _, v, _ in facts.measure_record(config, record, sensors, resolve("HME1"), 2000)
+    }

@@ -10,7 +10,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.replay.fixes import align
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import measure, replicates
+from owtsweep.studies.replay.measuring import count_replicates, measure
 
 
 def sine_file(path, rate=25.0, mean=2.0):
@@ -69,7 +69,11 @@ def test_recorded_fixes_stand_where_they_are_due(tmp_path):
     config = config_of([path])
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
-    assert (record.kind, record.gnss, replicates(config, record)) == ("sensors", "recorded", 1)
+    assert (record.kind, record.gnss, count_replicates(config, record)) == (
+        "sensors",
+        "recorded",
+        1,
+    )
     assert record.begin == pytest.approx(0.4, abs=0.02)
     assert np.flatnonzero(np.isnan(record.fixes[:, 0]))[:3].tolist() == [5, 6, 20]
     at = sensors.fix_interval * np.arange(1, 50) - sensors.delay
@@ -86,7 +90,7 @@ def test_fixes_are_made_from_a_reference(tmp_path):
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
     assert record.gnss == "from_reference"
-    assert replicates(config, record) == 20
+    assert count_replicates(config, record) == 20
     one, two = (measure(config, sensors, record, k) for k in range(2))
     assert np.array_equal(one.specific_force, two.specific_force)  # what was recorded stays
     noise = one.fixes - record.fixes

@@ -21,7 +21,11 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.config import Axis, Compute, Config, Section, changed, key, typed
-from owtsweep.sweep.study import FAILED, OK, Block
+from owtsweep.figures.drawings import Drawing
+from owtsweep.io.tables import write_table
+from owtsweep.results.conditions import Condition
+from owtsweep.results.status import FAILED, OK, UNABLE
+from owtsweep.sweep.study import Block
 
 
 class DummyGrid(Section):
@@ -36,21 +40,25 @@ class DummyConfig(Config):
     schemes: list[str] = key("letters", default=["A", "B"])
 
 
-#: Fault -> the reasons of its two rows; a row without one is ok.
-ROW_FAULTS = {
-    "case": ("", "it diverged"),
-    "cases": ("it diverged", "it diverged"),
-    "unexplained": (None, None),
+#: Fault -> status and reason of its two rows.
+ROWS = {
+    "": ((OK, ""), (OK, "")),
+    "case": ((OK, ""), (FAILED, "it diverged")),
+    "cases": ((FAILED, "it diverged"), (FAILED, "it diverged")),
+    "unexplained": ((FAILED, None), (FAILED, None)),
+    "unable": ((OK, ""), (UNABLE, "it is unstable")),
+    "blind": ((UNABLE, "it is blind"), (UNABLE, "it is blind")),
+    "torn": ((FAILED, "it diverged"), (UNABLE, "it is unstable")),
 }
 
 
 @dataclass
 class DummyStudy:
-    """Two cases per block; a fault is a block's label and what happens there.
+    """A study as small as can be, which is its own only engine; two cases per block.
 
-    Faults: "raise", "memory", "exit", "silent" (no rows), "statusless" (rows of the wrong shape),
-    "interrupt", "kill" (the worker process dies), "slow", "log" and those of `ROW_FAULTS`, where
-    cases fail.
+    `faults` says at which block (by its label) what happens: "raise", "memory", "exit", "silent"
+    (no rows), "statusless" (rows of the wrong shape), "interrupt", "kill" (the worker process
+    dies), "slow", "log", and those of `ROWS`, where cases have no number.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -59,9 +67,16 @@ class DummyStudy:
     schema_version: int = 1
     numerics_version: int = 1
     pause: float = 0.0
+    samples: bool = True
 
     def config_type(self) -> type[Config]:
         return DummyConfig
+
+    def conditions(self, config: DummyConfig) -> tuple[Condition, ...]:
+        return (Condition("level", "level", "m", in_streams=True),)
+
+    def engine(self, config: DummyConfig) -> DummyStudy:
+        return self
 
     def plan(self, config: DummyConfig) -> list[Block]:
         return [
@@ -88,7 +103,7 @@ class DummyStudy:
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
         for block in blocks:
             time.sleep(self.pause)
-            fault = self.faults.get(block.label)
+            fault = self.faults.get(block.label, "")
             if fault == "raise":
                 raise ArithmeticError("no\n  convergence")
             if fault == "memory":
@@ -106,11 +121,11 @@ class DummyStudy:
                 logging.getLogger("mine").warning("a user's word")
                 warnings.warn("watch\nout", UserWarning, stacklevel=1)
             if fault == "statusless":
-                yield block, self._rows(block, "", "").drop(columns="status")
+                yield block, self._rows(block, "").drop(columns="status")
             elif fault != "silent":
-                yield block, self._rows(block, *ROW_FAULTS.get(fault or "", ("", "")))
+                yield block, self._rows(block, fault if fault in ROWS else "")
 
-    def _rows(self, block: Block, *reasons: str | None) -> pd.DataFrame:
+    def _rows(self, block: Block, fault: str) -> pd.DataFrame:
         content = block.content
         stream = np.random.SFC64(
             np.random.SeedSequence([content["seed"], int(content["level"] * 1000)])
@@ -122,15 +137,15 @@ class DummyStudy:
                 "replicate": [0, 1],
                 "value": content["sigma"] * np.random.Generator(stream).standard_normal(2),
                 "amplitude": np.nan,
-                "status": [OK if reason == "" else FAILED for reason in reasons],
-                "reason": list(reasons),
+                "status": [status for status, _ in ROWS[fault]],
+                "reason": [reason for _, reason in ROWS[fault]],
             }
         )
 
     def sort_columns(self) -> list[str]:
         return ["level", "scheme", "replicate"]
 
-    def aggregate(self, config: DummyConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    def tables(self, config: DummyConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         good = rows[rows["status"] == OK]
         means = good.groupby(["level", "scheme"], as_index=False)["value"].mean()
         return {
@@ -140,14 +155,23 @@ class DummyStudy:
             ),
         }
 
-    def overview(self) -> str:
-        return "none"
+    def terminal(self, config: DummyConfig, tables: Mapping[str, pd.DataFrame]) -> str:
+        return f"{len(tables['summary'])} means"
 
-    def terminal(self, config: Any, tables: Any) -> Any:
-        return ""
+    def drawings(
+        self,
+        config: DummyConfig,
+        tables: Mapping[str, pd.DataFrame],
+        rows: pd.DataFrame,
+        metadata: Mapping[str, str],
+    ) -> dict[str, Drawing]:
+        def means(folder: Path, name: str) -> list[Path]:
+            return [write_table(folder, name, tables["summary"])]
 
-    def draw(self, *arguments: Any, **options: Any) -> list[Path]:
-        return []
+        return {"means": means}
+
+    def overview(self, config: DummyConfig) -> str:
+        return "means"
 
 
 def make_config(results: Path, **changes: Any) -> DummyConfig:

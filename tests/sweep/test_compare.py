@@ -12,10 +12,11 @@ import pytest
 from dummy_study import DummyStudy, make_config
 
 from owtsweep import studies
+from owtsweep.api import load
 from owtsweep.cli import main
 from owtsweep.errors import InputError
 from owtsweep.studies import registry
-from owtsweep.sweep.compare import compare
+from owtsweep.sweep import compare as comparing
 from owtsweep.sweep.comparison import Comparison, Findings, Pair
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.swept import FIRST, flatten, make_pairs, ranks, show, swept_keys
@@ -50,6 +51,10 @@ def run(comparable, tmp_path):
         return str(sweep(study, make_config(tmp_path / results, **changes)).run.folder)
 
     return run
+
+
+def compare(paths):
+    return comparing.compare(paths, load)
 
 
 def record(folder: Path, runs: list[dict[str, Any]]) -> None:
@@ -116,6 +121,7 @@ def test_loose_runs_are_compared_beside_the_first(run, comparable):
 def test_a_multirun_is_compared_in_itself_and_names_what_is_missing(run, comparable, tmp_path):
     names = [Path(run(sigma=sigma)).name for sigma in (0.3, 0.1)]
     broken = run(sigma=0.2, faults={"A1.0": "cases"})
+    blind = run(sigma=0.6, faults={"A1.0": "unable"})
     empty = run(sigma=0.4, level=[1.0], faults={"A1.0": "cases", "B1.0": "cases"})
     Path(run(sigma=0.5), "config.yaml").write_text("[")
     folder = tmp_path / "results"
@@ -123,11 +129,12 @@ def test_a_multirun_is_compared_in_itself_and_names_what_is_missing(run, compara
     record(folder, known)
     compared = compare([str(folder)])
     assert compared.folder == folder / "comparison"
-    assert compared.overview["sigma"].tolist() == ["0.1", "0.2", "0.3"]
+    assert compared.overview["sigma"].tolist() == ["0.1", "0.2", "0.3", "0.6"]
     notes = "\n".join(compared.notes)
     assert "study-gone is left out: it was never started" in notes
     assert f"{Path(empty).name} is left out: no case of it has succeeded" in notes
     assert f"{Path(broken).name}: 2 of its 12 rows failed" in notes
+    assert f"{Path(blind).name}: no number in 1 of its 12 rows" in notes
     assert "config.yaml" in notes
     before = {path.name for path in compared.folder.iterdir()}
     assert compare([str(folder)]).folder == compared.folder  # the comparison is no run

@@ -12,7 +12,7 @@ import pytest
 from owtsweep.config import Compute, changed
 from owtsweep.errors import InputError
 from owtsweep.sweep.keys import block_key, run_folder, run_hash
-from owtsweep.sweep.plan import count_cases, make_plan, tasks
+from owtsweep.sweep.plan import count_cases, make_plan, make_tasks
 from owtsweep.sweep.study import Block
 
 
@@ -95,7 +95,7 @@ def test_plan_keeps_order_and_joins_equal_blocks(study, config):
     plan = make_plan(study, config(level=[2.0, 1.0, 2.0]))
     assert [b.label for b in plan.values()] == ["A2.0", "B2.0", "A1.0", "B1.0"]
     assert count_cases(plan) == 8
-    assert [[b.label for b in task.values()] for task in tasks(plan)] == [
+    assert [[b.label for b in task.values()] for task in make_tasks(plan)] == [
         ["A2.0", "B2.0"],
         ["A1.0", "B1.0"],
     ]

@@ -7,7 +7,7 @@ import logging
 import pytest
 
 from owtsweep.sweep import log
-from owtsweep.sweep.log import MOST_RECORDS, collected_records, run_log
+from owtsweep.sweep.log import MOST_ENTRIES, collect_entries, run_log
 from owtsweep.sweep.run import sweep
 
 
@@ -27,10 +27,10 @@ def test_records_of_workers_arrive_with_their_block(faulty, config, backend, wor
 
 def test_a_chatty_task_is_cut(monkeypatch):
     logger = logging.getLogger("owtsweep.chatty")
-    with collected_records(True) as records:
-        for number in range(MOST_RECORDS + 7):
+    with collect_entries(True) as records:
+        for number in range(MOST_ENTRIES + 7):
             logger.info("line %d", number)
-    assert len(records) == MOST_RECORDS + 1
+    assert len(records) == MOST_ENTRIES + 1
     assert records[-1].message == "7 more records of this task were left out"
 
 

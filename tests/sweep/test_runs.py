@@ -13,37 +13,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from owtsweep.api import load
 from owtsweep.errors import InputError
-from owtsweep.io.tables import read_table, write_table
 from owtsweep.sweep import provenance
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.provenance import git_state
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.runs import load
-
-
-def test_csv_reads_back_exactly(tmp_path):
-    generator = np.random.default_rng(3)
-    table = pd.DataFrame(
-        {
-            "scheme": ["NA", "", "None", "a,b"] * 500,
-            "value": generator.standard_normal(2000) * 10.0 ** generator.integers(-200, 200, 2000),
-            "n": np.arange(2000),
-            "good": [True, False] * 1000,
-        }
-    )
-    table["empty"] = np.nan
-    table.loc[5, "value"] = np.nan
-    table.loc[6, "value"] = 0.1 + 0.2
-    write_table(tmp_path, "table", table)
-    pd.testing.assert_frame_equal(read_table(tmp_path, "table"), table, check_exact=True)
-    assert b"\r" not in (tmp_path / "table.csv").read_bytes()
-
-
-def test_unknown_table_names_those_that_exist(tmp_path):
-    write_table(tmp_path, "summary", pd.DataFrame({"a": [1]}))
-    with pytest.raises(InputError, match=r"^best_scheme: .* it has summary$"):
-        read_table(tmp_path, "best_scheme")
 
 
 def test_loaded_run_is_the_run(known_study, config):
@@ -54,7 +29,7 @@ def test_loaded_run_is_the_run(known_study, config):
     pd.testing.assert_frame_equal(run.cases(), outcome.run.cases(), check_exact=True)
     pd.testing.assert_frame_equal(
         run.summary(),
-        known_study.aggregate(run.config, run.cases())["summary"],
+        known_study.tables(run.config, run.cases())["summary"],
         check_exact=True,
     )
 
@@ -119,7 +94,7 @@ def test_manifest_holds_seconds_per_block_of_all_sweeps(study, config, monkeypat
     assert blocks["each"]["C1.0"] >= 0.02
     assert next(iter(blocks["slowest"])) in ("C1.0", "C2.0")
     assert outcome.computed == 0
-    many = provenance.block_seconds({f"block {i:04}": float(i) for i in range(2000)})
+    many = provenance.summarise_seconds({f"block {i:04}": float(i) for i in range(2000)})
     assert (many["count"], many["each"], len(many["slowest"])) == (2000, {}, provenance.SLOWEST)
     assert (many["median"], many["slowest"]["block 1999"]) == (999.5, 1999.0)
 
@@ -173,28 +148,3 @@ def test_git_that_is_not_there_is_no_error(tmp_path, monkeypatch):
 
     monkeypatch.setattr(provenance.subprocess, "run", absent)
     assert git_state(tmp_path) is None
-
-
-def test_a_table_is_written_as_pandas_writes_it(tmp_path):
-    table = pd.DataFrame(
-        {
-            "text": ["plain", "with, comma", 'a "quote"', "", "two\nlines"],
-            "float": [0.1 + 0.2, np.nan, 1e-300, -0.0, 4.0],
-            "whole": [1, 2, 3, 4, 5],
-            "flag": [True, False, True, False, True],
-            "kind": pd.Categorical(["a", "b", "a", "a", "b"]),
-        }
-    )
-    path = write_table(tmp_path, "table", table)
-    assert path.read_text(encoding="utf-8") == table.to_csv(index=False, lineterminator="\n")
-
-
-def test_every_number_is_written_as_repr_has_it(tmp_path):
-    bits = np.random.default_rng(1).integers(0, 2**63, 20_000).astype(np.uint64)
-    powers = 10.0 ** np.arange(-320, 309)
-    ordinary = np.random.default_rng(2).lognormal(0.0, 8.0, 20_000)
-    numbers = np.concatenate([bits.view(float), powers, np.nextafter(powers, 0.0), ordinary])
-    numbers = np.concatenate([numbers, -numbers, np.round(ordinary, 3), np.round(ordinary)])
-    table = pd.DataFrame({"number": numbers, "row": np.arange(len(numbers))})
-    path = write_table(tmp_path, "table", table)
-    assert path.read_text(encoding="utf-8") == table.to_csv(index=False, lineterminator="\n")

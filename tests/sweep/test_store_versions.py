@@ -10,12 +10,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from owtsweep.api import load
 from owtsweep.config import changed
 from owtsweep.studies import get_study
 from owtsweep.sweep.gather import sort_rows
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.runs import Run, load
+from owtsweep.sweep.runs import Run
 from owtsweep.sweep.shard import decode
 from owtsweep.sweep.study import Study
 
@@ -52,7 +53,7 @@ def test_tables_are_those_of_the_rows(run: Run) -> None:
     rows, missing = run.store.read_all(shards(run))  # by file name: whatever the keys are today
     assert rows is not None
     assert not missing
-    made = run.study.aggregate(run.config, sort_rows(rows, run.study.sort_columns()))
+    made = run.engine.tables(run.config, sort_rows(rows, run.engine.sort_columns()))
     assert set(made) == {"summary", "best_scheme"}
     for name, table in made.items():
         # The t quantile is scipy's, whose last bit is not ours to promise.

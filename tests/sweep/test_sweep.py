@@ -9,14 +9,14 @@ import time
 import pandas as pd
 import pytest
 
-from owtsweep.cli.sweep import failure_lines
+from owtsweep.cli.running import setback_lines
 from owtsweep.errors import InputError
 from owtsweep.sweep.execute import Executor
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.worker import Failure
+from owtsweep.sweep.setback import Setback
 
 
 def shards(outcome):
@@ -248,7 +248,7 @@ def test_block_that_appeared_meanwhile_is_reused(study, config):
 
 
 def test_what_a_backend_loses_is_looked_for_and_run_again(study, config, monkeypatch):
-    every = Executor._round
+    every = Executor._run_round
     rounds = []
 
     def losing_two(self, work, tasks, numbers, *arguments):
@@ -260,14 +260,14 @@ def test_what_a_backend_loses_is_looked_for_and_run_again(study, config, monkeyp
                 self.store.path(key).unlink()
         yield from results
 
-    monkeypatch.setattr(Executor, "_round", losing_two)
+    monkeypatch.setattr(Executor, "_run_round", losing_two)
     outcome = sweep(study, config())
     assert rounds == [3, 1, 1]
     assert (outcome.computed, outcome.failed) == (12, [])
 
 
 def test_a_block_that_never_answers_fails(study, config, monkeypatch):
-    monkeypatch.setattr(Executor, "_round", lambda *arguments: iter(()))
+    monkeypatch.setattr(Executor, "_run_round", lambda *arguments: iter(()))
     outcome = sweep(study, config())
     assert {failure.reason for failure in outcome.failed} == {"its worker gave no answer"}
     assert (outcome.computed, sum(failure.cases for failure in outcome.failed)) == (0, 12)
@@ -310,9 +310,9 @@ def test_good_scheduler(config, address):
 
 
 def test_failures_are_grouped_by_reason():
-    failures = [Failure(f"block {i}", "it diverged", 2) for i in range(200)]
-    failures += [Failure(f"other {i}", f"reason {i:02}", 1) for i in range(20)]
-    lines = failure_lines(failures)
+    failures = [Setback(f"block {i}", "it diverged", 2) for i in range(200)]
+    failures += [Setback(f"other {i}", f"reason {i:02}", 1) for i in range(20)]
+    lines = setback_lines("failed", failures)
     assert lines[0] == ("failed: 400 cases: it diverged: block 0; block 1; block 2 and 197 more")
     assert lines[1] == "failed: 1 case: reason 00: other 0"
     assert lines[-1] == "failed: 11 more reasons: see run.log"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.versions import all_versions, other_versions
+from owtsweep.sweep.versions import all_versions, tell_other_versions
 
 
 def test_raised_version_recomputes_and_says_so(study, config, caplog):
@@ -38,7 +38,7 @@ def test_other_settings_and_sweeps_that_go_on_are_no_versions(study, config, cap
 
 def test_worker_of_another_version_says_what_differs(study):
     expected = all_versions(study)
-    assert other_versions(study, expected) == ""
-    told = other_versions(replace(study, numerics_version=2), expected)
+    assert tell_other_versions(study, expected) == ""
+    told = tell_other_versions(replace(study, numerics_version=2), expected)
     assert told.startswith("the worker has numerics_version 2 instead of 1; ")
     assert "owtsweep_version 0" not in told

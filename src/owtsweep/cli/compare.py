@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from owtsweep.cli import DONE
+from owtsweep.cli.program import DONE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -15,13 +15,14 @@ if TYPE_CHECKING:
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Write the comparison and show it in short."""
+    from owtsweep.api import load
     from owtsweep.sweep.compare import compare
 
-    compared = compare(options.runs)
+    compared = compare(options.runs, load)
     if sys.stdout.isatty():
         from rich.console import Console
 
-        Console().print(_rich(compared.overview))
+        Console().print(_make_table(compared.overview))
     else:
         print(compared.overview.to_string(index=False))
     for note in compared.notes:
@@ -31,7 +32,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     return DONE
 
 
-def _rich(overview: pd.DataFrame) -> object:
+def _make_table(overview: pd.DataFrame) -> object:
     from rich import box
     from rich.table import Table
 

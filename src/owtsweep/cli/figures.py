@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from owtsweep.cli import DONE
+from owtsweep.cli.program import DONE
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:

@@ -14,17 +14,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli import BAD_INPUT, DONE, FAILED, PROGRAM
-from owtsweep.cli.multirun_record import (
+from owtsweep.cli.multirun_outcomes import (
     JobOutcome,
-    PlannedRun,
-    exit_code,
-    failed_cases,
+    common_exit_code,
+    describe_failures,
     forget_outcomes,
     read_outcomes,
     write_outcome,
-    write_record,
 )
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM
+from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, dump, require
 from owtsweep.config.hydra_errors import in_one_line
 from owtsweep.errors import InputError, as_text
@@ -32,6 +31,7 @@ from owtsweep.io.files import check_writable
 from owtsweep.studies import compose, from_mapping, locate
 from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
+from owtsweep.sweep.multirun_record import PlannedRun, write_record
 
 logger = logging.getLogger(__name__)
 
@@ -73,7 +73,7 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         raise
     outcomes = _tell(folder, planned, options, stopped=False)
     print(f"{len(outcomes)} runs in {time.monotonic() - began:.1f} s: {folder}/")
-    return exit_code(outcomes)
+    return common_exit_code(outcomes)
 
 
 @dataclass(frozen=True)
@@ -91,8 +91,6 @@ class Job:
     def __call__(self, composed: Any) -> None:
         from hydra.core.hydra_config import HydraConfig
 
-        from owtsweep.cli.sweep import run_one
-
         task = [str(o) for o in HydraConfig.get().overrides.task if not _is_results(str(o))]
         if self.study:
             task.insert(0, f"study={self.study}")
@@ -101,7 +99,7 @@ class Job:
             config = from_mapping(composed, self.study)
             name = run_folder(config).name
             code = run_one(config, self.argv)
-            reason = failed_cases(run_folder(config)) if code else ""
+            reason = describe_failures(run_folder(config)) if code else ""
         except InputError as error:
             code, reason = BAD_INPUT, str(error)
         except Exception as error:  # whatever it is, the other runs go on
@@ -157,12 +155,12 @@ def _check_hydra(overrides: Sequence[str], tree: Tree) -> None:
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
-    own = [o for o in overrides if o.lstrip("+~").startswith("hydra")]
-    if not own:
+    settings = [o for o in overrides if o.lstrip("+~").startswith("hydra")]
+    if not settings:
         return
     try:
         with initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"):
-            hydra_compose(tree.primary, overrides=own, return_hydra_config=True)
+            hydra_compose(tree.primary, overrides=settings, return_hydra_config=True)
     except (HydraException, OmegaConfBaseException) as error:
         raise InputError(in_one_line(error, tree)) from error
 
@@ -198,19 +196,19 @@ def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str],
         return []
     try:
         parsed = OverridesParser.create().parse_overrides(list(overrides))
-        own = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
-        batches = BasicSweeper.split_arguments(own, max_batch_size=None)
+        keys = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
+        batches = BasicSweeper.split_arguments(keys, max_batch_size=None)
     except HydraException as error:
         raise InputError(in_one_line(error, tree)) from error
-    swept = {o.get_key_element() for o in own if o.is_sweep_override()}
-    found = []
+    swept = {o.get_key_element() for o in keys if o.is_sweep_override()}
+    combinations = []
     for words in (list(job) for batch in batches for job in batch):
         pairs = [word.partition("=")[::2] for word in words]
-        found.append((words, {key: value for key, value in pairs if key in swept}))
-    return found
+        combinations.append((words, {key: value for key, value in pairs if key in swept}))
+    return combinations
 
 
-def _through_hydra(job: Any, options: argparse.Namespace, folder: Path, located: Located) -> None:
+def _through_hydra(job: Job, options: argparse.Namespace, folder: Path, located: Located) -> None:
     import hydra
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
@@ -224,11 +222,11 @@ def _through_hydra(job: Any, options: argparse.Namespace, folder: Path, located:
         "hydra/job_logging=none",
         "hydra/hydra_logging=none",
     ]
-    own = [o for o in located.overrides if not _is_results(o)]
+    overrides = [o for o in located.overrides if not _is_results(o)]
     tree = located.tree
     extra = ["--config-dir", options.config_dir] if options.config_dir else []
     before = sys.argv
-    sys.argv = [before[0], "--multirun", *extra, *own, *settings]
+    sys.argv = [before[0], "--multirun", *extra, *overrides, *settings]
     full_error = os.environ.get("HYDRA_FULL_ERROR")
     os.environ["HYDRA_FULL_ERROR"] = "1"  # let errors reach us instead of ending in sys.exit
     try:

@@ -32,58 +32,59 @@ class Parser(argparse.ArgumentParser):
         raise InputError(f"{message}; see `{self.prog} --help`")
 
 
-def _sweep(parser: argparse.ArgumentParser) -> None:
+def _add_sweep(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "overrides", nargs="*", metavar="override", help="Hydra override, e.g. grid.replicates=2"
     )
     parser.add_argument(
         "-m", "--multirun", action="store_true", help="one run for each value of a=1,2,3"
     )
-    parser.add_argument(
-        "--cfg", action="store_true", help="print the resolved configuration and stop"
-    )
-    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
-    parser.add_argument(
-        "--fresh", action="store_true", help="delete this run's stored cases and start over"
-    )
-    parser.add_argument("--yes", action="store_true", help="do not ask before deleting")
+    _add_run_flags(parser)
 
 
-def _overrides(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "overrides", nargs="*", metavar="override", help="Hydra override, e.g. tuning=matched"
-    )
-    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
-
-
-def _replay(parser: argparse.ArgumentParser) -> None:
+def _add_replay(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "words", nargs="*", metavar="FILE|override", help="records or patterns; key=value words"
     )
     parser.add_argument(
         "--describe", action="store_true", help="list channels, units, rates and gaps, and stop"
     )
+    _add_run_flags(parser)
+
+
+def _add_run_flags(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--cfg", action="store_true", help="print the resolved configuration and stop"
     )
-    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
+    _add_config_dir(parser)
     parser.add_argument(
         "--fresh", action="store_true", help="delete this run's stored cases and start over"
     )
     parser.add_argument("--yes", action="store_true", help="do not ask before deleting")
 
 
-def _run_argument(parser: argparse.ArgumentParser) -> None:
+def _add_overrides(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "overrides", nargs="*", metavar="override", help="Hydra override, e.g. tuning=matched"
+    )
+    _add_config_dir(parser)
+
+
+def _add_config_dir(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
+
+
+def _add_run(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
 
-def _runs_argument(parser: argparse.ArgumentParser) -> None:
+def _add_runs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "runs", nargs="+", metavar="RUN", help="folder of a multirun, or folders of several runs"
     )
 
 
-def _nothing(parser: argparse.ArgumentParser) -> None:
+def _add_nothing(parser: argparse.ArgumentParser) -> None:
     pass
 
 
@@ -92,39 +93,43 @@ COMMANDS = {
     "sweep": (
         "Run a study, or finish one that was stopped, and draw its map.",
         "sweep grid.replicates=2 record.duration=300 schemes=[MKF,HME1] sensors.gnss.delay=0.4",
-        _sweep,
+        _add_sweep,
     ),
     "replay": (
         "Run the schemes on recorded motion or recorded sensors; say which one to run.",
         "replay towertop.outb columns.position_x=TwHt1TPxi sensors.gnss.rate=5",
-        _replay,
+        _add_replay,
     ),
     "figures": (
         "Draw all figures and tables of a run into its folder figures/.",
         "figures results/study-0a1b2c3d4e",
-        _run_argument,
+        _add_run,
     ),
     "fidelity": (
         "Hold a run against the published numbers and statements; writes RUN/fidelity/.",
         "fidelity results/study-0a1b2c3d4e",
-        _run_argument,
+        _add_run,
     ),
     "compare": (
         "Compare the runs of a multirun, or some runs: how the map moves with what was changed.",
         "compare results/multirun-0a1b2c3d4e",
-        _runs_argument,
+        _add_runs,
     ),
     "spectrum": (
         "Draw the schemes' error spectra and noise floors, without any record.",
         "spectrum tuning=matched sensors.gnss.delay=0.4",
-        _overrides,
+        _add_overrides,
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",
         "show results/study-0a1b2c3d4e",
-        _run_argument,
+        _add_run,
     ),
-    "list": ("List schemes, tunings, spectra, sensors, grids and experiments.", "list", _nothing),
+    "list": (
+        "List schemes, tunings, spectra, sensors, grids and experiments.",
+        "list",
+        _add_nothing,
+    ),
 }
 
 
@@ -156,7 +161,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"owtsweep: {error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt as error:
-        # A sweep says what it has stored.
+        # The error of an interrupted sweep says how many cases are stored.
         told = str(error) or "interrupted; finished blocks are kept"
         print(f"owtsweep: {told}; the same command goes on from there", file=sys.stderr)
         if arguments[:1] in (["sweep"], ["replay"]):

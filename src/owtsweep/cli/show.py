@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.cli import DONE
+from owtsweep.cli.program import DONE
 from owtsweep.config import require
 
 if TYPE_CHECKING:
@@ -26,11 +26,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     except ValueError:
         manifest = None
     require(isinstance(manifest, dict), f"{path}: this is no manifest; run its sweep again")
-    _print({**_shortened(manifest, opened), "now": _now(opened)}, 0)
+    _print({**_shorten(manifest, opened), "now": _describe_folder(opened)}, 0)
     return DONE
 
 
-def _shortened(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
+def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
     """The manifest without its long lists."""
     shown = dict(manifest)
     if shown.get("state") == "running":
@@ -42,19 +42,23 @@ def _shortened(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
     return shown
 
 
-def _now(opened: Run) -> dict[str, Any]:
-    """What the folder holds, by reading all of it."""
+def _describe_folder(opened: Run) -> dict[str, Any]:
+    """What the run folder holds; reads all of it."""
     from owtsweep.sweep.plan import make_plan
 
     cases = dict.fromkeys(("done", "failed", "missing"), 0)
     for key, block in make_plan(opened.study, opened.config).items():
         cases[opened.store.status(key)] += block.cases
+    unable: dict[str, int] = {}
+    for setback in opened.unable():
+        unable[setback.reason] = unable.get(setback.reason, 0) + setback.cases
     figures = opened.folder / "figures"
     drawn = len(list(figures.glob("*.png"))) if figures.is_dir() else 0
     return {
         "cases in finished blocks": cases["done"],
         "cases in blocks with failures": cases["failed"],
         "cases missing": cases["missing"],
+        **({"cases without a number": unable} if unable else {}),
         "tables": [path.name for path in sorted(opened.folder.glob("*.csv"))] or "none yet",
         "figures": f"{drawn} in {figures}" if drawn else "none yet",
     }

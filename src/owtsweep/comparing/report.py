@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from owtsweep.comparing.cells import Common
+from owtsweep.io import markdown
 from owtsweep.sweep.comparison import Candidate, Comparison
 
 if TYPE_CHECKING:
@@ -78,24 +79,28 @@ def sections(comparison: Comparison, shared: Common, tables: Mapping[str, pd.Dat
 def _changes(changed: pd.DataFrame) -> str:
     if changed.empty:
         return "None."
-    lines = ["| from | to | cells | established | from -> to |", "|---|---|---|---|---|"]
+    rows = []
     for (one, other), own in changed.groupby(["from_run", "to_run"], sort=False):
         moves = (own["best_from"] + " -> " + own["best_to"]).value_counts(sort=False)
         told = ", ".join(f"{move}: {count}" for move, count in moves.items())
-        lines.append(f"| {one} | {other} | {len(own)} | {int(own['established'].sum())} | {told} |")
-    return "\n".join(lines)
+        rows.append([str(one), str(other), str(len(own)), str(int(own["established"].sum())), told])
+    return markdown.table(["from", "to", "cells", "established", "from -> to"], rows)
 
 
 def _shifts(moved: pd.DataFrame) -> str:
     if moved.empty:
         return "No natural period has a boundary in both runs of a pair."
-    lines = ["| from | to | natural period (s) | ratio | 95 % interval |", "|---|---|---|---|---|"]
-    lines += [
-        f"| {row['from_run']} | {row['to_run']} | {row['natural_period']:g} | {row['ratio']:.3g} | "
-        f"{_interval(row['ratio_low'], row['ratio_high'])} |"
+    rows = [
+        [
+            row["from_run"],
+            row["to_run"],
+            f"{row['natural_period']:g}",
+            f"{row['ratio']:.3g}",
+            _interval(row["ratio_low"], row["ratio_high"]),
+        ]
         for row in moved.to_dict("records")
     ]
-    return "\n".join(lines)
+    return markdown.table(["from", "to", "natural period (s)", "ratio", "95 % interval"], rows)
 
 
 def _interval(low: float, high: float) -> str:

@@ -1,1 +1,1 @@
-"""Linear estimation at two rates: knows no turbine and no study."""
+"""Linear estimation: filters, smoothers, predictors, horizons. It knows no turbine and no study."""

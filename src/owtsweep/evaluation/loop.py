@@ -1,95 +1,103 @@
-"""Running an estimator as it would run on board: one `update` per IMU step.
+"""Run an estimator as it would run on board: one `update` per step.
 
-The reference engine, and every user's scheme without a kernel, runs this way.
+The reference engine runs every scheme this way, and every engine a user's scheme without a kernel.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.contract import Estimate, Estimator, Sensors
-from owtsweep.studies.hub.online.estimator import OnlineEstimator
-from owtsweep.studies.hub.sensors import Measurements
+from owtsweep.evaluation.collecting import collect
+from owtsweep.evaluation.estimate import PLANAR_MOTION, Quantity
+from owtsweep.evaluation.trajectory import Trajectory
 
 
-class Trajectory(NamedTuple):
-    """What an estimator gave over a record.
+class Updating(Protocol):
+    """What can be run.
 
-    state (steps, 4): x, y, v_x, v_y. covariance (steps, 4, 4) or None. innovation (steps, 2) and
-    innovation_covariance (steps, 2, 2) with NaN at steps without one, or None.
+    An estimator may also offer `run_record(inputs, fixes) -> Trajectory`. It takes many steps in
+    one call and gives what `update` would give step by step; a fix that did not arrive is NaN.
     """
 
-    state: Array
-    covariance: Array | None
-    innovation: Array | None
-    innovation_covariance: Array | None
+    def update(self, inputs: Array, fix: Array | None = None, /) -> Any:
+        """Take the inputs of a step, and a fix if one arrived; return an `Estimate`."""
 
 
-def run_estimator(estimator: Estimator, measurements: Measurements, sensors: Sensors) -> Trajectory:
-    """Feed a whole record to an estimator; a fix that is NaN did not arrive.
+def run_estimator(
+    estimator: Updating,
+    inputs: Array,
+    fixes: Array,
+    fix_interval: int,
+    *,
+    judged: Sequence[Quantity] = PLANAR_MOTION,
+) -> Trajectory:
+    """Run an estimator over a whole record.
+
+    Parameters
+    ----------
+    inputs
+        (steps, i) what is measured at every step. In the hub study: specific force, m/s^2.
+    fixes
+        (fixes, m) what is measured at steps 0, M, 2 M, ...; NaN if it did not arrive. In the hub
+        study: position, m.
+    fix_interval
+        M, in steps.
+    judged
+        As for `run_steps`.
 
     Raises
     ------
+    TypeError, ValueError
+        As for `run_steps`.
+    """
+    arrived = np.full((len(inputs), fixes.shape[1]), np.nan)
+    arrived[::fix_interval] = fixes
+    return run_steps(estimator, np.ascontiguousarray(inputs), arrived, judged=judged)
+
+
+def run_steps(
+    estimator: Updating,
+    inputs: Array,
+    fixes: Array,
+    *,
+    first: int = 0,
+    judged: Sequence[Quantity] = PLANAR_MOTION,
+) -> Trajectory:
+    """Run an estimator over the next steps of a record.
+
+    Parameters
+    ----------
+    inputs, fixes
+        (steps, i) and (steps, m), a row per step; a fix that did not arrive is NaN.
+    first
+        Number of the first of these steps, for messages.
+    judged
+        The quantities to take from the estimates, in the order in which the state has them.
+
+    Raises
+    ------
+    TypeError
+        If `update` gives something else than an `Estimate`.
     ValueError
         If an estimate has the wrong shape or is not finite, naming the step.
     """
-    if isinstance(estimator, OnlineEstimator):
-        return _at_once(estimator, measurements, sensors)
-    steps = len(measurements.specific_force)
-    state = np.empty((steps, 4))
-    covariance: Array | None = None
-    innovation: Array | None = None
-    innovation_covariance: Array | None = None
-    M = sensors.fix_interval
-    for k in range(steps):
-        fix = measurements.fixes[k // M] if k % M == 0 else None
-        if fix is not None and np.isnan(fix).any():
-            fix = None
-        estimate = estimator.update(measurements.specific_force[k], fix)
-        if not isinstance(estimate, Estimate):
-            raise TypeError(f"update gave a {type(estimate).__name__}, not an owtsweep.Estimate")
-        state[k, :2] = _vector(estimate.position, "position", k)
-        state[k, 2:] = _vector(estimate.velocity, "velocity", k)
-        if estimate.covariance is not None:
-            if covariance is None:
-                covariance = np.full((steps, 4, 4), np.nan)
-            covariance[k] = estimate.covariance
-        if estimate.innovation is not None:
-            if innovation is None or innovation_covariance is None:
-                innovation = np.full((steps, 2), np.nan)
-                innovation_covariance = np.full((steps, 2, 2), np.nan)
-            innovation[k] = estimate.innovation.value
-            innovation_covariance[k] = estimate.innovation.covariance
-    if not np.all(np.isfinite(state)):
-        step = int(np.argmax(~np.isfinite(state).all(axis=1)))
-        raise ValueError(f"the estimate of step {step} is not finite")
-    return Trajectory(state, covariance, innovation, innovation_covariance)
+    run_record = getattr(estimator, "run_record", None)
+    if run_record is not None:
+        trajectory: Trajectory = run_record(inputs, fixes)
+    else:
+        estimates = _update_step_by_step(estimator, inputs, fixes)
+        trajectory = collect(estimates, judged, len(inputs), first)
+    finite = np.isfinite(trajectory.state).all(axis=1)
+    if not np.all(finite):
+        raise ValueError(f"the estimate of step {first + int(np.argmin(finite))} is not finite")
+    return trajectory
 
 
-def _at_once(
-    estimator: OnlineEstimator, measurements: Measurements, sensors: Sensors
-) -> Trajectory:
-    """The compiled form takes a record in one call."""
-    force = np.ascontiguousarray(measurements.specific_force)
-    fixes = np.full_like(force, np.nan)
-    fixes[:: sensors.fix_interval] = measurements.fixes
-    out = estimator.run(force, fixes)
-    if not np.all(np.isfinite(out.state)):
-        step = int(np.argmax(~np.isfinite(out.state).all(axis=1)))
-        raise ValueError(f"the estimate of step {step} is not finite")
-    return Trajectory(
-        out.state,
-        np.kron(out.covariance, np.eye(2)),
-        out.innovation,
-        out.innovation_variance[:, None, None] * np.eye(2),
-    )
-
-
-def _vector(value: Array, name: str, step: int) -> Array:
-    array = np.asarray(value, dtype=float)
-    if array.shape != (2,):
-        raise ValueError(f"the {name} of step {step} has the shape {array.shape}, not (2,)")
-    return array
+def _update_step_by_step(estimator: Updating, inputs: Array, fixes: Array) -> Iterator[Any]:
+    arrived = np.logical_not(np.isnan(fixes).any(axis=1))
+    for k, sample in enumerate(inputs):
+        yield estimator.update(sample, fixes[k] if arrived[k] else None)

@@ -5,13 +5,29 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 logger = logging.getLogger(__name__)
 
 #: Draws into a folder under a name, and returns the files.
 Drawing = Callable[[Path, str], list[Path]]
+
+
+def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) -> Drawing:
+    """What draws a figure in the package's style and saves it with its metadata."""
+
+    def drawing(folder: Path, name: str) -> list[Path]:
+        from owtsweep.figures import style
+
+        with style.context():
+            return style.save(draw(), folder, name, metadata)
+
+    return drawing
 
 
 def draw_each(drawings: Mapping[str, Drawing], folder: Path, only: str | None) -> list[Path]:

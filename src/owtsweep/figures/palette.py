@@ -7,7 +7,7 @@ and a line style say the same in black and white.
 from __future__ import annotations
 
 import colorsys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -39,14 +39,9 @@ class SchemeStyle:
         return "#000000" if (luminance + 0.05) ** 2 > 0.05 * 1.05 else "#ffffff"
 
 
-#: The schemes of the paper. EKF and MKF can coincide: dashes over a full line show both.
-FIXED = {
-    "EKF": SchemeStyle("#CC79A7", "s", "-"),
-    "MKF": SchemeStyle("#009E73", "D", (0, (4, 2))),
-    "HME1": SchemeStyle("#0072B2", "o", "-"),
-    "HME2": SchemeStyle("#E69F00", "^", (0, (6, 1, 1, 1))),
-}
-#: Okabe and Ito's other colours, for users' schemes.
+#: Scheme -> the look that a study has reserved for it.
+_reserved: dict[str, SchemeStyle] = {}
+#: Okabe and Ito's other colours, for schemes without a look of their own.
 SPARE_COLORS = ("#56B4E9", "#D55E00", "#F0E442")
 SPARE_MARKERS = ("v", "P", "X", "<", ">", "p", "h")
 SPARE_LINES: tuple[LineStyle, ...] = (
@@ -57,10 +52,19 @@ SPARE_LINES: tuple[LineStyle, ...] = (
 )
 
 
+def reserve(looks: Mapping[str, SchemeStyle]) -> None:
+    """Give schemes their looks for good; a study does so where it is defined.
+
+    A name that has a look already keeps it: in figures of several studies it means one scheme.
+    """
+    for name, look in looks.items():
+        _reserved.setdefault(name, look)
+
+
 def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
     """The style of scheme `name` in a study of `all_names`.
 
-    The paper's schemes always look the same; others get the next free style in the order of
+    Schemes with a reserved look always have it; others get the next free style in the order of
     `all_names`.
 
     Raises
@@ -68,9 +72,9 @@ def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
     InputError
         If `name` is none of `all_names`.
     """
-    if name in FIXED:
-        return FIXED[name]
-    others = [other for other in dict.fromkeys(all_names) if other not in FIXED]
+    if name in _reserved:
+        return _reserved[name]
+    others = [other for other in dict.fromkeys(all_names) if other not in _reserved]
     if name not in others:
         raise InputError(f"scheme: {name!r} is none of {', '.join(all_names)}")
     index = others.index(name)

@@ -1,1 +1,4 @@
-"""Motion of a structure: spectra and their realisations. Knows no sensor and no estimator."""
+"""Motion of a structure: spectra, records made from them, recorded motion.
+
+This room imports neither sensors nor estimators.
+"""

@@ -1,7 +1,7 @@
 """Motion spectra S(f) = a f / (f^2 + b f + c), Eq. (1) of Ren et al. (2019).
 
-The denominator must stay positive for every f > 0, which holds as long as its value at the peak,
-2 sqrt(c) + b, is positive; the peak lies at f* = sqrt(c), Eq. (2).
+The peak lies at f* = sqrt(c), Eq. (2). The denominator must be positive for every f > 0. It is if,
+and only if, its value at the peak divided by f*, 2 sqrt(c) + b, is positive.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 
-#: Half-bandwidth squared, s^-2: with it `translated` rounds to all 12 printed digits of b and c.
+#: Half-bandwidth squared, s^-2. With this value `translated`, once rounded, gives all 12 printed
+#: values of b and c.
 TABLE_4_BANDWIDTH = 2.4e-4
 
 #: a / T, the mean of Table 4.
@@ -51,9 +52,10 @@ class Spectrum:
 
     @property
     def peak_margin(self) -> float:
-        """2 sqrt(c) + b: the denominator over f at the peak; the peak is finite where it is > 0.
+        """2 sqrt(c) + b: the denominator at the peak divided by f*. If > 0, the peak is finite.
 
-        The text below Eq. (2) prints the peak as a / (2 sqrt(c + b)); a / (2 sqrt(c) + b) is meant.
+        The text below Eq. (2) prints the peak as a / (2 sqrt(c + b)). It should read
+        a / (2 sqrt(c) + b).
         """
         return 2.0 * self.peak_frequency + self.b
 
@@ -63,37 +65,37 @@ class Spectrum:
 
 
 def translated(natural_period: float, bandwidth: float = TABLE_4_BANDWIDTH) -> Spectrum:
-    """One peak moved along the frequency axis, as the paper's section 2.2 describes Table 4.
+    """One peak shifted along the frequency axis, as the paper's section 2.2 describes Table 4.
 
-    a = 0.4611e-6 T, b = -2/T + k T, c = 1/T^2 make the denominator (f - 1/T)^2 + k T f: a peak at
-    1/T with the half-bandwidth sqrt(k) wherever it stands.
+    With a = 0.4611e-6 T, b = -2/T + k T and c = 1/T^2 the denominator is (f - 1/T)^2 + k T f. The
+    peak is at 1/T, and its half-bandwidth is sqrt(k) for every T.
 
     Parameters
     ----------
     natural_period
         T in s.
     bandwidth
-        k in s^-2: 2.4e-4 gives back the printed digits of Table 4; 6.7e-6 is 1 % damping.
+        k in s^-2. 2.4e-4 gives the printed digits of Table 4; 6.7e-6 corresponds to 1 % damping.
     """
     T = natural_period
     return Spectrum(a=AMPLITUDE_PER_PERIOD * T, b=-2.0 / T + bandwidth * T, c=1.0 / T**2)
 
 
 def printed(natural_period: float) -> Spectrum:
-    """Table 4 as it stands.
+    """The spectrum with the coefficients that Table 4 prints.
 
     Raises
     ------
     InputError
-        For a period that the table does not have, and for 3, 4 and 5 s, where two digits of b and
-        c leave no positive denominator at the peak.
+        For a period that is not in the table. Also for 3, 4 and 5 s: b and c are printed with two
+        digits, and at these periods the denominator at the peak is then not positive.
     """
     row = TABLE_4.get(float(natural_period))
     if row is None:
-        known = ", ".join(f"{period:g}" for period in TABLE_4)
+        periods = ", ".join(f"{period:g}" for period in TABLE_4)
         raise InputError(
             f"spectrum=printed: Table 4 has no natural period {natural_period:g} s (it has "
-            f"{known} s): use spectrum=translated"
+            f"{periods} s): use spectrum=translated"
         )
     spectrum = Spectrum(*row)
     if spectrum.peak_margin <= 1e-12:

@@ -2,55 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
+from owtsweep.motion.source import Motion
 from owtsweep.motion.spectra import Spectrum
 from owtsweep.motion.transform import interleaved
 from owtsweep.paging import fill
 
 NORMALISATIONS = ("peak", "rms")
-
-
-@dataclass(frozen=True)
-class Motion:
-    """Displacement along one direction, with what a delayed measurement still reports.
-
-    Attributes
-    ----------
-    step
-        Sampling interval, s.
-    position, velocity, acceleration
-        (steps,) in m, m/s, m/s^2, from t = 0.
-    before
-        (history,) positions before t = 0, oldest first, m.
-    """
-
-    step: float
-    position: Array
-    velocity: Array
-    acceleration: Array
-    before: Array
-
-    def position_at(self, first: int, stride: int, count: int) -> Array:
-        """(count,) positions at steps first, first + stride, ...; `first` may reach into the past.
-
-        Raises
-        ------
-        ValueError
-            If the record does not reach that far back.
-        """
-        if first < -len(self.before):
-            raise ValueError(
-                f"the record holds {len(self.before)} steps before t = 0, not {-first}"
-            )
-        earlier = min(max(-(first // stride), 0), count)  # how many of them lie in the past
-        past = self.before[first + len(self.before) :: stride][:earlier]
-        return np.concatenate([past, self.position[first + earlier * stride :: stride]])[:count]
 
 
 def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], Array]:

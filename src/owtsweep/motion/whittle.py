@@ -1,10 +1,11 @@
-"""Eq. (1) of Ren et al. (2019) fitted to a record by Whittle's likelihood.
+"""Fits Eq. (1) of Ren et al. (2019) to a record by Whittle's likelihood.
 
-The ordinates I_j of the periodogram are taken as independent and exponential with the mean S(f_j):
-minus the log-likelihood is the sum of log S(f_j) + I_j / S(f_j) over the lines inside a band
-(Whittle, 1953). S is written by its peak frequency f* and its half-bandwidth sqrt(k) (see
-`spectra.translated`): S = a f / ((f - f*)^2 + (k / f*) f), so c = f*^2 and b = -2 f* + k / f*.
-For a given shape the best a is the mean of I_j over S(f_j) / a; two parameters are searched.
+The likelihood takes the periodogram's ordinates I_j as independent and exponentially distributed
+with the mean S(f_j). Minus its logarithm is the sum of log S(f_j) + I_j / S(f_j) over the lines
+inside a band (Whittle, 1953). S is written with its peak frequency f* and its half-bandwidth
+sqrt(k) (see `spectra.translated`): S = a f / ((f - f*)^2 + (k / f*) f), so c = f*^2 and
+b = -2 f* + k / f*. For given f* and k the best a is the mean of I_j / (S(f_j) / a), so only f* and
+k are searched.
 """
 
 from __future__ import annotations
@@ -19,45 +20,47 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum
 
-#: The study's own band, Hz.
+#: The band of the hub study, Hz.
 BAND = (0.05, 0.6)
-#: Fewest lines of the periodogram that three parameters are fitted to.
+#: Three parameters are fitted to at least this many lines of the periodogram.
 FEWEST_LINES = 12
-#: A probability below this makes the shape doubtful.
+#: Below this probability the fit warns that the shape is doubtful.
 DOUBTFUL = 0.01
-#: Samples beyond which a periodogram is made axis by axis and in place, of a length that the FFT
-#: likes: others can take it ten times the memory.
+#: Records with more samples are transformed axis by axis, in place, and cut to a length that suits
+#: the FFT. With an unsuitable length the FFT can need ten times the memory.
 LONG = 1 << 22
 
 
 @dataclass(frozen=True)
 class Fit:
-    """What a record says about Eq. (1).
+    """Eq. (1) fitted to a record, and how well it fits.
 
     Attributes
     ----------
     spectrum
-        a, b, c; the one-sided density in m^2/Hz.
+        The fitted a, b, c; one-sided density in m^2/Hz.
     natural_period
         1 / f*, s.
     bandwidth
         k, s^-2.
     errors
-        Standard errors of a, b, c, natural_period, bandwidth and half_bandwidth, from the Hessian
-        of the likelihood at its expectation (the Fisher information). They hold if the shape does.
+        Standard errors of a, b, c, natural_period, bandwidth and half_bandwidth, from the expected
+        Hessian of the likelihood (the Fisher information). They are valid if the shape is right.
     band, lines
-        Where it was fitted, Hz, and to how many lines.
+        The band of the fit, Hz, and the number of lines inside it.
     band_share
-        Part of the record's variance (mean and trend removed) that lies inside the band.
+        Share of the record's variance (mean and trend removed) that lies inside the band.
     explained
-        Part of the band's variance that the curve accounts for: the area that it shares with the
-        periodogram, smoothed over 9 lines, over the area of that. (The two areas themselves are
-        always equal.) Chance alone leaves some 0.87 for a spectrum that is right.
+        Share of the band's variance that the curve accounts for. Periodogram and curve are both
+        smoothed over 9 lines; this is the area under both, divided by the area under the
+        periodogram. (The two areas are always equal.) A spectrum that is right reaches about 0.87,
+        because the periodogram scatters.
     probability
-        Of a departure from the shape as large as this one if the shape were right: Bartlett's
-        test on the accumulated I_j / S(f_j). Cautious, because the fit has adapted to the record.
+        Probability of a departure from the shape at least this large if the shape were right, by
+        Bartlett's test on the accumulated I_j / S(f_j). It is cautious, because the shape was
+        fitted to the same record.
     warnings
-        What is wrong with the fit, in words; empty for a good one.
+        What is wrong with the fit, in words; empty for a good fit.
     """
 
     spectrum: Spectrum
@@ -73,24 +76,24 @@ class Fit:
 
     @property
     def half_bandwidth(self) -> float:
-        """sqrt(k), Hz."""
+        """Half-bandwidth sqrt(k), Hz."""
         return float(np.sqrt(self.bandwidth))
 
 
 def periodogram(position: Array, step: float) -> tuple[Array, Array]:
-    """Frequencies (Hz) and one-sided periodogram (m^2/Hz), mean and straight trend removed.
+    """Frequencies (Hz) and one-sided periodogram (m^2/Hz); mean and linear trend are removed.
 
     Parameters
     ----------
     position
         (n,) m, or (axes, n): the periodograms of the axes are added.
     step
-        s.
+        Sampling interval, s.
 
     Returns
     -------
     frequency, density
-        (n // 2,) each, without the line at zero. Density over n step sums to the variance.
+        (n // 2,) each, without the line at zero. The sum of density / (n step) is the variance.
     """
     from scipy.fft import rfft
 
@@ -109,9 +112,9 @@ def periodogram(position: Array, step: float) -> tuple[Array, Array]:
 
 
 def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
-    """`periodogram` of long series; the last samples, at most 4 in 1000, are left out.
+    """`periodogram` of long series. It leaves out the last samples, at most 4 in 1000.
 
-    A line t over [-1, 1] has no mean, so mean and slope are two separate projections.
+    A straight line over [-1, 1] has the mean zero, so mean and slope can be removed one by one.
     """
     from scipy.fft import next_fast_len, rfft
 
@@ -145,20 +148,20 @@ def fit(position: Array, step: float, *, band: tuple[float, float] = BAND) -> Fi
     position
         (n,) m, or (axes, n): the sum of the axes' spectra is fitted.
     step
-        s.
+        Sampling interval, s.
     band
         Hz, edges included.
 
     Raises
     ------
     InputError
-        If the band holds too few lines of the record, or the record does not move in it.
+        If fewer than `FEWEST_LINES` lines lie in the band, or the record has no motion in it.
     """
     return fit_lines(*periodogram(position, step), band=band)
 
 
 def fit_lines(frequency: Array, power: Array, *, band: tuple[float, float] = BAND) -> Fit:
-    """`fit` of a record whose periodogram is there."""
+    """`fit` for a record whose `periodogram` has been computed already."""
     df = float(frequency[0])
     inside = (frequency >= band[0] * (1 - 1e-9)) & (frequency <= band[1] * (1 + 1e-9))
     f, observed = frequency[inside], power[inside]
@@ -176,18 +179,18 @@ def fit_lines(frequency: Array, power: Array, *, band: tuple[float, float] = BAN
     a = float(np.mean(observed / shape))
     ratio = observed / (a * shape)
     spectrum = Spectrum(a=a, b=-2.0 * peak + k / peak, c=peak**2)
-    probability = _bartlett(ratio)
+    probability = _test_shape(ratio)
     return Fit(
         spectrum=spectrum,
         natural_period=1.0 / peak,
         bandwidth=k,
-        errors=_errors(f, a, peak, k),
+        errors=_estimate_errors(f, a, peak, k),
         band=band,
         lines=len(f),
         band_share=float(observed.sum() / power.sum()),
-        explained=_shared(observed, a * shape),
+        explained=_measure_overlap(observed, a * shape),
         probability=probability,
-        warnings=tuple(_doubts(f, observed, peak, k, df, band, probability)),
+        warnings=tuple(_list_doubts(f, observed, peak, k, df, band, probability)),
     )
 
 
@@ -196,7 +199,7 @@ def _shape(f: Array, peak: float, k: float) -> Array:
 
 
 def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> tuple[float, float]:
-    """Peak (Hz) and k (s^-2): the best of a coarse grid, then Nelder and Mead's simplex."""
+    """The best peak (Hz) and k (s^-2): by a coarse grid, then Nelder and Mead's simplex method."""
     from scipy.optimize import minimize
 
     lowest, highest = np.log(band[0] / 3.0), np.log(band[1] * 3.0)
@@ -213,13 +216,13 @@ def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> 
     widths = np.linspace(np.log((0.3 * df) ** 2), np.log(band[1] ** 2), 16)
     starts = sorted((cost(np.array([p, w])), p, w) for p in peaks for w in widths)[:3]
     options = {"xatol": 1e-9, "fatol": 1e-13, "maxiter": 2000}
-    found = [minimize(cost, [p, w], method="Nelder-Mead", options=options) for _, p, w in starts]
-    best = min(found, key=lambda result: float(result.fun)).x
+    minima = [minimize(cost, [p, w], method="Nelder-Mead", options=options) for _, p, w in starts]
+    best = min(minima, key=lambda minimum: float(minimum.fun)).x
     return float(np.exp(best[0])), float(np.exp(best[1]))
 
 
-def _errors(f: Array, a: float, peak: float, k: float) -> dict[str, float]:
-    """Standard errors: the information is the sum of the outer products of d log S."""
+def _estimate_errors(f: Array, a: float, peak: float, k: float) -> dict[str, float]:
+    """Standard errors. The Fisher information is the sum of the outer products of d log S."""
     below = (f - peak) ** 2 + (k / peak) * f
     slopes = np.array(
         [
@@ -244,15 +247,15 @@ def _errors(f: Array, a: float, peak: float, k: float) -> dict[str, float]:
     }
 
 
-def _shared(observed: Array, fitted: Array, lines: int = 9) -> float:
-    """Area under both curves, both smoothed alike, over the area under the observed one."""
+def _measure_overlap(observed: Array, fitted: Array, lines: int = 9) -> float:
+    """Area under both curves over the area under the observed one; both smoothed over `lines`."""
     window = np.ones(lines) / lines
     smooth, curve = (np.convolve(series, window, "valid") for series in (observed, fitted))
     return float(np.minimum(smooth, curve).sum() / smooth.sum())
 
 
-def _bartlett(ratio: Array) -> float:
-    """Probability of so large a distance between the accumulated ratios and a straight line."""
+def _test_shape(ratio: Array) -> float:
+    """Probability that the accumulated ratios depart this far, or farther, from a straight line."""
     from scipy.special import kolmogorov
 
     n = len(ratio)
@@ -260,7 +263,7 @@ def _bartlett(ratio: Array) -> float:
     return float(kolmogorov(np.sqrt(n) * np.max(distance)))
 
 
-def _doubts(
+def _list_doubts(
     f: Array,
     observed: Array,
     peak: float,

@@ -1,4 +1,4 @@
-"""Machines elsewhere: a dask cluster, driven through joblib's own backend.
+"""Machines elsewhere: a dask cluster, driven through a backend of joblib.
 
 Imported on demand: `dask[distributed]` is an extra, and takes half a second to load.
 """
@@ -14,11 +14,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from distributed import Client
-from joblib._dask import DaskDistributedBackend  # private, but the only name of a public backend
+
+# Private, but the only name of a public backend: joblib is bounded in pyproject.toml, and
+# tests/sweep/test_cluster.py notices if a new one has changed what is extended here.
+from joblib._dask import DaskDistributedBackend
 
 from owtsweep.errors import InputError
 from owtsweep.sweep.study import Study
-from owtsweep.sweep.versions import other_versions
+from owtsweep.sweep.versions import tell_other_versions
 from owtsweep.sweep.worker import one_line
 
 _Base: Any = DaskDistributedBackend
@@ -63,7 +66,7 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
     finally:
         _hush()
         try:
-            # What this client has asked for and nobody has begun is dropped with it.
+            # The scheduler drops tasks of this client that no worker has begun.
             client.close(timeout=1.0)
         finally:
             for logger in loud:
@@ -71,13 +74,13 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
 
 
 def _loggers() -> list[logging.Logger]:
-    """Those of dask and of its network library that may speak."""
+    """The loggers of dask and of its network library that are not disabled."""
     names = [n for n in logging.root.manager.loggerDict if n.split(".")[0] in _NETWORK]
     return [logger for name in names if not (logger := logging.getLogger(name)).disabled]
 
 
 def _hush() -> None:
-    """Until the connection is closed: dask shows a traceback of each that was in use meanwhile."""
+    """Silence dask while its connections close: it shows a traceback for each that is in use."""
     for logger in _loggers():
         logger.disabled = True
 
@@ -89,7 +92,7 @@ def _check_workers(client: Client, address: str, study: Study, metadata: Mapping
         raise InputError(
             f"compute.scheduler: {address} has no workers; start some with `dask worker {address}`"
         ) from error
-    answers = client.run(other_versions, study, dict(metadata), on_error="return")
+    answers = client.run(tell_other_versions, study, dict(metadata), on_error="return")
     for worker, answer in sorted(answers.items()):
         if isinstance(answer, BaseException):
             answer = (
@@ -100,10 +103,10 @@ def _check_workers(client: Client, address: str, study: Study, metadata: Mapping
 
 
 class Backend(_Base):  # type: ignore[misc]
-    """joblib's backend, which also hears of tasks that fail outside their own code.
+    """joblib's backend, which also hears of tasks that fail outside their code.
 
-    joblib 1.6 waits for ever for a task whose workers died or could not load it, and for a cluster
-    that is gone.
+    joblib 1.6 itself waits for ever for a task whose workers died or could not load it, and for a
+    cluster that is gone.
     """
 
     def __init__(self, client: Client) -> None:
@@ -114,8 +117,8 @@ class Backend(_Base):  # type: ignore[misc]
         return (DaskDistributedBackend, ())
 
     def effective_n_jobs(self, n_jobs: int = 1) -> int:
-        # What joblib has one job for it runs itself: here, not on the one worker that is left. And
-        # it raises where there is none at the moment, for which `_watch` has more patience.
+        # With one worker left joblib would run the tasks itself, in this process; with none it
+        # would raise, while `_watch` has more patience.
         cores: int = sum(self.client.ncores().values())
         return max(2, cores)
 

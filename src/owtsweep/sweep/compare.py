@@ -1,33 +1,31 @@
-"""Comparing runs: find them, tell them apart, let their study speak, write what it says."""
+"""Comparing runs: open them, tell them apart, ask their study, write its answer."""
 
 from __future__ import annotations
 
 import hashlib
-import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import as_mapping, require
 from owtsweep.errors import InputError
+from owtsweep.io import markdown
 from owtsweep.io.files import check_writable, write_atomically
 from owtsweep.io.tables import write_table
 from owtsweep.sweep.comparison import Candidate, Comparable, Comparison, Findings
-from owtsweep.sweep.runs import Run, load
-from owtsweep.sweep.study import FAILED, OK
+from owtsweep.sweep.multirun_record import read_record
+from owtsweep.sweep.runs import Run
+from owtsweep.sweep.study import FAILED, OK, UNABLE
 from owtsweep.sweep.swept import RUN, make_pairs, ranks, show, swept_keys
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: The record of a multirun (`cli/multirun_record.py` writes it).
-MULTIRUN = "multirun.json"
-
 
 @dataclass(frozen=True)
 class Compared:
-    """A finished comparison: where it lies, what was found, the terminal's table, all notes."""
+    """A finished comparison: its folder, what the study found, the terminal's table, all notes."""
 
     folder: Path
     findings: Findings
@@ -35,13 +33,15 @@ class Compared:
     notes: tuple[str, ...]
 
 
-def compare(paths: Sequence[str]) -> Compared:
+def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     """Compare the runs of a multirun, or some runs, and write the comparison.
 
     Parameters
     ----------
     paths
         One multirun folder, or several folders of runs (or of multiruns).
+    load
+        Opens the run in a folder (`owtsweep.load`).
 
     Returns
     -------
@@ -54,7 +54,7 @@ def compare(paths: Sequence[str]) -> Compared:
         If there are fewer than two runs with a succeeded case, their studies differ or cannot
         compare, or they have nothing in common. Nothing has been written then.
     """
-    runs, preferred, notes = _find(paths)
+    runs, preferred, notes = _open(paths, load)
     studies = list(dict.fromkeys(run.config.study for run in runs))
     require(
         len(studies) < 2, f"compare: these are runs of several studies, {', '.join(studies)}; "
@@ -62,9 +62,9 @@ def compare(paths: Sequence[str]) -> Compared:
     )  # fmt: skip
     loaded = _with_results(runs, notes)
     if len(loaded) < 2:
-        found = "no run" if not loaded else "only one run"
+        number = "no run" if not loaded else "only one run"
         why = f" ({notes[0]})" if notes else ""
-        raise InputError(f"{paths[0]}: {found} with a succeeded case here{why}; compare needs two")
+        raise InputError(f"{paths[0]}: {number} with a succeeded case here{why}; compare needs two")
     study = loaded[0][0].study
     if not isinstance(study, Comparable):
         raise InputError(f"compare: the study {study.name!r} has no comparison of its runs")
@@ -83,7 +83,9 @@ def compare(paths: Sequence[str]) -> Compared:
     return Compared(folder, findings, overview, every_note)
 
 
-def _find(paths: Sequence[str]) -> tuple[list[Run], list[str], list[str]]:
+def _open(
+    paths: Sequence[str], load: Callable[[Path], Run]
+) -> tuple[list[Run], list[str], list[str]]:
     """The runs named, the keys that a multirun swept, and notes on what cannot be opened."""
     runs: list[Run] = []
     preferred: list[str] = []
@@ -111,19 +113,16 @@ def _find(paths: Sequence[str]) -> tuple[list[Run], list[str], list[str]]:
 
 def _members(path: Path, notes: list[str]) -> tuple[list[Path], list[str]]:
     """The run folders of a multirun in their order, and the keys that were swept."""
-    found = sorted(config.parent for config in path.glob("*/config.yaml"))
-    if not (path / MULTIRUN).is_file():
-        return found, []
-    try:
-        planned = json.loads((path / MULTIRUN).read_text())["runs"]
-        names = [str(run["folder"]) for run in planned]
-        keys = [str(key) for run in planned for key in run["values"]]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{path / MULTIRUN}: this is no record of a multirun ({error})") from error
-    there = {folder.name: folder for folder in found}
-    notes += [f"{name} is left out: it was never started" for name in names if name not in there]
-    ordered = [there.pop(name) for name in names if name in there]
-    return ordered + list(there.values()), keys
+    folders = sorted(config.parent for config in path.glob("*/config.yaml"))
+    planned = read_record(path)
+    if planned is None:
+        return folders, []
+    there = {folder.name: folder for folder in folders}
+    notes += [
+        f"{name} is left out: it was never started" for name in planned.folders if name not in there
+    ]
+    ordered = [there.pop(name) for name in planned.folders if name in there]
+    return ordered + list(there.values()), planned.keys
 
 
 def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.DataFrame]]:
@@ -133,11 +132,13 @@ def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.D
         if rows is None or not (rows["status"] == OK).any():
             notes.append(f"{run.folder.name} is left out: no case of it has succeeded")
             continue
-        failed = int((rows["status"] == FAILED).sum())
+        failed, unable = (int((rows["status"] == status).sum()) for status in (FAILED, UNABLE))
         if missing:
             notes.append(f"{run.folder.name} is incomplete: {missing} of its blocks are missing")
         if failed:
             notes.append(f"{run.folder.name}: {failed} of its {len(rows)} rows failed")
+        if unable:
+            notes.append(f"{run.folder.name}: no number in {unable} of its {len(rows)} rows")
         loaded.append((run, rows))
     return loaded
 
@@ -148,14 +149,14 @@ def _arrange(
     mappings = [as_mapping(run.config) for run, _ in loaded]
     keys, following = swept_keys(mappings, preferred)
     values: list[dict[str, Any]] = [{k: _value(m, k) for k in keys} for m in mappings]
-    shown = [tuple(show(item) for item in own.values()) for own in values]
+    shown = [tuple(show(value) for value in of_run.values()) for of_run in values]
     if len(set(shown)) < len(shown):  # runs on other grids or with other schemes, say
         names = [run.folder.name for run, _ in loaded]
         unique = len(set(names)) == len(names)
-        for own, (run, _) in zip(values, loaded, strict=True):
-            own[RUN] = run.folder.name if unique else str(run.folder)
+        for of_run, (run, _) in zip(values, loaded, strict=True):
+            of_run[RUN] = run.folder.name if unique else str(run.folder)
         keys = [*keys, RUN]
-    places = list(zip(*(ranks([own[key] for own in values]) for key in keys), strict=True))
+    places = list(zip(*(ranks([of_run[key] for of_run in values]) for key in keys), strict=True))
     order = sorted(range(len(loaded)), key=lambda i: places[i])
     runs = tuple(
         Candidate(run.folder.name, run.hash, run.config, rows, values[i])
@@ -193,13 +194,11 @@ def _overview(comparison: Comparison, findings: Findings) -> pd.DataFrame:
 def _report(
     comparison: Comparison, findings: Findings, overview: pd.DataFrame, notes: Sequence[str]
 ) -> str:
-    header = ["| " + " | ".join(overview.columns) + " | run folder |"]
-    header.append("|" + "---|" * (len(overview.columns) + 1))
-    lines = [
-        "| " + " | ".join([*row, run.name]) + " |"
-        for row, run in zip(overview.itertuples(index=False), comparison.runs, strict=True)
-    ]
-    parts = ["# Comparison of " + f"{len(comparison.runs)} runs", "\n".join([*header, *lines])]
+    rows = zip(overview.itertuples(index=False), comparison.runs, strict=True)
+    table = markdown.table(
+        [*overview.columns, "run folder"], [[*row, run.name] for row, run in rows]
+    )
+    parts = ["# Comparison of " + f"{len(comparison.runs)} runs", table]
     if comparison.following:
         keys = ", ".join(f"`{key}`" for key in comparison.following)
         parts.append(f"Changing along with these keys: {keys}.")

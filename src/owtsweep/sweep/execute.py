@@ -1,4 +1,4 @@
-"""How joblib is fed with tasks, and what is made of what comes back."""
+"""Gives tasks to joblib, and stores what comes back."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.config import Config
 from owtsweep.sweep.plan import Plan
+from owtsweep.sweep.setback import Setback
 from owtsweep.sweep.shard import DamagedShard, decode
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import Study
 from owtsweep.sweep.token import shared_token
 from owtsweep.sweep.worker import (
     NOT_COMPUTED,
-    Failure,
     Local,
     TaskResult,
     Work,
@@ -81,37 +81,37 @@ class Executor:
             return
         queue = list(tasks)
         reported: set[int] = set()
-        with self._sharing() as work, self._workers() as start:
-            local = self._local(tell)
+        with self._share_folder() as work, self._prepare_workers() as start:
+            local = self._make_local(tell)
             try:
-                with closing(self._rounds(work, queue, start, local)) as results:
+                with closing(self._run_rounds(work, queue, start, local)) as results:
                     for result in results:
                         reported.add(result.task)
-                        kept = self._stored(result)
+                        kept = self._store_returned(result)
                         yield kept
                         if kept.disk_full:
                             raise _Stop(NOT_COMPUTED)
             except _Stop as stop:
                 for number in sorted(set(range(len(queue))) - reported):
-                    yield self._from_store(number, queue[number], str(stop))
+                    yield self._count_stored(number, queue[number], str(stop))
             finally:
                 if local is not None:
                     local.stop.set()
 
-    def _local(self, tell: Callable[[int], None] | None) -> Local | None:
+    def _make_local(self, tell: Callable[[int], None] | None) -> Local | None:
         # Processes cannot share a flag (it does not pickle) and need not.
         if self.backend != "threading":
             return None
         return Local(threading.Event(), tell or (lambda cases: None))
 
-    def _rounds(
+    def _run_rounds(
         self, work: Work, tasks: list[Plan], start: Callable[[int], Any], local: Local | None
     ) -> Generator[TaskResult]:
-        """All tasks, again where a worker died, until whoever kills its worker is alone.
+        """Run all tasks, and again those whose worker died, until the guilty block is alone.
 
-        A broken pool of processes does not say whose fault it was: those under way are suspects,
-        and run again in halves. Of the task that remains each block runs alone; such tasks are
-        appended to `tasks`.
+        A broken pool of processes does not say which task broke it. All that were under way are
+        suspects; they run again, one half after the other, until one task is left. Its blocks then
+        run as one task each, appended to `tasks`.
         """
         rounds = deque([list(range(len(tasks)))])
         while rounds:
@@ -120,13 +120,13 @@ class Executor:
             reported: set[int] = set()
             guilty: dict[int, str] = {}
             try:
-                for result in self._round(work, tasks, numbers, sent, start, local):
+                for result in self._run_round(work, tasks, numbers, sent, start, local):
                     reported.add(result.task)
                     if isinstance(result, TaskResult):
                         yield result
                     else:
                         guilty[result.task] = result.reason
-                # Whatever the backend has lost on its way is never passed over.
+                # A task that the backend has lost must not be passed over.
                 guilty |= dict.fromkeys(set(numbers) - reported, "its worker gave no answer")
             except PicklingError as error:
                 raise _Stop(one_line(error)) from error
@@ -146,15 +146,15 @@ class Executor:
                     if self.store.status(key) != "done"
                 }
                 if len(missing) < 2:
-                    yield self._from_store(number, tasks[number], reason)
+                    yield self._count_stored(number, tasks[number], reason)
                     continue
                 done = {key: block for key, block in tasks[number].items() if key not in missing}
-                yield self._from_store(number, done, reason)
+                yield self._count_stored(number, done, reason)
                 for key, block in missing.items():
                     rounds.append([len(tasks)])
                     tasks.append({key: block})
 
-    def _round(
+    def _run_round(
         self,
         work: Work,
         tasks: Sequence[Plan],
@@ -172,7 +172,7 @@ class Executor:
 
         if local is not None:
             local.stop.clear()  # the round before has set it for whoever was still at work
-        with _interrupts_held(self.backend == "loky"):
+        with _hold_interrupts(self.backend == "loky"):
             results: Any = start(len(numbers))(calls())
         try:
             for result in results:
@@ -188,8 +188,8 @@ class Executor:
                 results.close()
 
     @contextmanager
-    def _sharing(self) -> Iterator[Work]:
-        """What workers are told, and for the time of the sweep the proof that a folder is ours."""
+    def _share_folder(self) -> Iterator[Work]:
+        """What workers are told; a file shows those elsewhere whether they see the run folder."""
         place: Any = PLACES[self.backend]
         work = Work(self.study, self.config, self.store, self.metadata, place)
         if place != "cluster":
@@ -199,13 +199,13 @@ class Executor:
             yield replace(work, token=token)
 
     @contextmanager
-    def _workers(self) -> Iterator[Callable[[int], Any]]:
+    def _prepare_workers(self) -> Iterator[Callable[[int], Any]]:
         """How to make a `joblib.Parallel` for so many tasks."""
         from joblib import Parallel, parallel_config
 
         options: dict[str, Any] = {"return_as": "generator_unordered", "batch_size": 1}
         if self.backend != "dask":
-            # One process would be this one, and a worker that dies must not be this one.
+            # One job would run in this very process, and a block may kill its worker.
             least = 2 if self.backend == "loky" else 1
 
             def local(tasks: int) -> Any:
@@ -221,11 +221,11 @@ class Executor:
             return
         from owtsweep.sweep.cluster import Backend
 
-        # joblib takes the whole cluster; what is not sent keeps nobody busy.
+        # joblib takes the whole cluster; `workers` limits how many tasks it gets at a time.
         with parallel_config(backend=Backend(self.client)):
             yield lambda tasks: Parallel(pre_dispatch=self.workers or "2*n_jobs", **options)
 
-    def _stored(self, result: TaskResult) -> TaskResult:
+    def _store_returned(self, result: TaskResult) -> TaskResult:
         """Store the shards that a worker has handed back."""
         failures = list(result.failures)
         computed, disk_full = result.computed, result.disk_full
@@ -236,12 +236,12 @@ class Executor:
             except (DamagedShard, OSError) as error:
                 computed -= shard.succeeded
                 disk_full = disk_full or is_disk_full(error)
-                failures.append(Failure(shard.label, one_line(error), shard.succeeded))
+                failures.append(Setback(shard.label, one_line(error), shard.succeeded))
         return replace(
             result, computed=computed, failures=tuple(failures), returned=(), disk_full=disk_full
         )
 
-    def _from_store(self, number: int, blocks: Plan, reason: str) -> TaskResult:
+    def _count_stored(self, number: int, blocks: Plan, reason: str) -> TaskResult:
         """The result of a task that did not report: what was stored is kept."""
         computed = 0
         failures = []
@@ -249,12 +249,12 @@ class Executor:
             if self.store.status(key) == "done":
                 computed += block.cases
             else:
-                failures.append(Failure(block.label, reason, block.cases))
+                failures.append(Setback(block.label, reason, block.cases))
         return TaskResult(number, computed, tuple(failures))
 
 
 @contextmanager
-def _interrupts_held(hold: bool) -> Iterator[None]:
+def _hold_interrupts(hold: bool) -> Iterator[None]:
     """Let Ctrl-C wait while processes are started.
 
     They inherit it: one that is still loading its libraries does not die of the terminal's Ctrl-C

@@ -1,7 +1,7 @@
 """Many shards as one table of rows, in bounded memory.
 
-An Arrow table of a hundred rows costs some 10 kB beside what it holds, and text costs pandas more
-than numbers do. So shards are joined a batch at a time, and text is kept as a code per row.
+An Arrow table of a hundred rows takes some 10 kB besides its content, and pandas takes more memory
+for text than for numbers. So shards are joined a batch at a time, and text is a code per row.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
     Parameters
     ----------
     tables
-        `pyarrow.Table`s; they are let go as they are read.
+        `pyarrow.Table`s, freed as they are read.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
         return None
     sizes = [len(next(iter(batch.values()))) for batch in batches]
     names = list(dict.fromkeys(name for batch in batches for name in batch))
-    # Each column's pieces are let go as soon as it is whole.
+    # The pieces of a column are freed as soon as it is whole.
     columns = {name: _whole([batch.pop(name, None) for batch in batches], sizes) for name in names}
     return pd.DataFrame(columns, copy=False)
 
@@ -84,16 +84,16 @@ def _whole(pieces: list[Any], sizes: list[int]) -> Any:
     """One column of its pieces, of which some may be None or without any value."""
     import pandas as pd
 
-    known = [piece for piece in pieces if piece is not None and not _is_nothing(piece)]
-    if not known:
+    filled = [piece for piece in pieces if piece is not None and not _is_nothing(piece)]
+    if not filled:
         return next(piece for piece in pieces if piece is not None).reindex(range(sum(sizes)))
-    filled = [
-        _nothing_like(known[0], size) if piece is None or _is_nothing(piece) else piece
+    whole = [
+        _nothing_like(filled[0], size) if piece is None or _is_nothing(piece) else piece
         for piece, size in zip(pieces, sizes, strict=True)
     ]
-    if _is_categorical(known[0]):
-        return pd.api.types.union_categoricals(filled, sort_categories=True)
-    return pd.concat(filled, ignore_index=True)
+    if _is_categorical(filled[0]):
+        return pd.api.types.union_categoricals(whole, sort_categories=True)
+    return pd.concat(whole, ignore_index=True)
 
 
 def _nothing_like(piece: Any, size: int) -> Any:

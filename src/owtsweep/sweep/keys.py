@@ -25,8 +25,8 @@ NOT_IDENTIFYING = frozenset({"grid", "schemes", "compute", "results", "name"})
 def block_key(study: Study, block: Block) -> str:
     """The key of a block's shard: 32 hexadecimal digits.
 
-    It hangs on the study, its two versions and the block's content, and on nothing else. The
-    content must therefore hold everything the rows depend on, the seed included.
+    The study's name, its two versions and the block's content make it, and nothing else. So the
+    content must hold everything that the rows depend on, the seed included.
 
     Raises
     ------

@@ -14,8 +14,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-#: Records of a task that travel to the coordinator; a scheme that warns at every step has more.
-MOST_RECORDS = 50
+#: So many entries of a task travel to the coordinator; a scheme that warns at every step has more.
+MOST_ENTRIES = 50
 
 _here = threading.local()
 _capturing = threading.Lock()
@@ -23,8 +23,8 @@ _captures = 0
 
 
 @dataclass(frozen=True)
-class Record:
-    """A log record on its way from a worker: plain values, so that it always travels."""
+class LogEntry:
+    """What was logged, on its way from a worker: plain values, so that it always travels."""
 
     name: str
     level: int
@@ -60,27 +60,27 @@ def run_log(folder: Path) -> Iterator[None]:
 
 
 @contextmanager
-def collected_records(elsewhere: bool) -> Iterator[list[Record]]:
-    """What this thread logs, as a list to hand back; empty where `run_log` hears it anyway."""
-    records: list[Record] = []
+def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
+    """What this thread logs, as a list; empty unless `elsewhere`, for `run_log` hears it anyway."""
+    entries: list[LogEntry] = []
     if not elsewhere:
-        yield records
+        yield entries
         return
-    handler = _Collector(records)
+    handler = _Collector(entries)
     handler.setLevel(logging.INFO)
     with _listening(handler):
-        yield records
+        yield entries
     if handler.dropped:
         text = f"{handler.dropped} more records of this task were left out"
-        records.append(Record("owtsweep", logging.WARNING, time.time(), text))
+        entries.append(LogEntry("owtsweep", logging.WARNING, time.time(), text))
 
 
-def repeat(records: tuple[Record, ...]) -> None:
+def repeat(entries: tuple[LogEntry, ...]) -> None:
     """Log what a worker has logged, with its time."""
-    for record in records:
-        logger = logging.getLogger(record.name)
-        copy = logger.makeRecord(record.name, record.level, "", 0, record.message, (), None)
-        copy.created = record.created
+    for entry in entries:
+        logger = logging.getLogger(entry.name)
+        copy = logger.makeRecord(entry.name, entry.level, "", 0, entry.message, (), None)
+        copy.created = entry.created
         copy.from_worker = True
         logger.handle(copy)
 
@@ -120,20 +120,22 @@ class _Quiet(logging.FileHandler):
 
 
 class _Collector(logging.Handler):
-    def __init__(self, records: list[Record]) -> None:
+    def __init__(self, entries: list[LogEntry]) -> None:
         super().__init__()
-        self.records = records
+        self.entries = entries
         self.dropped = 0
         self._thread = threading.get_ident()
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.thread != self._thread or not _wanted(record):
             return
-        if len(self.records) >= MOST_RECORDS:
+        if len(self.entries) >= MOST_ENTRIES:
             self.dropped += 1
             return
-        self.records.append(
-            Record(record.name, record.levelno, record.created, _text(record, record.getMessage()))
+        self.entries.append(
+            LogEntry(
+                record.name, record.levelno, record.created, _text(record, record.getMessage())
+            )
         )
 
 

@@ -21,13 +21,13 @@ def make_plan(study: Study, config: Config) -> Plan:
         If there is nothing to do, or if the study refuses the configuration.
     """
     plan: Plan = {}
-    for block in study.plan(config):
+    for block in study.engine(config).plan(config):
         plan.setdefault(block_key(study, block), block)
     require(len(plan) > 0, "grid: it holds no case; give every list a value")
     return plan
 
 
-def tasks(plan: Mapping[str, Block]) -> list[Plan]:
+def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
     """The blocks by group: one task per group, because its blocks share expensive inputs."""
     groups: dict[str, Plan] = {}
     for key, block in plan.items():

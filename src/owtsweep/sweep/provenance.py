@@ -115,11 +115,11 @@ def finish_manifest(
         "ended": _now(),
         "seconds": round(seconds, 3),
         "cases": {"computed": computed, "reused": reused, "failed": failed},
-        "blocks": block_seconds(blocks),
+        "blocks": summarise_seconds(blocks),
     }
 
 
-def block_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
+def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
     """How long the blocks took: a summary, and each of them unless there are very many."""
     slowest = sorted(blocks, key=lambda label: (-blocks[label], label))[:SLOWEST]
     listed = sorted(blocks) if len(blocks) <= MOST_BLOCKS else []
@@ -132,7 +132,7 @@ def block_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
     }
 
 
-def earlier_seconds(folder: Path) -> dict[str, float]:
+def read_earlier_seconds(folder: Path) -> dict[str, float]:
     """The seconds of blocks that earlier sweeps of this run have computed, as far as listed."""
     try:
         manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))

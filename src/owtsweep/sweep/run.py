@@ -20,20 +20,21 @@ from owtsweep.io.tables import write_tables
 from owtsweep.sweep.execute import Executor
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.log import repeat, run_log
-from owtsweep.sweep.plan import Plan, count_cases, make_plan, tasks
+from owtsweep.sweep.plan import Plan, count_cases, make_plan, make_tasks
 from owtsweep.sweep.progress import Progress, SilentProgress
 from owtsweep.sweep.provenance import (
     State,
-    earlier_seconds,
     finish_manifest,
+    read_earlier_seconds,
     start_manifest,
     was_running,
 )
 from owtsweep.sweep.runs import Results, Run
+from owtsweep.sweep.setback import Setback
 from owtsweep.sweep.store import Store
-from owtsweep.sweep.study import OK, Study
-from owtsweep.sweep.versions import all_versions, outdated
-from owtsweep.sweep.worker import Failure, TaskResult, one_line
+from owtsweep.sweep.study import OK, UNABLE, Study
+from owtsweep.sweep.versions import all_versions, count_outdated
+from owtsweep.sweep.worker import TaskResult, one_line
 
 logger = logging.getLogger(__name__)
 
@@ -47,25 +48,30 @@ class Outcome:
     run
         The run it worked on.
     computed, reused
-        Cases computed now, and cases found stored. With those of `failed` they make up the plan.
+        Cases computed now, and cases that were stored. With those of `failed` they make up the
+        plan.
     failed
-        What failed now; it is tried again by the next sweep.
+        What failed now; the next sweep tries it again.
     seconds
         Wall time.
     results
         The rows and tables; None if no case has succeeded.
+    unable
+        Those of the cases computed or stored that have no number, for their scheme cannot work
+        there.
     """
 
     run: Run
     computed: int
     reused: int
-    failed: list[Failure]
+    failed: list[Setback]
     seconds: float
     results: Results | None = None
+    unable: Sequence[Setback] = ()
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C: so many of all cases are stored in the folder."""
+    """Ctrl-C, with how many of all cases are stored in the folder."""
 
     def __init__(self, folder: Path, stored: int, cases: int) -> None:
         self.folder, self.stored, self.cases = folder, stored, cases
@@ -92,7 +98,7 @@ def sweep(
     fresh
         Delete the stored cases of this run first.
     progress
-        Who hears about it; nobody by default.
+        Is told how far the sweep is; by default nobody is.
     argv
         The command line, for the manifest.
 
@@ -167,9 +173,10 @@ class _Sweep:
         self.progress, self.argv = progress, argv
         self.cases = count_cases(plan)
         self.computed = self.reused = 0
-        self.failed: list[Failure] = []
+        self.failed: list[Setback] = []
+        self.unable: list[Setback] = []
         self.seconds = {block.label: 0.0 for block in plan.values()}
-        earlier = earlier_seconds(run.folder)
+        earlier = read_earlier_seconds(run.folder)
         self.seconds = {label: earlier[label] for label in self.seconds if label in earlier}
 
     def __call__(self, text: str) -> Outcome:
@@ -210,18 +217,20 @@ class _Sweep:
                 blocks=self.seconds,
             )
             self._write_manifest(ended)
-        return Outcome(self.run, self.computed, self.reused, self.failed, seconds, results)
+        return Outcome(
+            self.run, self.computed, self.reused, self.failed, seconds, results, self.unable
+        )
 
     def _compute(self, others: bool) -> None:
         store = self.run.store
         missing = {key: block for key, block in self.plan.items() if store.status(key) != "done"}
         self.reused = self.cases - count_cases(missing)
         logger.info("sweep of %d cases, %d of them stored already", self.cases, self.reused)
-        for change, cases in outdated(self.run.study, store, self.plan, missing).items():
+        for change, cases in count_outdated(self.run.study, store, self.plan, missing).items():
             logger.warning("%d cases are recomputed: %s", cases, change)
-        todo = tasks(missing)
+        todo = make_tasks(missing)
         if others:
-            # Perhaps it is still going on: two sweeps that start at different ends share the work.
+            # Another sweep may be at work on this run: begun at the other end, both share it.
             todo.reverse()
         self.progress.start(self.cases, self.reused)
         with closing(self.executor.run(todo, self.progress.advance)) as results:
@@ -229,7 +238,7 @@ class _Sweep:
                 self._take(result)
 
     def _take(self, result: TaskResult) -> None:
-        repeat(result.records)
+        repeat(result.entries)
         self.computed += result.computed
         self.reused += result.reused
         self.seconds.update(result.seconds)
@@ -240,14 +249,14 @@ class _Sweep:
         if over > result.told:
             self.progress.advance(over - result.told)
 
-    def _fail(self, failures: Sequence[Failure]) -> None:
+    def _fail(self, failures: Sequence[Setback]) -> None:
         self.failed += failures
         for failure in failures:
             logger.warning("failed: %s: %s", failure.label, failure.reason)
             self.progress.fail(failure.label, failure.reason, failure.cases)
 
     def _stored(self) -> int:
-        """Cases that are in the folder, those of tasks that did not report included."""
+        """How many cases the folder holds, those of tasks that did not report included."""
         store = self.run.store
         present = {path.name for path in store.cases.glob("part-*.parquet")}
         there = [block for key, block in self.plan.items() if store.path(key).name in present]
@@ -259,15 +268,17 @@ class _Sweep:
         """Write the study's tables, if there is anything to put into them."""
         run = self.run
         rows, _ = run.stored()
+        if rows is not None and (rows["status"] == UNABLE).any():
+            self.unable = run.unable()
         if rows is None or not (rows["status"] == OK).any():
             logger.warning("no case has succeeded: there are no tables")
             return None
-        results = Results(rows, run.study.aggregate(run.config, rows))
+        results = Results(rows, run.engine.tables(run.config, rows))
         try:
             write_tables(run.folder, results.tables)
         except OSError as error:
             names = ", ".join(f"{name}.csv" for name in results.tables)
-            self._fail([Failure(f"{names} (left as they were)", one_line(error), 0)])
+            self._fail([Setback(f"{names} (left as they were)", one_line(error), 0)])
         return results
 
     def _write_manifest(self, manifest: dict[str, Any]) -> None:
@@ -296,7 +307,7 @@ def _executor(run: Run) -> Iterator[Executor]:
     from joblib import cpu_count
 
     compute = run.config.compute
-    backend = compute.backend if compute.backend != "auto" else run.study.backend(run.config)
+    backend = compute.backend if compute.backend != "auto" else run.engine.backend(run.config)
     executor = Executor(
         study=run.study,
         config=run.config,

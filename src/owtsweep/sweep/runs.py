@@ -7,15 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep import studies
 from owtsweep.config import Config, require
 from owtsweep.errors import InputError
+from owtsweep.figures.drawings import draw_each
 from owtsweep.io.tables import read_table
 from owtsweep.sweep.gather import as_text, sort_rows
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
+from owtsweep.sweep.setback import Setback, collect_setbacks
 from owtsweep.sweep.store import Store
-from owtsweep.sweep.study import OK, Study
+from owtsweep.sweep.study import OK, UNABLE, Engine, Study
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,7 +26,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Results:
-    """What a run amounts to: its sorted rows, and the tables that its study makes of them."""
+    """The sorted rows of a run, and the tables that its study makes of them."""
 
     rows: pd.DataFrame
     tables: dict[str, pd.DataFrame]
@@ -58,6 +59,11 @@ class Run:
     def store(self) -> Store:
         """The shards."""
         return Store(self.folder)
+
+    @property
+    def engine(self) -> Engine:
+        """What plans, runs and draws this configuration."""
+        return self.study.engine(self.config)
 
     def cases(self) -> pd.DataFrame:
         """The rows of all stored cases of the plan, failed ones included, sorted by case.
@@ -94,8 +100,17 @@ class Run:
         """
         rows, missing = self.store.read_all(make_plan(self.study, self.config))
         if rows is not None:
-            rows = sort_rows(rows, self.study.sort_columns())
+            rows = sort_rows(rows, self.engine.sort_columns())
         return rows, len(missing)
+
+    def unable(self) -> list[Setback]:
+        """The stored cases that no number exists for, by block and reason; reads all shards."""
+        setbacks = []
+        for key, block in make_plan(self.study, self.config).items():
+            if UNABLE in (self.store.statuses(key) or ()):
+                rows = self.store.read(key)
+                setbacks += [] if rows is None else collect_setbacks(block, rows, UNABLE)
+        return setbacks
 
     def table(self, name: str) -> pd.DataFrame:
         """The table `<name>.csv`.
@@ -122,7 +137,13 @@ class Run:
         only
             The name of the one to draw.
         results
-            What to draw, if it is at hand; otherwise the shards are read and aggregated.
+            What to draw, if it is at hand; otherwise the shards are read.
+
+        Returns
+        -------
+        list of Path
+            The files. A figure that this run cannot have (of no scheme that it holds, say) is left
+            out with a logged warning, unless it is the one asked for.
 
         Raises
         ------
@@ -136,10 +157,14 @@ class Run:
             f"{self.folder}: no case has succeeded, so there is nothing to draw; see its run.log",
         )
         if tables is None:  # of these rows, whatever the files say
-            tables = self.study.aggregate(self.config, rows)
+            tables = self.engine.tables(self.config, rows)
         folder.mkdir(exist_ok=True)
-        metadata = {"run": self.hash, "folder": self.folder.name}
-        return self.study.draw(self.config, tables, rows, folder, only=only, metadata=metadata)
+        drawings = self.engine.drawings(self.config, tables, rows, self.metadata())
+        return draw_each(drawings, folder, only)
+
+    def metadata(self) -> dict[str, str]:
+        """What figures say about the run that they are of."""
+        return {"run": self.hash, "folder": self.folder.name}
 
     def summary(self) -> pd.DataFrame:
         """Means and intervals over the replicates: `summary.csv`."""
@@ -148,18 +173,3 @@ class Run:
     def best_scheme(self) -> pd.DataFrame:
         """The best scheme per cell of the grid: `best_scheme.csv`."""
         return self.table("best_scheme")
-
-
-def load(path: str | Path) -> Run:
-    """Open the run in a folder.
-
-    Raises
-    ------
-    InputError
-        If the folder holds no run, or one that this version cannot read.
-    """
-    folder = Path(path)
-    file = folder / "config.yaml"
-    require(file.is_file(), f"{folder}: there is no config.yaml in it; name the folder of a run")
-    config = studies.load_config(file)
-    return Run(folder, config, studies.get_study(config.study))

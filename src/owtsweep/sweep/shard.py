@@ -74,8 +74,8 @@ def decode(data: bytes, key: str) -> Any:
         return _opened(data, key).read(use_threads=False)
 
 
-def holds(data: bytes, key: str, column: str, value: str) -> bool:
-    """Whether a text column of a sealed file holds a value; no page is read if statistics tell.
+def distinct(data: bytes, key: str, column: str) -> frozenset[str]:
+    """The values of a text column of a sealed file; no page is read if they are all the same.
 
     Raises
     ------
@@ -85,11 +85,13 @@ def holds(data: bytes, key: str, column: str, value: str) -> bool:
     with _refusal():
         file = _opened(data, key)
         place = file.schema_arrow.get_field_index(column)
+        values: set[str] = set()
         for group in range(file.metadata.num_row_groups):
-            found = file.metadata.row_group(group).column(place).statistics
-            if found is None or not found.has_min_max or found.min <= value <= found.max:
-                return value in file.read([column]).column(0).unique().to_pylist()
-        return False
+            limits = file.metadata.row_group(group).column(place).statistics
+            if limits is None or not limits.has_min_max or limits.min != limits.max:
+                return frozenset(file.read([column]).column(0).unique().to_pylist())
+            values.add(limits.min)
+        return frozenset(values)
 
 
 def _opened(data: bytes, key: str) -> Any:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from owtsweep.io.files import write_atomically
 from owtsweep.sweep.gather import gather
-from owtsweep.sweep.shard import DamagedShard, decode, encode, holds
+from owtsweep.sweep.shard import DamagedShard, decode, distinct, encode
 from owtsweep.sweep.study import FAILED
 
 if TYPE_CHECKING:
@@ -104,11 +104,18 @@ class Store:
         return gather(tables()), missing
 
     def status(self, key: str) -> Status:
-        """Whether a block is missing, done, or failed: stored, but with a failed case in it."""
-        failed = self._verified(key, _has_failed)
-        if failed is None:
+        """Whether a block is missing, done, or failed: stored, but with a failed case in it.
+
+        A case that no scheme can work out is done: it is not tried again.
+        """
+        statuses = self.statuses(key)
+        if statuses is None:
             return "missing"
-        return "failed" if failed else "done"
+        return "failed" if FAILED in statuses else "done"
+
+    def statuses(self, key: str) -> frozenset[str] | None:
+        """What became of a block's cases (`owtsweep.results.status`); None if it is missing."""
+        return self._verified(key, _statuses)
 
     def clear(self) -> None:
         """Delete all shards, the damaged ones included."""
@@ -145,8 +152,8 @@ def seal(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
     return encode(key, rows, metadata)
 
 
-def _has_failed(data: bytes, key: str) -> bool:
-    return holds(data, key, "status", FAILED)
+def _statuses(data: bytes, key: str) -> frozenset[str]:
+    return distinct(data, key, "status")
 
 
 def _set_aside(path: Path, reason: str) -> None:

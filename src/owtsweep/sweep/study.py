@@ -1,7 +1,7 @@
-"""What a study is, as far as the sweep machinery needs to know.
+"""What a study is, as far as the machinery of a sweep needs to know.
 
-`owtsweep.sweep` plans, runs, stores and resumes by this contract alone: it never looks inside a
-block's content, and it knows no physics.
+`owtsweep.sweep` plans, runs, stores, resumes and draws by these protocols alone. It imports no
+study, and never looks inside the content of a block.
 """
 
 from __future__ import annotations
@@ -9,16 +9,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+
+from owtsweep.results.status import FAILED, OK, UNABLE
 
 if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
     from owtsweep.config import Config
+    from owtsweep.figures.drawings import Drawing
+    from owtsweep.results.conditions import Condition
 
-OK = "ok"
-FAILED = "failed"
+__all__ = ["FAILED", "OK", "UNABLE", "Block", "Engine", "Judged", "Spectral", "Study"]
 
 
 @dataclass(frozen=True)
@@ -28,17 +31,17 @@ class Block:
     Attributes
     ----------
     group
-        Blocks of one group share expensive inputs (the motion and the noise of a record), so they
-        are run together in one task.
+        Blocks of one group share expensive inputs (the motion and the noise of a record), so one
+        task runs them together.
     label
         How messages name the block.
     content
-        JSON-serialisable; everything the block's rows depend on and nothing else. Its hash is the
-        block's key, so two blocks with equal content are the same block.
+        Everything that the block's rows depend on and nothing else, as plain JSON data. Its hash
+        is the block's key, so two blocks of equal content are the same block.
     cases
-        How many cases it holds, for progress.
+        How many cases it holds.
     cases_per_row
-        How many cases a row stands for; a failed row fails as many.
+        How many cases a row stands for. A row without a number leaves so many of them open.
     """
 
     group: str
@@ -46,6 +49,58 @@ class Block:
     content: Mapping[str, Any]
     cases: int
     cases_per_row: int = 1
+
+
+class Engine(Protocol):
+    """One way to answer a study's question, from its plan to its figures."""
+
+    #: Whether the rows are samples (of records, say), so that means over them have intervals.
+    samples: bool
+
+    def plan(self, config: Any) -> list[Block]:
+        """All blocks of the configuration in a fixed order."""
+        ...
+
+    def backend(self, config: Any) -> str:
+        """The joblib backend that suits the blocks: "threading" or "loky"."""
+        ...
+
+    def run(self, config: Any, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
+        """Run blocks of one group; yields each with its rows as soon as it is done.
+
+        Rows have at least the columns `status` (`owtsweep.results.status`) and `reason`, which is
+        "" where the status is "ok".
+        """
+        ...
+
+    def sort_columns(self) -> list[str]:
+        """The columns that identify a row; rows are sorted by them before anything is summed."""
+        ...
+
+    def tables(self, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+        """Tables by name, from all rows of the plan; each is written as `<name>.csv`.
+
+        The rows' text columns may be categorical, as in `owtsweep.sweep.runs.Run.stored`.
+        """
+        ...
+
+    def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+        """What the terminal shows at the end of a sweep: the answer in a few lines."""
+        ...
+
+    def drawings(
+        self,
+        config: Any,
+        tables: Mapping[str, pd.DataFrame],
+        rows: pd.DataFrame,
+        metadata: Mapping[str, str],
+    ) -> Mapping[str, Drawing]:
+        """What draws each figure of a run, by the figure's name; `metadata` goes into the files."""
+        ...
+
+    def overview(self, config: Any) -> str:
+        """The name of the one figure that tells the result, which a sweep draws at its end."""
+        ...
 
 
 class Study(Protocol):
@@ -58,55 +113,45 @@ class Study(Protocol):
     numerics_version: int
 
     def config_type(self) -> type[Config]:
-        """The typed configuration, a frozen dataclass derived from `owtsweep.config.Config`."""
+        """The typed configuration, derived from `owtsweep.config.Config`."""
         ...
 
-    def plan(self, config: Any) -> list[Block]:
-        """All blocks of the study in a fixed order."""
+    def conditions(self, config: Any) -> tuple[Condition, ...]:
+        """The axes of the study's grid, in the order of the tables' columns."""
         ...
 
-    def backend(self, config: Any) -> str:
-        """The joblib backend that suits the blocks: "threading" or "loky"."""
+    def engine(self, config: Any) -> Engine:
+        """What plans, runs and draws this configuration."""
         ...
 
-    def run(self, config: Any, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-        """Run blocks of one group; yields each with its rows as soon as it is done.
 
-        Rows have at least the columns `status` ("ok" or "failed") and `reason` ("" when ok).
-        """
-        ...
+@runtime_checkable
+class Judged(Protocol):
+    """A study whose subject was published, so that a run can be held against the print."""
 
-    def sort_columns(self) -> list[str]:
-        """The columns that identify a row; rows are sorted by them before anything is summed."""
-        ...
-
-    def aggregate(self, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Tables by name, from all rows of the plan; each is written as `<name>.csv`.
-
-        The rows' text columns may be categorical, as in `owtsweep.sweep.runs.Run.stored`.
-        """
-        ...
-
-    def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """What `sweep` shows at its end: the study's answer in a few lines."""
-        ...
-
-    def draw(
-        self,
-        config: Any,
-        tables: Mapping[str, pd.DataFrame],
-        rows: pd.DataFrame,
-        folder: Path,
-        *,
-        only: str | None = None,
-        metadata: Mapping[str, str] | None = None,
+    def write_fidelity(
+        self, config: Any, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]
     ) -> list[Path]:
-        """Draw all figures and tables (or the one called `only`) into `folder`; returns the files.
+        """Judge a run with samples; writes `fidelity.html` and more, and returns all files.
 
-        `sweep` asks for `only=overview`, the one picture that tells the result.
+        Parameters
+        ----------
+        config, rows
+            The run's configuration, and its cases as `Run.cases` returns them.
+        folder
+            Made if it does not exist.
+        metadata
+            Stored in the figures; its `folder` names the run.
         """
         ...
 
-    def overview(self) -> str:
-        """The name of the one figure that `sweep` itself draws."""
+
+@runtime_checkable
+class Spectral(Protocol):
+    """A study whose schemes have error spectra that can be computed without any record."""
+
+    def write_spectrum(
+        self, config: Any, folder: Path, *, metadata: Mapping[str, str]
+    ) -> tuple[list[Path], RenderableType]:
+        """Write figures and tables into `folder`, which is made; the files, and what to print."""
         ...

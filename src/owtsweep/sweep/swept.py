@@ -9,7 +9,7 @@ from typing import Any
 
 from owtsweep.sweep.comparison import Pair
 
-#: Sections and keys that say where and how a run was computed, or over which grid: not swept.
+#: Sections and keys that say over which grid, where and how a run is computed: not swept.
 NOT_SWEPT = frozenset({"grid", "schemes", "compute", "results", "name", "config_version"})
 #: The key that stands in where no key tells two runs apart: the name of the run folder.
 RUN = "run"
@@ -97,8 +97,8 @@ def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pai
         for line in lines.values():
             ordered = [index for _, index in sorted(line)]
             pairs += [Pair(a, b, key) for a, b in pairwise(ordered)]
-    known = {(pair.first, pair.second) for pair in pairs}
-    pairs += [Pair(0, i, FIRST) for i in range(1, len(places)) if (0, i) not in known]
+    paired = {(pair.first, pair.second) for pair in pairs}
+    pairs += [Pair(0, i, FIRST) for i in range(1, len(places)) if (0, i) not in paired]
     return sorted(pairs, key=lambda pair: (pair.first, pair.second))
 
 

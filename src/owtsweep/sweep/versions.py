@@ -1,4 +1,4 @@
-"""Versions that decide whether a stored block is still what this program would compute."""
+"""Versions, which decide whether a stored block is what this program would compute today."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from owtsweep.sweep.shard import PREFIX
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import Study
 
-#: Shards outside the plan whose versions are looked up: enough to meet every version in use.
+#: So many shards outside the plan are asked for their versions: enough to meet each in use.
 SAMPLE = 64
 KINDS = ("schema_version", "numerics_version")
 
@@ -46,13 +46,13 @@ def package_version(name: str) -> str | None:
         return None
 
 
-def other_versions(study: Study, expected: Mapping[str, str]) -> str:
+def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
     """Why a worker with these sources must not compute for a coordinator; empty if it may."""
-    own = all_versions(study)
-    differing = [name for name, value in expected.items() if own.get(name, value) != value]
+    ours = all_versions(study)
+    differing = [name for name, value in expected.items() if ours.get(name, value) != value]
     if not differing:
         return ""
-    told = ", ".join(f"{name} {own[name]} instead of {expected[name]}" for name in differing)
+    told = ", ".join(f"{name} {ours[name]} instead of {expected[name]}" for name in differing)
     return f"the worker has {told}; give it the coordinator's version of owtsweep"
 
 
@@ -65,7 +65,7 @@ class _OtherVersion:
     numerics_version: int
 
 
-def outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str, int]:
+def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str, int]:
     """How many of the missing cases are stored in another version: `change -> cases`.
 
     Versions are part of a block's key, so such shards are simply not in the plan. Which versions
@@ -75,7 +75,7 @@ def outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str,
         return {}
     present = {path.name for path in store.cases.glob("part-*.parquet")}
     foreign = sorted(present - {store.path(key).name for key in plan})
-    found: dict[str, int] = {}
+    changes: dict[str, int] = {}
     for schema, numerics in sorted(_versions(store, foreign)):
         if (schema, numerics) == (study.schema_version, study.numerics_version):
             continue
@@ -86,15 +86,15 @@ def outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str,
             if store.path(block_key(other, block)).name in present
         )
         if cases:
-            found[_change(study, schema, numerics)] = cases
-    return found
+            changes[_change(study, schema, numerics)] = cases
+    return changes
 
 
 def _versions(store: Store, names: list[str]) -> set[tuple[int, int]]:
     # Keys are hashes, so any evenly spaced names are a fair sample.
     step = max(1, len(names) // SAMPLE)
-    found = (_stored_versions(store.cases / name) for name in islice(names, 0, None, step))
-    return {pair for pair in found if pair is not None}
+    pairs = (_stored_versions(store.cases / name) for name in islice(names, 0, None, step))
+    return {pair for pair in pairs if pair is not None}
 
 
 def _stored_versions(path: Any) -> tuple[int, int] | None:

@@ -1,8 +1,7 @@
 """What happens in a worker: a thread, a process or a machine elsewhere computes and stores blocks.
 
-A worker writes each shard itself as soon as the block is done, or hands it back where the run
-folder is not its own. It catches every exception: joblib gives up its whole queue for one that
-escapes.
+A worker writes each shard itself as soon as the block is done, or hands it back if it does not see
+the run folder. It catches every exception: joblib gives up its whole queue for one that escapes.
 """
 
 from __future__ import annotations
@@ -20,27 +19,19 @@ from owtsweep.config import Config
 from owtsweep.errors import as_text
 from owtsweep.memory import keep_freed_memory
 from owtsweep.sweep.keys import block_key
-from owtsweep.sweep.log import Record, collected_records, working_on
+from owtsweep.sweep.log import LogEntry, collect_entries, working_on
 from owtsweep.sweep.plan import Plan
+from owtsweep.sweep.setback import Setback, collect_setbacks
 from owtsweep.sweep.store import Store, seal
 from owtsweep.sweep.study import FAILED, Block, Study
-from owtsweep.sweep.versions import other_versions
+from owtsweep.sweep.versions import tell_other_versions
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A disk that is full stays full: a sweep that sees one of these does not go on computing.
+#: A full disk stays full: after one of these errors a sweep computes no further.
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 NOT_COMPUTED = "not computed, because the disk is full"
-
-
-@dataclass(frozen=True)
-class Failure:
-    """Cases of a block that failed for one reason."""
-
-    label: str
-    reason: str
-    cases: int
 
 
 @dataclass(frozen=True)
@@ -71,22 +62,22 @@ class TaskResult:
         Label of each computed block -> seconds.
     returned
         Shards for the coordinator to store.
-    records
+    entries
         What was logged in a worker process.
     disk_full
         Whether a shard met a full disk.
     told
-        Cases that a thread has reported as they came.
+        Cases that a thread has told of already.
     """
 
     task: int
     computed: int
-    failures: tuple[Failure, ...]
+    failures: tuple[Setback, ...]
     details: str = ""
     reused: int = 0
     seconds: Mapping[str, float] = field(default_factory=dict)
     returned: tuple[Returned, ...] = ()
-    records: tuple[Record, ...] = ()
+    entries: tuple[LogEntry, ...] = ()
     disk_full: bool = False
     told: int = 0
 
@@ -106,7 +97,7 @@ class Work:
     place
         What the worker is to the coordinator.
     token
-        File name in the run folder that proves that a machine elsewhere sees the same folder.
+        The name of a file in the run folder; a machine elsewhere that sees it sees the folder.
     """
 
     study: Study
@@ -125,7 +116,7 @@ class Work:
 
 @dataclass(frozen=True)
 class Local:
-    """What only threads share with the coordinator: a flag that stops them, and an ear."""
+    """What only threads share with the coordinator: a flag that stops them, and what to tell."""
 
     stop: threading.Event
     tell: Callable[[int], None]
@@ -136,20 +127,20 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
 
     A block that raises fails alone: the study is asked again for the blocks after it.
     """
-    differs = other_versions(work.study, work.metadata)
+    differs = tell_other_versions(work.study, work.metadata)
     if differs:
-        failures = tuple(Failure(b.label, differs, b.cases) for b in blocks.values())
+        failures = tuple(Setback(b.label, differs, b.cases) for b in blocks.values())
         return TaskResult(number, 0, failures)
     if work.place == "process":
         _leave_interrupts_to_the_coordinator()
         keep_freed_memory()
-    with collected_records(work.place != "thread") as records:
+    with collect_entries(work.place != "thread") as entries:
         task = _Task(work, number, blocks, local)
         try:
             task.run()
         finally:
             working_on("")
-        return task.result(tuple(records))
+        return task.result(tuple(entries))
 
 
 class _Task:
@@ -160,13 +151,13 @@ class _Task:
         self.shares = work.shares_folder()
         self.left = dict(blocks)
         self.computed = self.reused = self.told = 0
-        self.failures: list[Failure] = []
+        self.failures: list[Setback] = []
         self.details: list[str] = []
         self.seconds: dict[str, float] = {}
         self.returned: list[Returned] = []
         self.disk_full = False
 
-    def result(self, records: tuple[Record, ...]) -> TaskResult:
+    def result(self, entries: tuple[LogEntry, ...]) -> TaskResult:
         return TaskResult(
             self.number,
             self.computed,
@@ -175,7 +166,7 @@ class _Task:
             self.reused,
             self.seconds,
             tuple(self.returned),
-            records,
+            entries,
             self.disk_full,
             self.told,
         )
@@ -194,7 +185,7 @@ class _Task:
 
     def _run_study(self) -> None:
         blocks = list(self.left.values())
-        rows_of = self.work.study.run(self.work.config, blocks)
+        rows_of = self.work.study.engine(self.work.config).run(self.work.config, blocks)
         began = time.perf_counter()
         working_on(blocks[0].label)
         for block, rows in rows_of:
@@ -217,7 +208,7 @@ class _Task:
     def _store(self, block: Block, rows: pd.DataFrame, seconds: float) -> None:
         key = block_key(self.work.study, block)
         try:
-            failed = _failures(block, rows)
+            failed = collect_setbacks(block, rows, FAILED)
             succeeded = block.cases - sum(failure.cases for failure in failed)
             data = seal(key, rows, self.work.metadata)
             if not self._written(key, data):
@@ -247,7 +238,7 @@ class _Task:
 
     def _fail(self, key: str, reason: str) -> None:
         block = self.left.pop(key)
-        self.failures.append(Failure(block.label, reason, block.cases))
+        self.failures.append(Setback(block.label, reason, block.cases))
         self._tell(block.cases)
 
     def _tell(self, cases: int) -> None:
@@ -269,18 +260,7 @@ def is_disk_full(error: BaseException) -> bool:
     return isinstance(error, OSError) and error.errno in DISK_FULL
 
 
-def _failures(block: Block, rows: pd.DataFrame) -> list[Failure]:
-    """The failed cases of a block by reason."""
-    if "status" not in rows.columns or "reason" not in rows.columns:
-        return []  # sealing refuses them
-    if not (rows["status"].to_numpy() == FAILED).any():
-        return []  # pandas takes longer to count nothing than a shard takes to be written
-    reasons = rows.loc[rows["status"] == FAILED, "reason"].fillna("no reason given").value_counts()
-    each = block.cases_per_row
-    return [Failure(block.label, str(reason), each * int(n)) for reason, n in reasons.items()]
-
-
 def _leave_interrupts_to_the_coordinator() -> None:
-    # Ctrl-C reaches the whole process group. A worker that dies of it by itself is a broken pool.
+    # Ctrl-C reaches the whole process group. A worker that died of it would break the pool.
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, signal.SIG_IGN)

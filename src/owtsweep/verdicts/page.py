@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from owtsweep.io import markdown
+
 #: Plain and readable, printable, no font or file from elsewhere.
 CSS = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto;
@@ -89,12 +91,7 @@ def _markdown(block: Block, folder: Path) -> str:
         case Picture(path, caption):
             return f"![{caption}]({path.relative_to(folder).as_posix()})"
         case Table(columns, rows, numbers):
-            rule = ["---:" if column in numbers else "---" for column in columns]
-            return "\n".join(_line(cells) for cells in (columns, rule, *rows))
-
-
-def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+            return markdown.table(columns, rows, numbers=numbers)
 
 
 def to_html(blocks: Sequence[Block], title: str) -> str:

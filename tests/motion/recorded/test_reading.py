@@ -9,8 +9,8 @@ import pytest
 
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Limits, describe, read
-from owtsweep.motion.recorded.columns import guess
-from owtsweep.motion.recorded.units import STANDARD_GRAVITY, factor
+from owtsweep.motion.recorded.columns import guess_roles
+from owtsweep.motion.recorded.units import STANDARD_GRAVITY, find_factor
 
 TIME = np.arange(1000) / 50.0
 X = 0.3 * np.sin(TIME)
@@ -48,9 +48,9 @@ def refusal(path: Path, **options) -> str:
     ],
 )
 def test_guess(names: list[str], expected: dict[str, str]) -> None:
-    found = guess(names)
-    assert expected.items() <= found.items()
-    assert ("position_x" in found) == ("position_x" in expected or "position_y" in expected)
+    roles = guess_roles(names)
+    assert expected.items() <= roles.items()
+    assert ("position_x" in roles) == ("position_x" in expected or "position_y" in expected)
 
 
 def test_given_columns_win_and_none_leaves_a_role_out(tmp_path: Path) -> None:
@@ -101,7 +101,7 @@ def test_no_time_and_no_channel(tmp_path: Path) -> None:
     ],
 )
 def test_units(unit: str, dimension: str, expected: float) -> None:
-    assert factor(unit, dimension, "units.x") == pytest.approx(expected, rel=1e-12)
+    assert find_factor(unit, dimension, "units.x") == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -143,8 +143,8 @@ def spoiled(place: int, value: float) -> np.ndarray:
         ({"x": X[:20], "time": TIME[:20]}, "20 rows"),
         ({"x": np.full(1000, np.nan)}, "no value at all"),
         ({"acc_x": X, "time": 20 * TIME}, "comes at 2.5 Hz; an IMU needs 5 Hz"),
-        ({"acc_x": X + 9.81}, "as if it felt gravity"),
-        ({"acc_x": X + 9.81 * 9.81}, "as if it felt gravity"),
+        ({"acc_x": X + 9.81}, "as if it measured gravity"),
+        ({"acc_x": X + 9.81 * 9.81}, "as if it measured gravity"),
         ({"x": X + 5000.0 * (TIME > 10)}, "jumps by 5000 m at 10.02 s"),
         ({"x": np.where((TIME > 4) & (TIME < 5), np.nan, X)}, "gaps longer than 0.1 s: 4 s to 5 s"),
         ({"acc_x": np.where((TIME > 4) & (TIME < 5), np.nan, X)}, "gaps=interpolate"),
@@ -194,10 +194,14 @@ def test_jitter_is_measured_and_rounding_is_not_jitter(tmp_path: Path) -> None:
 def test_describe_is_read_aloud(tmp_path: Path) -> None:
     hidden = np.where((TIME > 4) & (TIME < 9), np.nan, X)
     path = record(tmp_path, acc_x=X, ref_x=hidden, pressure=X, nothing=np.full(1000, np.nan))
-    found = describe(path)
-    assert found.guess == {"time": "time", "specific_force_x": "acc_x", "reference_x": "ref_x"}
-    assert {channel.name: channel.missing for channel in found.channels}["ref_x"] == 249
-    text = str(found)
+    description = describe(path)
+    assert description.guess == {
+        "time": "time",
+        "specific_force_x": "acc_x",
+        "reference_x": "ref_x",
+    }
+    assert {channel.name: channel.missing for channel in description.channels}["ref_x"] == 249
+    text = str(description)
     for words in ("NumPy archive, 5 channels, 1000 rows", "50 Hz", "249 missing", "4 s to 9 s"):
         assert words in text
     assert "pressure" in text
@@ -207,9 +211,9 @@ def test_describe_is_read_aloud(tmp_path: Path) -> None:
 def test_describe_tells_text_from_numbers_and_bad_time(tmp_path: Path) -> None:
     csv = tmp_path / "r.csv"
     csv.write_text("time,x,state\n" + "\n".join(f"{k % 9},{k},ok" for k in range(60)))
-    found = describe(csv)
-    assert not found.channels[2].numeric
-    assert "does not increase in data row 10" in found.clock
+    description = describe(csv)
+    assert not description.channels[2].numeric
+    assert "does not increase in data row 10" in description.clock
     assert "no time column" in describe(_npz_without_time(tmp_path)).clock
 
 

@@ -1,4 +1,4 @@
-"""Recorded motion and recorded sensors: read, checked, in SI units, on a uniform grid."""
+"""Reads recorded motion and recorded sensors, checks them, and resamples them to a uniform grid."""
 
 from owtsweep.motion.recorded.checks import Limits
 from owtsweep.motion.recorded.deriving import to_motion

@@ -1,12 +1,18 @@
 """A band-limited function through uniform samples, and its exact derivatives at any times.
 
-Method: the line between the two ends is taken off, the record is continued at both ends by its odd
-reflection (value and slope run on) faded to zero, and the whole is one period of a Fourier series.
-Lines up to the cut-off count in full, fall as a raised cosine to nothing at 1.25 times it, and are
-multiplied by (j omega)^order; an inverse FFT evaluates the sum on the new grid, or a chirp
-z-transform where the ratio of the rates is no fraction of small numbers. Position, velocity and
-acceleration are so derivatives of one and the same function. Within some 2 / cut-off of the ends
-the acceleration follows the reflection rather than the (unknown) continuation.
+Position, velocity and acceleration come from the same function, so each is exactly the derivative
+of the one before. The method:
+
+1. Subtract the straight line between the two ends.
+2. Continue the record at both ends by its odd reflection, so that value and slope are continuous,
+   and fade that to zero. The result is one period of a Fourier series.
+3. Keep the lines up to the cut-off; from there let them fall as a raised cosine, to zero at 1.25
+   times the cut-off. Multiply them by (j omega)^order for a derivative.
+4. Evaluate the sum on the new grid: by an inverse FFT, or by a chirp z-transform where the ratio of
+   the rates is not a fraction of small numbers.
+
+Within about 2 / cut-off of the ends the acceleration depends on the reflection, because the real
+continuation is unknown.
 """
 
 from __future__ import annotations
@@ -19,14 +25,25 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 
-#: Where the filter reaches zero, over the cut-off; 0.4 of a rate times this is its Nyquist.
+#: The filter reaches zero at this multiple of the cut-off. A cut-off of 0.4 of a rate times 1.25 is
+#: half the rate, its Nyquist frequency.
 ROLL_OFF = 1.25
 
 
 class BandLimited:
-    """The function; `cutoff` in Hz, samples `values` (n,) at start + k step, s.
+    """A band-limited function.
 
-    `rate` is that of the grids it will be evaluated on, if known: Hz. It only makes that quicker.
+    Parameters
+    ----------
+    values
+        (n,) samples at start + k step.
+    start, step
+        s.
+    cutoff
+        Hz.
+    rate
+        Rate of the grids on which the function will be evaluated, Hz, if the caller knows it. Its
+        only purpose is a faster evaluation.
     """
 
     def __init__(
@@ -43,7 +60,7 @@ class BandLimited:
         whole = 1 if rate is None else Fraction(rate * step).limit_denominator(1000).denominator
         total = whole * next_fast_len(-(-(n + 2 * pad) // whole), real=True)
         series = np.zeros(total)
-        flat = series[:n]  # worked on in place: of ten million samples every copy is 80 MB
+        flat = series[:n]  # a view: each copy of ten million samples would take 80 MB
         flat[:] = np.arange(n)
         flat *= self.slope * step
         flat += self.offset
@@ -58,7 +75,7 @@ class BandLimited:
         self.lines: NDArray[np.complexfloating[Any, Any]] = lines * lowpass(self.frequency, cutoff)
 
     def on_grid(self, start: float, rate: float, count: int, order: int = 0) -> Array:
-        """(count,) values of the derivative of that order at start + k / rate."""
+        """The derivative of the given order at start + k / rate, (count,)."""
         first = start - self.start
         omega = 2.0 * np.pi * self.frequency
         terms = self.lines * (1j * omega) ** order * np.exp(1j * omega * first)
@@ -87,6 +104,6 @@ class BandLimited:
 
 
 def lowpass(frequency: Array, cutoff: float) -> Array:
-    """1 up to the cut-off, a raised cosine from there to 0 at ROLL_OFF times it."""
+    """The filter's gain: 1 up to the cut-off, then a raised cosine to 0 at ROLL_OFF * cutoff."""
     part = np.clip((frequency / cutoff - 1.0) / (ROLL_OFF - 1.0), 0.0, 1.0)
     return np.asarray(0.5 * (1.0 + np.cos(np.pi * part)))

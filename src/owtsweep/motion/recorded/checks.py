@@ -1,4 +1,4 @@
-"""What is wrong with a recording, said in one line that names the file and the place."""
+"""Checks a recording. An error is one line that names the file and the place."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.recorded.formats.table import refuse
 from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.timing import timing
+from owtsweep.motion.recorded.timing import fit_comb
 
-#: A horizontal axis whose mean is beyond this feels gravity: it stands on end or its unit is wrong.
+#: An axis with a larger mean measures gravity: it is not horizontal, or its unit is wrong.
 LARGEST_MEAN_FORCE = 5.0  # m/s^2
-#: No hub or tower top moves this far between two samples.
+#: No hub or tower top moves farther than this between two samples.
 LARGEST_JUMP = 1000.0  # m
-#: Motion of this size is worth a question.
+#: A larger range gets a note that asks whether the unit is right.
 LARGEST_RANGE = 100.0  # m
 FEWEST_SAMPLES = 32
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a recording has to keep to.
+    """What a recording must satisfy.
 
     Attributes
     ----------
     gaps
-        What becomes of gaps in force and motion longer than `longest_gap`: "refuse" or
+        What happens to gaps in force and motion longer than `longest_gap`: "refuse" or
         "interpolate".
     longest_gap
-        In s. Two and a half sampling intervals are always allowed. Shorter gaps are interpolated;
-        fixes and references may be missing for any time.
+        In s; shorter gaps are interpolated. Gaps of two and a half sampling intervals are always
+        allowed. Fixes and references may be missing for any time.
     lowest_imu_rate
-        In Hz, for specific force.
+        Lowest sampling rate of the specific force, Hz.
     """
 
     gaps: str = "refuse"
@@ -43,7 +43,7 @@ class Limits:
 
 
 def check_time(path: Path, name: str, time: Array) -> None:
-    """Raise InputError where time is missing, stands still or goes backwards."""
+    """Raise InputError if time is too short, is missing, stands still or goes backwards."""
     if len(time) < FEWEST_SAMPLES:
         raise refuse(path, f"has {len(time)} rows; at least {FEWEST_SAMPLES} are needed")
     missing = np.flatnonzero(~np.isfinite(time))
@@ -60,27 +60,30 @@ def check_time(path: Path, name: str, time: Array) -> None:
         )
 
 
-def gaps(time: Array, limit: float) -> list[tuple[float, float]]:
-    """(start, end) in s of the intervals without a value that are longer than the limit."""
+def find_gaps(time: Array, limit: float) -> list[tuple[float, float]]:
+    """(start, end) in s of each interval between two values that is longer than the limit.
+
+    The limit is raised to two and a half median intervals if it is less.
+    """
     step = np.diff(time)
     longest = max(limit, 2.5 * float(np.median(step)))
     return [(float(time[k]), float(time[k + 1])) for k in np.flatnonzero(step > longest)]
 
 
-def say_gaps(found: list[tuple[float, float]], shown: int = 3) -> str:
-    """The places in words, the first few only."""
-    text = ", ".join(f"{start:.6g} s to {end:.6g} s" for start, end in found[:shown])
-    return text + (f" and {len(found) - shown} more" if len(found) > shown else "")
+def describe_gaps(gaps: list[tuple[float, float]], shown: int = 3) -> str:
+    """The gaps' times in words: the first `shown`, and how many more there are."""
+    text = ", ".join(f"{start:.6g} s to {end:.6g} s" for start, end in gaps[:shown])
+    return text + (f" and {len(gaps) - shown} more" if len(gaps) > shown else "")
 
 
 def check_channels(recording: Recording, limits: Limits) -> list[str]:
-    """Check every channel; return what is worth a note.
+    """Check every channel and return notes for the user.
 
     Raises
     ------
     InputError
-        For a channel without values, too few of them, an IMU that is too slow, a gap that is too
-        long, units that cannot be right.
+        For a channel with too few values or none, an IMU that is too slow, a gap that is too long,
+        or a unit that cannot be right.
     """
     notes: list[str] = []
     for role, values in recording.channels.items():
@@ -110,24 +113,24 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, limits: Limit
             f"{name} comes at {1.0 / median:.3g} Hz; an IMU needs {limits.lowest_imu_rate:g} Hz "
             "or more",
         )
-    found = gaps(time, limits.longest_gap)
+    gaps = find_gaps(time, limits.longest_gap)
     sparse = role.startswith(("fix", "reference"))
     quantity = role.rsplit("_", 1)[0]
-    if found and sparse:
-        longest = max(end - start for start, end in found)
+    if gaps and sparse:
+        longest = max(end - start for start, end in gaps)
         notes.append(
-            f"{quantity}: {len(found)} gap(s), the longest {longest:.3g} s, at {say_gaps(found)}"
+            f"{quantity}: {len(gaps)} gap(s), the longest {longest:.3g} s, at {describe_gaps(gaps)}"
         )
-    elif found and limits.gaps == "refuse":
+    elif gaps and limits.gaps == "refuse":
         raise refuse(
             path,
-            f"{name} has gaps longer than {limits.longest_gap:g} s: {say_gaps(found)}; cut them "
-            "out, or use gaps=interpolate",
+            f"{name} has gaps longer than {limits.longest_gap:g} s: {describe_gaps(gaps)}; cut "
+            "them out, or use gaps=interpolate",
         )
-    elif found:
-        notes.append(f"{quantity}: gaps interpolated: {say_gaps(found)}")
+    elif gaps:
+        notes.append(f"{quantity}: gaps interpolated: {describe_gaps(gaps)}")
     if not sparse:
-        comb = timing(time)
+        comb = fit_comb(time)
         if not comb.uniform:
             notes.append(
                 f"{quantity}: irregular times, median interval {median:.6g} s, at most "
@@ -153,8 +156,8 @@ def _check_size(path: Path, role: str, name: str, time: Array, values: Array) ->
         if abs(mean) > LARGEST_MEAN_FORCE:
             raise refuse(
                 path,
-                f"{name} has the mean {mean:.4g} m/s^2, as if it felt gravity (9.81): it must be "
-                f"a horizontal axis; check columns.{role} and units.{role}",
+                f"{name} has the mean {mean:.4g} m/s^2, as if it measured gravity (9.81): it must "
+                f"be a horizontal axis; check columns.{role} and units.{role}",
             )
     elif role.startswith(("position", "fix", "reference")):
         jump = np.abs(np.diff(values))

@@ -1,4 +1,4 @@
-"""Which channel plays which role: given by the user, or guessed from well-known names."""
+"""Assigns channels to roles: as the user says, else by well-known channel names."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from difflib import get_close_matches
 
 from owtsweep.errors import InputError
 
-#: What a channel can be, and its dimension (see `units`). `_x` points north or along the first
-#: horizontal axis, `_y` east or along the second.
+#: The quantities that a channel can hold, with their dimensions (see `units`). `_x` points north or
+#: along the first horizontal axis, `_y` east or along the second.
 QUANTITIES = {
     "position": "length",
     "velocity": "velocity",
@@ -29,13 +29,13 @@ ROLES = {
 #: The other axis.
 OTHER = {"x": "y", "y": "x"}
 
-#: Names of time, in the order of preference; compared without case, blanks and signs.
+#: Names of time in order of preference; case and all but letters and digits are ignored.
 TIME_NAMES = ("time", "t", "timestamp", "times", "timesec", "seconds", "elapsedtime", "scantime")
 
-#: quantity -> pairs of patterns (x, y) for a whole name without case, blanks and signs, in the
-#: order of preference. FAST: TwHt1TPxi is the position of a tower node in the inertial frame,
-#: YawBrTDxt and TTDspFA the deflection of the tower top from where it stood. HAWC2: the state of a
-#: body in global coordinates, whose x and y are horizontal.
+#: quantity -> pairs of patterns (x, y) in order of preference. A pattern must match the whole name,
+#: of which case and all but letters and digits are ignored. FAST: TwHt1TPxi is the position of a
+#: tower node in the inertial frame; YawBrTDxt and TTDspFA are the deflection of the tower top from
+#: its position at rest. HAWC2: the state of a body in global coordinates, x and y horizontal.
 NAME_PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
     "position": (
         ("positionx|posx|displacementx|dispx", "positiony|posy|displacementy|dispy"),
@@ -74,53 +74,54 @@ NAME_PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
 }
 
 
-def _bare(name: str) -> str:
+def _strip(name: str) -> str:
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
-def guess(names: Sequence[str]) -> dict[str, str]:
-    """role -> channel, from well-known names; a role nobody plays is absent.
+def guess_roles(names: Sequence[str]) -> dict[str, str]:
+    """role -> channel, from well-known names; roles without a channel are left out.
 
-    Both axes of a quantity come from one pair of names, or x alone. Positions beside a specific
-    force are what the estimates are compared with: they become the reference if there is none.
+    The two axes of a quantity come from one pair of names; y may be missing. If a file has both a
+    specific force and positions, but no reference, the positions become the reference: estimates
+    from that force are compared with them.
     """
-    bare = {name: _bare(name) for name in names}
+    bare = {name: _strip(name) for name in names}
 
     def first(pattern: str) -> str | None:
         return next((name for name, text in bare.items() if re.fullmatch(pattern, text)), None)
 
-    found: dict[str, str] = {}
+    roles: dict[str, str] = {}
     time = next((hit for pattern in TIME_NAMES if (hit := first(pattern))), None)
     if time is None:
         time = first("time.*")
     if time is not None:
-        found["time"] = time
+        roles["time"] = time
     for quantity, pairs in NAME_PAIRS.items():
         for along_x, along_y in pairs:
             x, y = first(along_x), first(along_y)
             if x is not None:
-                found[f"{quantity}_x"] = x
+                roles[f"{quantity}_x"] = x
                 if y is not None:
-                    found[f"{quantity}_y"] = y
+                    roles[f"{quantity}_y"] = y
                 break
-    if "specific_force_x" in found and "reference_x" not in found:
+    if "specific_force_x" in roles and "reference_x" not in roles:
         for axis in "xy":
-            if f"position_{axis}" in found:
-                found[f"reference_{axis}"] = found.pop(f"position_{axis}")
-    return found
+            if f"position_{axis}" in roles:
+                roles[f"reference_{axis}"] = roles.pop(f"position_{axis}")
+    return roles
 
 
-def assign(names: Sequence[str], given: Mapping[str, str | None]) -> dict[str, str]:
-    """role -> channel: what is given, and the guess for what is not.
+def assign_roles(names: Sequence[str], given: Mapping[str, str | None]) -> dict[str, str]:
+    """role -> channel: as given, else as guessed.
 
     Parameters
     ----------
     names
         The channels of the file.
     given
-        role -> channel name; None or "" keeps a role from being guessed. A channel that is given
-        one role is not guessed into another, and where one axis is given the other is the channel
-        whose name differs by x for y, or none.
+        role -> channel name; None or "" leaves a role out. A channel that is given a role is not
+        guessed for another one. If only one axis of a quantity is given, the other axis is the
+        channel whose name has y in place of x (or x in place of y), if there is one.
 
     Raises
     ------
@@ -132,23 +133,23 @@ def assign(names: Sequence[str], given: Mapping[str, str | None]) -> dict[str, s
         if role not in ROLES:
             raise InputError(f"columns.{role}: no such role: use one of {', '.join(ROLES)}")
         if name is not None and str(name).strip():
-            chosen[role] = find(names, str(name).strip(), f"columns.{role}")
+            chosen[role] = find_channel(names, str(name).strip(), f"columns.{role}")
     taken = set(chosen.values())
-    for role, name in guess([name for name in names if name not in taken]).items():
+    for role, name in guess_roles([name for name in names if name not in taken]).items():
         axes = (role, role[:-1] + OTHER.get(role[-1], ""))
         if not any(axis in given for axis in axes):
             chosen[role] = name
     for role, name in list(chosen.items()):
         partner = role[:-1] + OTHER.get(role[-1], "")
         if role in given and partner in ROLES and partner not in given:
-            found = _partner(names, name, role[-1])
-            if found is not None and found not in chosen.values():
-                chosen[partner] = found
+            channel = _find_partner(names, name, role[-1])
+            if channel is not None and channel not in chosen.values():
+                chosen[partner] = channel
     return chosen
 
 
-def _partner(names: Sequence[str], name: str, axis: str) -> str | None:
-    """The channel whose name differs in one letter alone: x for y or y for x."""
+def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
+    """The channel whose name is the same but for one letter: y in place of x, or x of y."""
     swap = {axis: OTHER[axis], axis.upper(): OTHER[axis].upper()}
     for place, letter in enumerate(name):
         if letter in swap:
@@ -158,13 +159,13 @@ def _partner(names: Sequence[str], name: str, axis: str) -> str | None:
     return None
 
 
-def find(names: Sequence[str], wanted: str, argument: str) -> str:
-    """The channel of that name; case counts only where two differ by nothing else.
+def find_channel(names: Sequence[str], wanted: str, argument: str) -> str:
+    """The channel of that name. Case matters only if two names differ by nothing else.
 
     Raises
     ------
     InputError
-        If there is none: lists what is there, similar names first, at most 12.
+        If there is none. The message lists up to 12 channels, those with similar names first.
     """
     if wanted in names:
         return wanted

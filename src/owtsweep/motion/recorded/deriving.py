@@ -1,4 +1,4 @@
-"""Velocity and acceleration that belong to recorded positions."""
+"""Derives velocity and acceleration from recorded positions."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from owtsweep.motion.recorded.gridding import (
     FULL_BAND,
     Grid,
     Gridded,
-    column,
     grid_of,
+    make_column,
+    make_uniform,
     mark_gaps,
     to_grid,
-    uniform_source,
 )
 from owtsweep.motion.recorded.recording import Recording
 
-#: Highest default cut-off of motion, Hz: beyond the first two bending modes of a tower, and low
-#: enough that rounding and noise, which the acceleration carries as f^2, stay small.
+#: Highest default cut-off of motion, Hz. It lies above the first two bending modes of a tower, and
+#: is low enough to keep rounding and noise small, which grow as f^2 in the acceleration.
 MOTION_CUTOFF = 5.0
 
 
@@ -37,38 +37,38 @@ def to_motion(
 ) -> Gridded:
     """Position, velocity and acceleration on the grid, each the derivative of the one before.
 
-    All three are those of one band-limited function through the positions. Where the recording
-    has velocity or acceleration too, these take the place of the derived ones, and a note says
-    how far the two are apart. An axis without positions stays at rest.
+    All three come from one band-limited function through the positions. If the recording has
+    velocity or acceleration too, the recorded values are used in place of the derived ones, and a
+    note says how much the two differ. An axis without positions stays at rest.
 
-    White noise of standard deviation s per sample at rate f_s becomes an acceleration noise of
-    (2 pi f_c)^2 s sqrt(2 f_c / (5 f_s)) with the cut-off f_c (and the like of the velocity:
-    2 pi f_c s sqrt(2 f_c / (3 f_s))): the cut-off decides.
+    The cut-off f_c decides how much noise the derivatives have. White position noise of standard
+    deviation s per sample at rate f_s becomes acceleration noise of
+    (2 pi f_c)^2 s sqrt(2 f_c / (5 f_s)) and velocity noise of 2 pi f_c s sqrt(2 f_c / (3 f_s)).
 
     Parameters
     ----------
     recording
         A checked recording.
     rate
-        Of the grid, Hz.
+        Rate of the grid, Hz.
     quantity
-        "position", or "reference" (there, NaN in gaps).
+        "position", or "reference" (which is NaN in gaps).
     orders
-        How many of position, velocity and acceleration, in that order.
+        How many of position, velocity and acceleration to make, in that order.
     cutoff
-        Hz; default the least of 5 Hz and 0.4 of either rate.
+        Hz. By default 5 Hz, or 0.4 of the lower of the two rates if that is less.
     grid, limits
         As for `to_grid`.
 
     Returns
     -------
     Gridded
-        position, velocity and acceleration with _x and _y, or the first `orders` of them.
+        The first `orders` of position, velocity and acceleration, each with _x and _y.
 
     Raises
     ------
     InputError
-        If there is no such quantity, or the cut-off is not below 0.4 of both rates.
+        If the recording lacks the quantity, or the cut-off is above 0.4 of either rate.
     """
     limits = limits or Limits()
     roles = [f"{quantity}_{axis}" for axis in "xy" if f"{quantity}_{axis}" in recording.channels]
@@ -77,7 +77,7 @@ def to_motion(
             f"{recording.path}: no {quantity}: set columns.{quantity}_x and columns.{quantity}_y"
         )
     grid = grid or grid_of(recording, roles, rate)
-    sources = {role: uniform_source(recording, role, limits) for role in roles}
+    sources = {role: make_uniform(recording, role, limits) for role in roles}
     highest = FULL_BAND * min([grid.rate, *(1.0 / step for _, step, _ in sources.values())])
     chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff
     if not 0.0 < chosen <= highest * (1 + 1e-9):
@@ -98,13 +98,13 @@ def to_motion(
             notes.append(f"no {role}: that axis is at rest")
         for order, name in enumerate(("position", "velocity", "acceleration")[:orders]):
             given = f"{name}_{axis}"
-            channels[given] = column(pairs, given, grid)
+            channels[given] = make_column(pairs, given, grid)
             if function is None:
                 continue
             derived = function.on_grid(grid.start, grid.rate, grid.steps, order)
             if quantity == "position" and order > 0 and given in recording.channels:
                 recorded = to_grid(recording, [given], rate, grid=grid, limits=limits)
-                notes.append(_mismatch(given, recorded.channels[given], derived))
+                notes.append(_describe_mismatch(given, recorded.channels[given], derived))
                 derived = recorded.channels[given]
             channels[given][:] = derived
             if quantity == "reference":
@@ -112,7 +112,7 @@ def to_motion(
     return Gridded(grid, channels, pairs, chosen, tuple(notes))
 
 
-def _mismatch(role: str, recorded: Array, derived: Array) -> str:
+def _describe_mismatch(role: str, recorded: Array, derived: Array) -> str:
     inner = slice(len(derived) // 20, len(derived) - len(derived) // 20)
     apart = float(np.sqrt(np.mean((recorded - derived)[inner] ** 2)))
     size = float(np.std(derived[inner]))

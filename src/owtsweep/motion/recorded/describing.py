@@ -1,4 +1,4 @@
-"""What is in a file: channels, units, rates, gaps, and a guess of the mapping."""
+"""Describes a file: channels, units, rates, gaps, and the roles that would be assigned."""
 
 from __future__ import annotations
 
@@ -10,67 +10,69 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.checks import gaps, say_gaps
-from owtsweep.motion.recorded.columns import ROLES, assign
-from owtsweep.motion.recorded.formats import Table, open_table
+from owtsweep.motion.recorded.checks import describe_gaps, find_gaps
+from owtsweep.motion.recorded.columns import ROLES, assign_roles
+from owtsweep.motion.recorded.formats import ChannelTable, open_table
 from owtsweep.motion.recorded.formats.table import refuse
-from owtsweep.motion.recorded.timing import timing
-from owtsweep.motion.recorded.units import DIMENSIONS, canonical, dimension, factor
+from owtsweep.motion.recorded.timing import fit_comb
+from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_factor, normalise_unit
 
-#: Longer files are described by their first rows.
+#: Of a longer file only this many rows are read.
 MOST_ROWS = 1_000_000
-#: Text width of the lists.
+#: Width of the printed lists, characters.
 WIDTH = 100
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Channel:
-    """One channel, in the file's own unit.
+    """One channel, in the unit that the file uses.
 
     Attributes
     ----------
     name, unit
-        As in the file; unit "" where it says none.
+        As in the file; the unit is "" if the file states none.
     missing
-        How many rows have no value.
+        Number of rows without a value.
     mean, deviation, smallest, largest
-        NaN where there is no value.
+        Statistics of the values; NaN if there are none.
     rate
-        Hz, from the median interval between its values; NaN without time.
+        Hz, from the median interval between values; NaN if the file has no time.
     gaps
-        (start, end) in s of intervals longer than ten sampling intervals (0.1 s at least).
+        (start, end) in s of intervals longer than ten sampling intervals and 0.1 s.
     numeric
-        False for a column that is not read as numbers.
+        False for a column that does not hold numbers.
     """
 
     name: str
     unit: str
-    missing: int
-    mean: float
-    deviation: float
-    smallest: float
-    largest: float
-    rate: float
-    gaps: tuple[tuple[float, float], ...]
+    missing: int = 0
+    mean: float = np.nan
+    deviation: float = np.nan
+    smallest: float = np.nan
+    largest: float = np.nan
+    rate: float = np.nan
+    gaps: tuple[tuple[float, float], ...] = ()
     numeric: bool = True
 
 
 @dataclass(frozen=True)
 class Description:
-    """What is in a file; `str()` of it is the text for the terminal.
+    """What is in a file; `str(description)` is the text for the terminal.
 
     Attributes
     ----------
     path, format
-        The file and what it is.
+        The file, and its format in words.
     rows
-        How many were looked at; `cut` says that there may be more.
+        Number of rows that were read.
+    cut
+        Whether the file may have more rows.
     guess
         role -> channel that `read` takes by default.
     channels
-        All of them, in the file's order.
+        All channels, in the file's order.
     clock
-        One line on the times.
+        One line about the times.
     """
 
     path: Path
@@ -84,26 +86,27 @@ class Description:
     def __str__(self) -> str:
         rows = f"{self.rows} rows" + (" looked at, the first of more" if self.cut else "")
         lines = [f"{self.path}: {self.format}, {len(self.channels)} channels, {rows}", self.clock]
-        known = {channel.name: channel for channel in self.channels}
+        by_name = {channel.name: channel for channel in self.channels}
         if self.guess:
             lines += ["", "Guess of the mapping (change one by columns.ROLE=CHANNEL):"]
             width = max(len(name) for name in self.guess.values())
             for role, name in self.guess.items():
-                lines.append(f"  {role:<17} = {name:<{width}}  {_facts(known[name], role)}")
+                values = _describe_values(by_name[name], role)
+                lines.append(f"  {role:<17} = {name:<{width}}  {values}")
         else:
             lines += ["", "No channel has a well-known name: set columns.time=... and others."]
         played = set(self.guess.values())
-        likely = [c for c in self.channels if c.name not in played and _likely(c)]
-        rest = [c for c in self.channels if c.name not in played and not _likely(c)]
+        likely = [c for c in self.channels if c.name not in played and _is_likely(c)]
+        rest = [c for c in self.channels if c.name not in played and not _is_likely(c)]
         if likely:
             lines += ["", "Others that could be motion or force, by their unit:"]
             width = max(len(channel.name) for channel in likely[:30])
-            lines += [f"  {c.name:<{width}}  {_facts(c)}" for c in likely[:30]]
+            lines += [f"  {c.name:<{width}}  {_describe_values(c)}" for c in likely[:30]]
             if len(likely) > 30:
-                lines += _wrapped([f"{c.name} ({c.unit})" for c in likely[30:]])
+                lines += _wrap([f"{c.name} ({c.unit})" for c in likely[30:]])
         if rest:
             lines += ["", "The rest:"]
-            lines += _wrapped([f"{c.name} ({c.unit})" if c.unit else c.name for c in rest])
+            lines += _wrap([f"{c.name} ({c.unit})" if c.unit else c.name for c in rest])
         return "\n".join(lines)
 
 
@@ -113,24 +116,24 @@ def describe(
     columns: Mapping[str, str | None] | None = None,
     units: Mapping[str, str | None] | None = None,
 ) -> Description:
-    """Look at every channel of a file (the first million rows of a longer one).
+    """Describe every channel of a file, from its first million rows at most.
 
     Parameters
     ----------
     path
         The file.
     columns, units
-        What is known already, as for `read`; the rest is guessed.
+        Roles and units that the user gives, as for `read`; the rest is guessed.
 
     Raises
     ------
     InputError
-        If the file cannot be read at all, or a channel or a unit is wrong.
+        If the file cannot be read at all, or a given channel or unit is wrong.
     """
     table = open_table(path)
     loaded = _load(table)
     try:
-        mapping = assign(table.names, columns or {})
+        mapping = assign_roles(table.names, columns or {})
     except InputError as error:
         raise refuse(table.path, str(error)) from None
     table = _with_units(table, mapping, units or {})
@@ -139,33 +142,35 @@ def describe(
     clock = "no time column found: set columns.time=CHANNEL"
     if "time" in mapping:
         name = mapping["time"]
-        factor = DIMENSIONS["time"][1].get(canonical(table.unit(name) or "s"), 1.0)
+        to_seconds = DIMENSIONS["time"][1].get(normalise_unit(table.unit(name) or "s"), 1.0)
         values = loaded[name]
         assert values is not None
-        time = values * factor
-        clock = _clock(name, time)
+        time = values * to_seconds
+        clock = _describe_clock(name, time)
         if len(time) < 2 or not np.all(np.diff(time) > 0.0):
             time = None
     lengths = [len(values) for values in loaded.values() if values is not None]
     rows = max(lengths, default=0)
     channels = tuple(
-        _channel(name, unit, loaded.get(name), time)
+        _summarise(name, unit, loaded.get(name), time)
         for name, unit in zip(table.names, table.units, strict=True)
     )
     return Description(table.path, table.format, rows, rows >= MOST_ROWS, mapping, channels, clock)
 
 
-def _with_units(table: Table, mapping: Mapping[str, str], units: Mapping[str, str | None]) -> Table:
+def _with_units(
+    table: ChannelTable, mapping: Mapping[str, str], units: Mapping[str, str | None]
+) -> ChannelTable:
     stated = dict(zip(table.names, table.units, strict=True))
     for role, unit in units.items():
         if unit and role in mapping:
-            factor(unit, ROLES[role], f"{table.path}: units.{role}")
+            find_factor(unit, ROLES[role], f"{table.path}: units.{role}")
             stated[mapping[role]] = unit
     return replace(table, units=tuple(stated[name] for name in table.names))
 
 
-def _load(table: Table) -> dict[str, Array | None]:
-    """All channels; None for a column that is not numbers."""
+def _load(table: ChannelTable) -> dict[str, Array | None]:
+    """channel -> its values; None for a column that does not hold numbers."""
     try:
         return dict(table.load(table.names, MOST_ROWS))
     except InputError:
@@ -180,14 +185,14 @@ def _load(table: Table) -> dict[str, Array | None]:
         return loaded
 
 
-def _clock(name: str, time: Array) -> str:
+def _describe_clock(name: str, time: Array) -> str:
     if len(time) < 2 or not np.all(np.isfinite(time)):
         return f"time ({name}) has missing values or fewer than two"
     step = np.diff(time)
     if step.min() <= 0.0:
         row = int(np.argmin(step > 0.0)) + 2
         return f"time ({name}) does not increase in data row {row}"
-    comb = timing(time)
+    comb = fit_comb(time)
     regular = (
         "regular" + (f" but for rounding to {comb.resolution:g} s" if comb.rounded else "")
         if comb.uniform
@@ -199,40 +204,43 @@ def _clock(name: str, time: Array) -> str:
     )
 
 
-def _channel(name: str, unit: str, values: Array | None, time: Array | None) -> Channel:
-    nan = float("nan")
+def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -> Channel:
     if values is None:
-        return Channel(name, unit, 0, nan, nan, nan, nan, nan, (), numeric=False)
+        return Channel(name=name, unit=unit, numeric=False)
     there = np.isfinite(values)
     kept = values[there]
     if len(kept) == 0:
-        return Channel(name, unit, len(values), nan, nan, nan, nan, nan, ())
-    rate = nan
+        return Channel(name=name, unit=unit, missing=len(values))
+    rate = np.nan
     holes: tuple[tuple[float, float], ...] = ()
     if time is not None and len(kept) > 1:
         median = float(np.median(np.diff(time[there])))
-        rate, holes = 1.0 / median, tuple(gaps(time[there], max(0.1, 10 * median)))
+        rate, holes = 1.0 / median, tuple(find_gaps(time[there], max(0.1, 10 * median)))
     return Channel(
-        name,
-        unit,
-        int(len(values) - len(kept)),
-        float(kept.mean()),
-        float(kept.std()),
-        float(kept.min()),
-        float(kept.max()),
-        rate,
-        holes,
+        name=name,
+        unit=unit,
+        missing=int(len(values) - len(kept)),
+        mean=float(kept.mean()),
+        deviation=float(kept.std()),
+        smallest=float(kept.min()),
+        largest=float(kept.max()),
+        rate=rate,
+        gaps=holes,
     )
 
 
-def _likely(channel: Channel) -> bool:
-    """Whether its unit is one of motion or force, or it has none, and it moves at all."""
+def _is_likely(channel: Channel) -> bool:
+    """Whether a channel varies, and its unit is missing or is one of motion or acceleration."""
     if not channel.numeric or not channel.deviation > 0.0:
         return False
-    return not channel.unit or dimension(channel.unit) in ("length", "velocity", "acceleration")
+    return not channel.unit or find_dimension(channel.unit) in (
+        "length",
+        "velocity",
+        "acceleration",
+    )
 
 
-def _facts(channel: Channel, role: str | None = None) -> str:
+def _describe_values(channel: Channel, role: str | None = None) -> str:
     unit = channel.unit
     if not unit:
         unit = f"{DIMENSIONS[ROLES[role]][0]}?" if role else "no unit"
@@ -248,12 +256,12 @@ def _facts(channel: Channel, role: str | None = None) -> str:
         if channel.missing:
             parts.append(f"{channel.missing} missing")
         if channel.gaps:
-            parts.append(f"{len(channel.gaps)} gap(s): {say_gaps(list(channel.gaps), 2)}")
+            parts.append(f"{len(channel.gaps)} gap(s): {describe_gaps(list(channel.gaps), 2)}")
         return ", ".join(parts)
     return f"{unit}, {channel.smallest:.6g} to {channel.largest:.6g}"
 
 
-def _wrapped(words: list[str]) -> list[str]:
+def _wrap(words: list[str]) -> list[str]:
     from textwrap import wrap
 
     text = ", ".join(word.replace(" ", "\0") for word in words)

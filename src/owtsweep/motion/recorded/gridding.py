@@ -1,4 +1,4 @@
-"""Recorded channels on the uniform grid that the estimators run on."""
+"""Resamples recorded channels to the uniform grid on which the estimators run."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.bandlimited import BandLimited
-from owtsweep.motion.recorded.checks import Limits, gaps
+from owtsweep.motion.recorded.checks import Limits, find_gaps
 from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.timing import timing
+from owtsweep.motion.recorded.timing import fit_comb
 
-#: Part of a sampling rate up to which a channel is kept in full.
+#: A channel is kept in full up to this multiple of its sampling rate.
 FULL_BAND = 0.4
 
 
 @dataclass(frozen=True)
 class Grid:
-    """The times start + k / rate, k = 0 .. steps - 1; s and Hz."""
+    """The times start + k / rate for k = 0 ... steps - 1; start in s, rate in Hz."""
 
     start: float
     rate: float
@@ -40,17 +40,17 @@ class Gridded:
     Attributes
     ----------
     grid
-        Its times.
+        The grid.
     channels
-        role -> (steps,) in SI units. Fixes are NaN at steps without one, references NaN in gaps;
-        nothing else is ever NaN.
+        role -> (steps,) in SI units. Fixes are NaN at steps without a fix, references are NaN in
+        gaps; nothing else is ever NaN.
     pairs
-        quantity -> (steps, 2), x and y side by side, whose columns are channels; zeros along an
-        axis that was not asked for. Fixes are in none.
+        quantity -> (steps, 2), x and y side by side. The columns are views of `channels`; an axis
+        that was not requested is zero. Fixes have no pair.
     cutoff
-        Hz, up to where the motion is kept; None where no motion was derived.
+        Hz; the motion is kept up to here. None if no motion was derived.
     notes
-        What was done that a user should know.
+        What a user should know about the resampling.
     """
 
     grid: Grid
@@ -61,12 +61,12 @@ class Gridded:
 
 
 def grid_of(recording: Recording, roles: Sequence[str], rate: float) -> Grid:
-    """The grid over the time that all these channels share.
+    """The grid over the time that all the given channels cover.
 
     Raises
     ------
     InputError
-        If they share less than a second.
+        If the time that they have in common is less than a second.
     """
     spans = [recording.series(role)[0][[0, -1]] for role in roles]
     start = max(float(span[0]) for span in spans)
@@ -89,23 +89,24 @@ def to_grid(
 ) -> Gridded:
     """Resample channels.
 
-    Everything but fixes goes through a band-limited function (`bandlimited`) that keeps 0.4 of the
-    lower of the two rates in full and nothing above its half: no images, no aliases. A channel that
-    already stands on the grid is taken as it is. Irregular
-    times and missing samples are first interpolated by a cubic spline, gaps longer than
-    `limits.longest_gap` monotonically; a reference is NaN inside those. A fix goes, as it is, to
-    the nearest step; of two at one step the later one stays.
+    Everything but fixes goes through a band-limited function (`bandlimited`). It keeps frequencies
+    up to 0.4 of the lower of the two rates in full and removes all above half that rate, so
+    resampling makes no images and no aliases. A channel whose samples lie on the grid already is
+    not changed. Irregular times and missing samples are first interpolated by a cubic spline, and
+    gaps longer than `limits.longest_gap` by a monotone one; a reference is NaN in such gaps. Fixes
+    are not resampled: each moves to the nearest step, and of two at one step the later one is kept.
 
     Parameters
     ----------
     recording
         A checked recording.
     roles
-        Which channels.
+        The channels to resample.
     rate
-        Of the grid, Hz.
+        Rate of the grid, Hz.
     grid
-        Another grid than that over the time that the channels (but fixes and references) share.
+        The grid. By default it covers the time that the channels have in common, fixes and
+        references aside.
     limits
         The same as for `read`.
     """
@@ -118,26 +119,26 @@ def to_grid(
     notes: list[str] = []
     for role in roles:
         if role.startswith("fix"):
-            channels[role], said = _nearest(recording, role, grid)
+            channels[role], said = _place_fixes(recording, role, grid)
             notes += said
             continue
-        source, step, holes = uniform_source(recording, role, limits)
+        source, step, holes = make_uniform(recording, role, limits)
         cutoff = FULL_BAND * min(1.0 / step, grid.rate)
-        values = _same_comb(source, step, grid)
+        values = _take_if_on_grid(source, step, grid)
         if values is None:
             function = BandLimited(source[1], source[0], step, cutoff, grid.rate)
             values = function.on_grid(grid.start, grid.rate, grid.steps)
-        channels[role] = column(pairs, role, grid)
+        channels[role] = make_column(pairs, role, grid)
         channels[role][:] = values
         if role.startswith("ref"):
             mark_gaps(channels[role], grid, holes)
     return Gridded(grid, channels, pairs, None, tuple(dict.fromkeys(notes)))
 
 
-def column(pairs: dict[str, Array], role: str, grid: Grid) -> Array:
-    """(steps,) the column of a role in its quantity's pair, which is made if need be.
+def make_column(pairs: dict[str, Array], role: str, grid: Grid) -> Array:
+    """The array (steps,) for a role: a column of its quantity's pair, which is made if missing.
 
-    A role that is no axis of a quantity has an array of its own.
+    A role that is not an axis of a quantity gets an array by itself.
     """
     quantity, _, axis = role.rpartition("_")
     if axis not in ("x", "y"):
@@ -145,30 +146,30 @@ def column(pairs: dict[str, Array], role: str, grid: Grid) -> Array:
     return pairs.setdefault(quantity, np.zeros((grid.steps, 2)))[:, "xy".index(axis)]
 
 
-def uniform_source(
+def make_uniform(
     recording: Recording, role: str, limits: Limits
 ) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
-    """((start, uniform samples), step, gaps) of a channel; missing samples interpolated."""
+    """((start, uniform samples), step, gaps) of a channel; missing samples are interpolated."""
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
     time, values = recording.series(role)
-    comb = timing(time)
-    holes = gaps(time, limits.longest_gap)
+    comb = fit_comb(time)
+    holes = find_gaps(time, limits.longest_gap)
     if comb.uniform and comb.count == len(time):
         return (comb.start, values), comb.step, holes
     teeth = comb.teeth
     at = comb.start + comb.step * comb.number if comb.uniform else time
     filled = np.asarray(CubicSpline(at, values)(teeth))
     if holes:
-        inside = _inside(teeth, holes)
+        inside = _mark_inside(teeth, holes)
         filled[inside] = PchipInterpolator(at, values)(teeth[inside])
     if comb.uniform:
         filled[comb.number.astype(np.int64)] = values
     return (comb.start, filled), comb.step, holes
 
 
-def _same_comb(source: tuple[float, Array], step: float, grid: Grid) -> Array | None:
-    """The samples themselves where they stand on the grid, to 1e-3 of a step."""
+def _take_if_on_grid(source: tuple[float, Array], step: float, grid: Grid) -> Array | None:
+    """The samples, unchanged, if they lie on the grid to within 1e-3 of a step; else None."""
     start, values = source
     first = (grid.start - start) / step
     drift = abs(step * grid.rate - 1.0) * grid.steps
@@ -178,8 +179,8 @@ def _same_comb(source: tuple[float, Array], step: float, grid: Grid) -> Array | 
     return values[place : place + grid.steps]
 
 
-def _inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
-    """Which times lie strictly inside a hole."""
+def _mark_inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
+    """(times,) True where a time lies strictly inside a gap."""
     result = np.zeros(len(time), dtype=bool)
     for start, end in holes:
         result[np.searchsorted(time, start, "right") : np.searchsorted(time, end, "left")] = True
@@ -187,13 +188,13 @@ def _inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
 
 
 def mark_gaps(values: Array, grid: Grid, holes: list[tuple[float, float]]) -> None:
-    """Put NaN where values stand in a hole."""
+    """Set values inside gaps to NaN, in place."""
     if holes:
-        values[_inside(grid.time, holes)] = np.nan
+        values[_mark_inside(grid.time, holes)] = np.nan
 
 
-def _nearest(recording: Recording, role: str, grid: Grid) -> tuple[Array, list[str]]:
-    """Fixes at their nearest steps, and how far they were moved."""
+def _place_fixes(recording: Recording, role: str, grid: Grid) -> tuple[Array, list[str]]:
+    """Fixes at their nearest steps, and notes on how far they moved and which were dropped."""
     time, values = recording.series(role)
     exact = (time - grid.start) * grid.rate
     place = np.rint(exact).astype(np.int64)
@@ -206,5 +207,5 @@ def _nearest(recording: Recording, role: str, grid: Grid) -> tuple[Array, list[s
         notes.append(f"fixes moved to the nearest step, by {moved:.3g} s at most")
     lost = int(kept.sum()) - len(np.unique(place[kept]))
     if lost:
-        notes.append(f"{role}: {lost} fixes dropped, the IMU step had a later one")
+        notes.append(f"{role}: {lost} fixes dropped: a later fix fell on the same IMU step")
     return result, notes

@@ -1,4 +1,4 @@
-"""From a file to a checked recording in SI units."""
+"""Reads a file into a checked recording in SI units."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import Limits, check_channels, check_time
-from owtsweep.motion.recorded.columns import ROLES, assign
-from owtsweep.motion.recorded.formats import Table, open_table
+from owtsweep.motion.recorded.columns import ROLES, assign_roles
+from owtsweep.motion.recorded.formats import ChannelTable, open_table
 from owtsweep.motion.recorded.formats.table import refuse
 from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.units import DIMENSIONS, factor
+from owtsweep.motion.recorded.units import DIMENSIONS, find_factor
 
 GAPS = ("refuse", "interpolate")
 
@@ -31,29 +31,29 @@ def read(
     Parameters
     ----------
     path
-        The file; its format is told by the extension, then by the content.
+        The file. Its extension decides the format, and where that is ambiguous its content.
     columns
         role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Roles that are not given are guessed
-        from well-known names; None or "" leaves one out.
+        from well-known names; None or "" leaves a role out.
     units
-        role -> unit, e.g. `{"position_x": "mm"}`; overrides what the file says. Where neither
-        says anything SI is taken, with a note.
+        role -> unit, e.g. `{"position_x": "mm"}`; overrides the file's unit. If neither is there,
+        SI is assumed, with a note.
     limits
-        What the recording has to keep to; see `Limits`.
+        What the recording must satisfy; see `Limits`.
 
     Raises
     ------
     InputError
-        One line that names the file and the place.
+        If the file cannot be read or fails a check; the message names the file and the place.
     """
     limits = limits or Limits()
     if limits.gaps not in GAPS:
         raise InputError(f"gaps: {limits.gaps!r} is none of {', '.join(GAPS)}")
     table = open_table(path)
-    chosen = _roles(table, columns or {})
-    factors, notes = _factors(table, chosen, units or {})
+    chosen = _assign_roles(table, columns or {})
+    factors, notes = _find_factors(table, chosen, units or {})
     loaded = table.load(list(dict.fromkeys(chosen.values())), None)
-    channels = {role: _scaled(loaded, role, chosen, factors[role]) for role in chosen}
+    channels = {role: _scale_to_si(loaded, role, chosen, factors[role]) for role in chosen}
     del loaded
     time = channels.pop("time")
     check_time(table.path, chosen["time"], time)
@@ -64,28 +64,28 @@ def read(
     return Recording(table.path, time, channels, chosen, tuple(notes))
 
 
-def _scaled(
+def _scale_to_si(
     loaded: Mapping[str, Array], role: str, chosen: Mapping[str, str], scale: float
 ) -> Array:
-    """A role's own values in SI; the file's array becomes them where that does no harm."""
+    """A role's values in SI. They are computed in place if no other role uses the array."""
     values = loaded[chosen[role]]
-    shared = list(chosen.values()).count(chosen[role]) > 1  # one channel in two roles
+    shared = list(chosen.values()).count(chosen[role]) > 1  # one channel plays two roles
     if shared or not values.flags.writeable:
         values = values.copy()
     values *= scale
     return values
 
 
-def _roles(table: Table, columns: Mapping[str, str | None]) -> dict[str, str]:
+def _assign_roles(table: ChannelTable, columns: Mapping[str, str | None]) -> dict[str, str]:
     """role -> channel, time first.
 
     Raises
     ------
     InputError
-        If there is no time, or nothing beside it.
+        If there is no time, or no other channel with a role.
     """
     try:
-        chosen = assign(table.names, columns)
+        chosen = assign_roles(table.names, columns)
     except InputError as error:
         raise refuse(table.path, str(error)) from None
     listed = ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
@@ -94,16 +94,16 @@ def _roles(table: Table, columns: Mapping[str, str | None]) -> dict[str, str]:
     if len(chosen) == 1 or set(chosen) == {"time", "yaw"}:
         raise refuse(
             table.path,
-            f"no channel of a known name among {listed}: set columns.position_x=NAME or "
+            f"no channel with a known name among {listed}: set columns.position_x=NAME or "
             "columns.specific_force_x=NAME (--describe shows what is there)",
         )
     return {"time": chosen.pop("time"), **chosen}
 
 
-def _factors(
-    table: Table, chosen: Mapping[str, str], units: Mapping[str, str | None]
+def _find_factors(
+    table: ChannelTable, chosen: Mapping[str, str], units: Mapping[str, str | None]
 ) -> tuple[dict[str, float], list[str]]:
-    """Factors to SI, from the configuration, else from the file, else 1 with a note."""
+    """Factors to SI: of the unit in the configuration, else in the file, else 1 with a note."""
     for role in units:
         if role not in ROLES:
             raise InputError(f"units.{role}: no such role: use one of {', '.join(ROLES)}")
@@ -111,11 +111,11 @@ def _factors(
     for role, name in chosen.items():
         given, stated = units.get(role), table.unit(name)
         if given:
-            factors[role] = factor(given, ROLES[role], f"{table.path}: units.{role}")
+            factors[role] = find_factor(given, ROLES[role], f"{table.path}: units.{role}")
         elif stated:
             where = f"{table.path}: channel {name} says its unit is"
             try:
-                factors[role] = factor(stated, ROLES[role], where)
+                factors[role] = find_factor(stated, ROLES[role], where)
             except InputError as error:
                 hint = f"; or give it by units.{role}"
                 raise InputError(f"{error}{hint}") from None

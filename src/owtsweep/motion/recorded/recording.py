@@ -1,4 +1,4 @@
-"""What a file holds once it is read: roles, SI units, its own times."""
+"""A recording: a file that has been read, by roles, in SI units, at the file's times."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from owtsweep.arrays import Array
 
 @dataclass(frozen=True)
 class Recording:
-    """One file in SI units, at the times it has.
+    """One file in SI units, at the file's times.
 
     Attributes
     ----------
     path
         The file.
     time
-        (n,) s, strictly increasing, as in the file.
+        (n,) s, strictly increasing.
     channels
         role -> (n,) values in SI units (m, m/s, m/s^2, rad), NaN where missing. Roles are
         position, velocity, acceleration, specific_force, fix (GNSS) and reference, each with _x
@@ -28,7 +28,7 @@ class Recording:
     names
         role -> the channel's name in the file; "time" is among them.
     notes
-        What a user should know: units that were assumed, irregular times, gaps.
+        What a user should know: assumed units, irregular times, gaps.
     """
 
     path: Path
@@ -38,19 +38,19 @@ class Recording:
     notes: tuple[str, ...]
 
     def has(self, quantity: str) -> bool:
-        """Whether at least one axis of a quantity, such as "fix", is there."""
+        """Whether the recording has at least one axis of a quantity such as "fix"."""
         return any(f"{quantity}_{axis}" in self.channels for axis in "xy")
 
     def let_go(self, quantity: str) -> None:
-        """Forget a quantity that has been taken over: a long record is not held twice."""
+        """Drop a quantity that the caller has copied, so that memory does not hold it twice."""
         for axis in "xy":
             self.channels.pop(f"{quantity}_{axis}", None)
 
     def series(self, role: str) -> tuple[Array, Array]:
-        """Times (s) and values of a channel where it has one: (m,), (m,)."""
+        """Times (s) and values of a channel, (m,) each, without its missing samples."""
         values = self.channels[role]
         there = np.isfinite(values)
-        if there.all():  # no copies of a long record
+        if there.all():  # saves copies of a long record
             return self.time, values
         return self.time[there], values[there]
 

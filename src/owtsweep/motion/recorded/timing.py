@@ -1,4 +1,4 @@
-"""How regular the times of a record are."""
+"""Finds out how regular the times of a record are."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
-#: Deviations below this part of the interval do not make times irregular.
+#: Times that deviate by less than this share of the interval count as regular.
 TOLERANCE = 0.01
 
 
 @dataclass(frozen=True)
-class Timing:
-    """The uniform comb nearest to some times.
+class Comb:
+    """Uniform times (the teeth of a comb) fitted to the times of a record.
 
     Attributes
     ----------
     start, step
-        The comb start + k step, s; fitted by least squares.
+        The teeth are start + k step, s, fitted by least squares.
     count
-        How many of its teeth it takes to reach the last time.
+        Number of teeth from the first time to the last.
     number
-        (n,) tooth of each time, a whole number.
+        (n,) the tooth k of each time, a whole number.
     jitter
         Largest distance between a time and its tooth, s.
     resolution
-        The decimal place that the times are rounded to, s.
+        The decimal place to which the times are rounded, s.
     uniform
-        Whether the teeth are the times, but for rounding and missing ones.
+        Whether the record's times are teeth of the comb, apart from rounding. Teeth may be missing.
     """
 
     start: float
@@ -42,22 +42,22 @@ class Timing:
 
     @property
     def rounded(self) -> bool:
-        """Whether the times deviate from the comb by their rounding alone."""
+        """Whether the times deviate from the comb, and only because they are rounded."""
         return self.uniform and self.jitter > TOLERANCE * self.step
 
     @property
     def teeth(self) -> Array:
-        """(count,) times of the comb, s."""
+        """(count,) the times of all teeth, s."""
         return self.start + self.step * np.arange(self.count)
 
 
-def timing(time: Array) -> Timing:
-    """Fit a comb to strictly increasing times, (n,) s with n >= 2; missing teeth are allowed.
+def fit_comb(time: Array) -> Comb:
+    """Fit a comb to strictly increasing times, (n,) s with n >= 2; teeth may be missing.
 
-    Times printed with few digits (80 Hz in whole milliseconds) are uniform all the same: what
-    deviates by no more than half their last decimal place is rounding, not jitter.
+    Times printed with few digits (80 Hz in whole milliseconds) count as uniform: a deviation of at
+    most half the last decimal place is rounding, not jitter.
     """
-    number = np.zeros(len(time))  # in place below: records may have ten million rows
+    number = np.zeros(len(time))  # filled in place: a record may have ten million rows
     interval = np.diff(time)
     interval /= np.median(interval)
     np.maximum(np.rint(interval, out=interval), 1.0, out=interval)
@@ -72,11 +72,11 @@ def timing(time: Array) -> Timing:
     jitter = float(max(deviation.max(), -deviation.min()))
     resolution = _resolution(time)
     uniform = jitter <= max(TOLERANCE * step, min(0.51 * resolution, 0.3 * step))
-    return Timing(start, step, int(number[-1]) + 1, number, jitter, resolution, uniform)
+    return Comb(start, step, int(number[-1]) + 1, number, jitter, resolution, uniform)
 
 
 def _resolution(time: Array) -> float:
-    """The largest power of ten, at most 1 s, that all times are multiples of; 1e-9 at least."""
+    """The largest power of ten, from 1e-9 to 1 s, of which all times are multiples."""
     some = time[: 1 << 16]
     for place in range(10):
         scaled = some * 10.0**place

@@ -1,4 +1,4 @@
-"""Units that recordings come in, and their factors to SI."""
+"""The units that recordings may use, and their factors to SI."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ DIMENSIONS: dict[str, tuple[str, dict[str, float]]] = {
     "angle": ("rad", {"rad": 1.0, "deg": math.pi / 180, "mrad": 1e-3}),
 }
 
-#: Other ways to write them, in lower case and without blanks.
+#: Other spellings of units, in lower case and without blanks.
 SPELLINGS = {
     "sec": "s",
     "secs": "s",
@@ -68,8 +68,8 @@ SPELLINGS = {
 }
 
 
-def canonical(unit: str) -> str:
-    """One spelling: `m/s2`, `m/s**2`, `m s-2` and `m/sec^2` are all `m/s^2`."""
+def normalise_unit(unit: str) -> str:
+    """The spelling used here: `m/s2`, `m/s**2`, `m s-2` and `m/sec^2` all become `m/s^2`."""
     text = unit.strip().lower()
     for old, new in (("**", "^"), ("²", "^2"), ("·", " "), ("*", " ")):
         text = text.replace(old, new)
@@ -80,25 +80,26 @@ def canonical(unit: str) -> str:
     return SPELLINGS.get(text, text)
 
 
-def dimension(unit: str) -> str | None:
-    """The dimension of a unit, None for one that is not in the table."""
-    known = canonical(unit)
-    return next((name for name, (_, table) in DIMENSIONS.items() if known in table), None)
+def find_dimension(unit: str) -> str | None:
+    """The dimension of a unit; None if the unit is not in the table."""
+    spelling = normalise_unit(unit)
+    return next((name for name, (_, table) in DIMENSIONS.items() if spelling in table), None)
 
 
-def factor(unit: str, wanted: str, argument: str) -> float:
+def find_factor(unit: str, wanted: str, argument: str) -> float:
     """Factor from a unit to the SI unit of the wanted dimension.
 
     Raises
     ------
     InputError
-        For a unit that is not in the table, or of another dimension; `argument` names it.
+        If the unit is not in the table or has another dimension. The message starts with
+        `argument`.
     """
     si, table = DIMENSIONS[wanted]
-    known = canonical(unit)
-    if known in table:
-        return table[known]
-    other = dimension(unit)
+    spelling = normalise_unit(unit)
+    if spelling in table:
+        return table[spelling]
+    other = find_dimension(unit)
     if other is None:
         reason = "is not a unit known here"
     else:

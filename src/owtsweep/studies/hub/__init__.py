@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.sweep.study import Block
+from owtsweep.figures import palette
+from owtsweep.studies.hub.looks import LOOKS
 
 if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
+    from owtsweep.results.conditions import Condition
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.sweep.comparison import Comparison, Findings
+    from owtsweep.sweep.study import Engine
 
 __all__ = ["HubStudy"]
 
-logger = logging.getLogger(__name__)
+palette.reserve(LOOKS)
 
 
 class HubStudy:
@@ -40,102 +42,17 @@ class HubStudy:
 
         return HubConfig
 
-    def plan(self, config: HubConfig) -> list[Block]:
-        """One block per period, run of 8 replicates and scheme; without records, per scheme."""
-        if config.engine == "expected":
-            from owtsweep.studies.hub.expected import engine
+    def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
+        """Natural period and amplitude."""
+        from owtsweep.studies.hub.conditions import CONDITIONS
 
-            return engine.plan(config)
-        from owtsweep.studies.hub import blocks
+        return CONDITIONS
 
-        return blocks.plan(config)
+    def engine(self, config: HubConfig) -> Engine:
+        """What the key `engine` names."""
+        from owtsweep.studies.hub.engines import ENGINES
 
-    def backend(self, config: HubConfig) -> str:
-        """Threads for kernels, which release the GIL; processes as soon as one scheme is Python."""
-        if config.engine == "expected":
-            return "threading"
-        from owtsweep.studies.hub import blocks
-        from owtsweep.studies.hub.schemes import resolve_all
-
-        schemes = resolve_all(config.schemes, config)
-        for scheme in schemes:
-            if config.engine == "batch" and getattr(scheme, "constrained", False):
-                logger.warning(
-                    "%s: its constraints leave no kernel that serves all amplitudes; it runs step "
-                    "by step, amplitude by amplitude",
-                    scheme.name,
-                )
-        return blocks.backend(config, schemes)
-
-    def run(
-        self, config: HubConfig, blocks: Sequence[Block]
-    ) -> Iterator[tuple[Block, pd.DataFrame]]:
-        """Run blocks of one group."""
-        if config.engine == "expected":
-            from owtsweep.studies.hub.expected import engine
-
-            return engine.run(config, blocks)
-        from owtsweep.studies.hub.blocks import run
-
-        return run(config, blocks)
-
-    def sort_columns(self) -> list[str]:
-        """What identifies a row."""
-        return ["natural_period", "scheme", "measure", "window", "amplitude", "replicate"]
-
-    def aggregate(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """summary and best_scheme."""
-        if config.engine == "expected":
-            from owtsweep.studies.hub.expected import answers
-
-            return answers.tables(config, rows)
-        from owtsweep.results import aggregate
-        from owtsweep.results.cube import Cube
-
-        names = scheme_names(config)
-        cube = Cube.of_rows(rows, names, config.grid.amplitude)
-        return {
-            "summary": aggregate.summary(cube, names),
-            "best_scheme": aggregate.best_scheme(
-                cube, names, config.measures.window, criteria=criteria(config)
-            ),
-        }
-
-    def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """The map as a coloured grid."""
-        from owtsweep.figures.terminal import grid
-
-        return grid(
-            tables["best_scheme"],
-            scheme_names(config),
-            config.measures.criterion,
-            config.measures.window,
-        )
-
-    def overview(self) -> str:
-        """The map, figure 18."""
-        from owtsweep.studies.hub.figures import MAP
-
-        return MAP
-
-    def draw(
-        self,
-        config: HubConfig,
-        tables: Mapping[str, pd.DataFrame],
-        rows: pd.DataFrame,
-        folder: Path,
-        *,
-        only: str | None = None,
-        metadata: Mapping[str, str] | None = None,
-    ) -> list[Path]:
-        """All figures and tables of the paper that the run has the data for."""
-        if config.engine == "expected":
-            from owtsweep.studies.hub.expected import drawing
-
-            return drawing.draw_all(config, tables, rows, folder, only=only, metadata=metadata)
-        from owtsweep.studies.hub.figures import draw_all
-
-        return draw_all(config, tables, rows, folder, only=only, metadata=metadata)
+        return ENGINES[config.engine]()
 
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
@@ -145,9 +62,25 @@ class HubStudy:
 
         return compare(comparison, folder, metadata=metadata)
 
+    def write_fidelity(
+        self, config: HubConfig, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]
+    ) -> list[Path]:
+        """Hold a run against the numbers and statements of the paper."""
+        from owtsweep.studies.hub.fidelity.report import write_report
+
+        return write_report(config, rows, folder, name=metadata["folder"], metadata=metadata)
+
+    def write_spectrum(
+        self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]
+    ) -> tuple[list[Path], RenderableType]:
+        """error_spectra.png and .svg, spectrum.csv and noise_floor.csv; prints the floors."""
+        from owtsweep.studies.hub.figures.spectrum_files import write
+
+        return write(config, folder, metadata)
+
 
 def criteria(config: HubConfig) -> tuple[str, ...]:
-    """What best_scheme.csv judges: position and velocity, and the config's own if it is another."""
+    """What best_scheme.csv judges: position, velocity and the configuration's own criterion."""
     return tuple(dict.fromkeys(("position", "velocity", config.measures.criterion)))
 
 

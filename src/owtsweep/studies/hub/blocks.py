@@ -34,8 +34,8 @@ def plan(config: HubConfig) -> list[Block]:
     """One block per period, run of replicates and scheme (and amplitude, when run directly)."""
     shared = shared_content(config)
     schemes = resolve_all(config.schemes, config)
-    # Once per scheme: the blocks share these parts, or a large plan would not fit into memory.
-    owns = [
+    # Once per scheme: blocks share these parts, or a large plan would not fit into memory.
+    by_scheme = [
         {**shared, **scheme_content(config, entry, scheme)}
         for entry, scheme in zip(config.schemes, schemes, strict=True)
     ]
@@ -46,10 +46,10 @@ def plan(config: HubConfig) -> list[Block]:
             replicates = list(range(first, last))
             numbers = f"replicates {first}-{last - 1}" if last - first > 1 else f"replicate {first}"
             group = f"{period:g} s, {numbers}"
-            for own, scheme in zip(owns, schemes, strict=True):
+            for part, scheme in zip(by_scheme, schemes, strict=True):
                 amplitudes = [None] if _superposes(config, scheme) else config.grid.amplitude
                 for amplitude in amplitudes:
-                    content = {**own, "natural_period": float(period), "replicates": replicates}
+                    content = {**part, "natural_period": float(period), "replicates": replicates}
                     label = f"{scheme.name}, {group}"
                     if amplitude is not None:
                         content["amplitude"] = float(amplitude)
@@ -99,7 +99,7 @@ def _plain(section: Any) -> Any:
 
 
 def _source_hash(scheme: Scheme) -> str:
-    """A user's scheme is known by the source of its module, so an edit is a new scheme."""
+    """The source of a user's scheme identifies it, so an edit makes a new scheme."""
     try:
         source = inspect.getsource(inspect.getmodule(type(scheme)) or type(scheme))
     except (OSError, TypeError):
@@ -128,8 +128,8 @@ def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; motion and noise are made once for all of them.
 
-    Schemes with a kernel share each span of the records while it is in the cache, so all blocks
-    of an amplitude (or all that superpose) are run when the first of them is due.
+    Schemes with a kernel share each span of the records while it is in the processor's cache. So
+    when the first block of an amplitude is due (or the first that superposes), all of them run.
     """
     records: Records | None = None
     schemes = {s.name: under(s, config) for s in resolve_all(config.schemes)}
@@ -149,10 +149,10 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
                     and uses_kernels(config, schemes[other.content["scheme"]])
                 }
                 ready.update(_by_kernels(config, together, records, amplitude))
-            found = ready.pop(number)
-            if isinstance(found, Exception):
-                raise found
-            rows = found
+            result = ready.pop(number)
+            if isinstance(result, Exception):
+                raise result
+            rows = result
         else:
             settled = _settled(config, records)
             (rows,) = _frames([_by_loop(config, scheme, records, settled, amplitude)])
@@ -164,8 +164,8 @@ def _settled(config: HubConfig, records: Records) -> int:
     return round(config.measures.settling_time / records.sensors.step)
 
 
-def _frames(parts: Sequence[Iterable[measures.Table]]) -> list[pd.DataFrame]:
-    """Each one's tables as one; made together, for pandas takes as long for four times the rows."""
+def _frames(parts: Sequence[Iterable[measures.Columns]]) -> list[pd.DataFrame]:
+    """One frame for each part's tables; pandas takes as long for all rows as for a quarter."""
     tables = [list(part) for part in parts]
     pieces = [piece for part in tables for piece in part]
     whole = pd.DataFrame({name: _joined([p[name] for p in pieces]) for name in measures.COLUMNS})
@@ -189,14 +189,14 @@ def _by_kernels(
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame | Exception]:
     """Rows of several schemes at one amplitude, or what keeps a scheme from having a chain."""
-    made = dict(zip(schemes, _chains(config, list(schemes.values()), records), strict=True))
+    made = zip(schemes, _chains(config, list(schemes.values()), records), strict=True)
     result: dict[int, pd.DataFrame | Exception] = {}
     chains: dict[int, Chain] = {}
-    for number, found in made.items():
-        if isinstance(found, Exception):  # raised when its block is due: the others come first
-            result[number] = found
+    for number, chain in made:
+        if isinstance(chain, Exception):  # raised when its block is due: the others come first
+            result[number] = chain
         else:
-            chains[number] = found
+            chains[number] = chain
     if not chains:
         return result
     settled = _settled(config, records)
@@ -207,8 +207,8 @@ def _by_kernels(
         keep = config.measures.extremes
         sums = direct_sums_of(every, records, amplitude, settled, keep_squared=keep)
     tables = [
-        _from_sums(own, schemes[number].name, records, amplitude)
-        for number, own in zip(chains, sums, strict=True)
+        _from_sums(of_scheme, schemes[number].name, records, amplitude)
+        for number, of_scheme in zip(chains, sums, strict=True)
     ]
     return result | dict(zip(chains, _frames(tables), strict=True))
 
@@ -216,7 +216,7 @@ def _by_kernels(
 def _chains(
     config: HubConfig, schemes: Sequence[Any], records: Records
 ) -> Iterable[Chain | Exception]:
-    """The schemes' chains; several at once where nobody else has work for the cores."""
+    """The schemes' chains, several at once where no other work keeps the cores busy."""
 
     def made(scheme: Any) -> Chain | Exception:
         try:
@@ -232,7 +232,7 @@ def _chains(
 
 
 def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
-    """How many chains may be made at once: where workers are threads, the others wait for them."""
+    """How many chains may be made at once: as many as threads would wait for them."""
     from joblib import cpu_count
 
     compute = config.compute
@@ -243,7 +243,7 @@ def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
 
 def _from_sums(
     sums: Sums, scheme: str, records: Records, amplitude: float | None
-) -> Iterator[measures.Table]:
+) -> Iterator[measures.Columns]:
     period, replicates = records.natural_period, records.replicates
     finite = np.all(np.isfinite(sums.products), axis=(0, 1, 2))
     if finite.all():
@@ -264,7 +264,7 @@ def _by_loop(
     records: Records,
     settled: int,
     amplitude: float | None,
-) -> Iterator[measures.Table]:
+) -> Iterator[measures.Columns]:
     period = records.natural_period
     for index, replicate in enumerate(records.replicates):
         try:
@@ -291,7 +291,7 @@ def _looped(
     )
     if amplitude is None:
         responses = [
-            run_estimator(start(config, scheme, sensors), part, sensors)
+            run_estimator(start(config, scheme, sensors), *part, sensors.fix_interval)
             for part in (observed, noise)
         ]
         return measures.from_trajectories(responses[0], responses[1], truth, settled)
@@ -299,6 +299,6 @@ def _looped(
         amplitude * observed.specific_force + noise.specific_force,
         amplitude * observed.fixes + noise.fixes,
     )
-    response = run_estimator(start(config, scheme, sensors), whole, sensors)
+    response = run_estimator(start(config, scheme, sensors), *whole, sensors.fix_interval)
     extremes = config.measures.extremes
     return measures.from_trajectories(None, response, amplitude * truth, settled, extremes=extremes)

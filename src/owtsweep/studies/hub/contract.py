@@ -1,39 +1,14 @@
-"""What a scheme is: the interface between the study and every estimator, ours or a user's."""
+"""What a scheme is: the interface between the hub study and every estimator, ours or a user's."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from owtsweep.arrays import Array
-
-
-class Innovation(NamedTuple):
-    """A position innovation, (2,) in m, and its covariance, (2, 2) in m^2."""
-
-    value: Array
-    covariance: Array
-
-
-class Estimate(NamedTuple):
-    """The estimate of the present state, in NED.
-
-    Attributes
-    ----------
-    position, velocity
-        (2,) in m and m/s.
-    covariance
-        (4, 4) of (x, y, v_x, v_y), or None; with it the study reports NEES.
-    innovation
-        The position innovation of this step, or None; with it the study reports NIS.
-    """
-
-    position: Array
-    velocity: Array
-    covariance: Array | None = None
-    innovation: Innovation | None = None
+from owtsweep.evaluation.estimate import Estimate
 
 
 @dataclass(frozen=True)
@@ -45,11 +20,11 @@ class Sensors:
     step
         IMU sampling interval T_a, s.
     fix_interval
-        M: IMU steps between fixes, which arrive at steps 0, M, 2 M, ...
+        M, IMU steps between fixes. These arrive at steps 0, M, 2 M, ...
     delay
-        N_d: IMU steps by which a fix is late.
+        N_d, IMU steps from the instant that a fix reports to its arrival.
     position_sigma, force_sigma
-        Standard deviations per fix (m) and per sample (m/s^2), each axis.
+        Standard deviations per axis: of a fix (m) and of an IMU sample (m/s^2).
     bias_walk
         Intensity of the bias' Wiener process, m/s^2/sqrt(s).
     yaw
@@ -69,29 +44,35 @@ class Sensors:
 
     @property
     def rotation(self) -> Array:
-        """R of Eq. (5), from the IMU's frame to NED, (2, 2)."""
+        """R of Eq. (5), (2, 2): turns vectors from the IMU's frame to NED."""
         cos, sin = np.cos(self.yaw), np.sin(self.yaw)
         return np.array([[cos, -sin], [sin, cos]])
 
     @property
     def fix_step(self) -> float:
-        """T_g, s."""
+        """T_g, the time between fixes, s."""
         return self.fix_interval * self.step
 
 
 @runtime_checkable
 class Estimator(Protocol):
-    """A running estimator: one call per IMU step."""
+    """A running estimator. It is called once per IMU step."""
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take one sample and, when there is one, a fix; return the estimate of now.
+        """Take one IMU sample, and a fix if there is one; return the estimate of the present.
 
         Parameters
         ----------
         specific_force
             (2,) in the IMU's frame, m/s^2.
         position
-            (2,) in NED, m: the position of `delay` steps ago; None between fixes.
+            (2,) in NED, m: the position of `delay` steps ago. None between fixes.
+
+        Returns
+        -------
+        Estimate
+            Position and velocity, (2,) each in NED, in m and m/s. Its covariance, if it has one,
+            is (4, 4) of (x, y, v_x, v_y); its innovation is that of the fix, (2,) in m.
         """
         ...
 
@@ -100,21 +81,27 @@ class Estimator(Protocol):
 class Scheme(Protocol):
     """An estimation scheme.
 
-    It may also offer `kernel(sensors, tuning, steps)` for the batch engine: the scheme as an
-    `owtsweep.studies.hub.chain.Chain` for records of that many steps.
+    It may also offer `kernel(sensors, tuning, steps)` for the batch engine. That gives the scheme
+    as an `owtsweep.studies.hub.chain.Chain` for records of so many steps.
 
     Attributes
     ----------
     name
-        Unique within a run; how tables and figures call it.
+        What tables and figures call it; unique within a run.
     linear
-        Whether estimates are linear in the measurements with gains that do not depend on them;
-        then one motion-only and one noise-only run serve every amplitude.
+        Whether estimates are linear in the measurements and gains do not depend on these. Then one
+        run with the motion alone and one with the noise alone serve every amplitude.
     """
 
     name: str
     linear: bool
 
     def start(self, sensors: Sensors, tuning: Any) -> Estimator:
-        """A fresh estimator at the zero estimate. `tuning` holds ekf, mkf, hme1, hme2 and hme."""
+        """Return a fresh estimator whose estimate is zero.
+
+        Parameters
+        ----------
+        tuning
+            The study's configuration; its sections ekf, mkf, hme1, hme2 and hme hold the tuning.
+        """
         ...

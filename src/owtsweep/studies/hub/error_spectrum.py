@@ -1,9 +1,10 @@
-"""A scheme's error per unit of motion over the motion's frequency, settled, and its noise floor.
+"""Computes a scheme's settled error per unit of motion, over the frequency of the motion.
 
-A chain with settled gains is a linear system that repeats with the fixes. A unit motion e^{iwt}
-makes it answer h_k e^{iwt_k} with h_k of the same period. A sinusoid of random phase then has the
-mean square error |h_k - 1|^2, averaged over one period, times its own mean square; sinusoids of
-different frequencies and independent phases add.
+A chain is a scheme's form for the batch engine. Once its gains have settled, it is a linear system
+whose coefficients repeat with the fixes. Its response to a unit motion e^{iwt} is h_k e^{iwt_k},
+where h_k repeats as the chain does. For a sinusoid of random phase the mean square error is the
+mean of |h_k - 1|^2 over one period times the sinusoid's mean square. The mean square errors of
+sinusoids with different frequencies and independent phases add.
 """
 
 from __future__ import annotations
@@ -25,22 +26,22 @@ Complex = NDArray[np.complex128]
 
 #: Sinusoids run at once: the inputs of 16 over 1000 s at 100 Hz take 26 MB.
 BATCH = 16
-#: Greatest remainder of the transient in |h_k - 1|, relative.
+#: Largest part of |h_k - 1| that the transient may still make up, relative.
 TOLERANCE = 1e-5
-#: Steps between frequencies when an error spectrum is integrated, per band.
+#: Number of frequencies over a band at which an error spectrum is integrated.
 QUADRATURE = 20_000
 
 
 @dataclass(frozen=True)
 class ErrorSpectrum:
-    """Settled mean square error of the estimate over the mean square of a sinusoidal motion.
+    """Settled mean square error divided by the mean square of a sinusoidal motion.
 
     Attributes
     ----------
     frequency
         (n,) Hz, increasing.
     position
-        (n,) dimensionless (m^2 per m^2), of the position x + y.
+        (n,) m^2 per m^2 of displacement, of the position x + y.
     velocity
         (n,) s^-2: (m/s)^2 per m^2 of displacement, of the velocity vx + vy.
     """
@@ -50,25 +51,25 @@ class ErrorSpectrum:
     velocity: Array
 
     def of(self, measure: str) -> Array:
-        """`position` or `velocity` by name."""
+        """The values of one measure; `measure` is `position` or `velocity`."""
         return {"position": self.position, "velocity": self.velocity}[measure]
 
 
 def error_spectrum(
     chain: Chain, sensors: Sensors, frequencies: Array, *, settle: float = 100.0
 ) -> ErrorSpectrum:
-    """The error spectrum of a chain: only what motion does, without any noise.
+    """The error spectrum of a chain: its error from motion, without noise.
 
-    Displacement along any direction d gives d * h on both axes, so x + y is the error along d.
+    A displacement along any direction d gives d * h on the two axes, so x + y is the error along d.
 
     Parameters
     ----------
     frequencies
-        (n,) Hz, increasing, none of them a multiple of the repetition rate of the chain: such a
-        motion looks like a standing still one to the GNSS.
+        (n,) Hz, increasing. None may be a multiple of the rate at which the chain repeats: to the
+        GNSS such a motion looks like a standstill.
     settle
-        How long (s) to run before the response is first judged. What has not died out by then is
-        extrapolated away (`settled.limit`); the time is doubled until the remainder is less than
+        Time (s) before the response is first examined. The transient that is left then is removed
+        by extrapolation (`settled.limit`). The time is doubled until the remainder is less than
         `TOLERANCE` of the error.
 
     Raises
@@ -84,8 +85,8 @@ def error_spectrum(
     if np.any(np.abs(cycles - np.round(cycles)) < 1e-3):
         bad = frequency[np.argmin(np.abs(cycles - np.round(cycles)))]
         raise InputError(
-            f"frequencies: {bad:g} Hz repeats with the chain, whose errors it cannot tell from a "
-            "constant; leave it out"
+            f"frequencies: {bad:g} Hz is a multiple of the rate at which the scheme repeats, so "
+            "that its fixes look constant; leave it out"
         )
     parts = [
         _batch(steady, sensors, frequency[first : first + BATCH], settle)
@@ -108,7 +109,7 @@ def _batch(chain: Chain, sensors: Sensors, frequency: Array, settle: float) -> t
         if steps >= most:
             raise InputError(
                 f"settle: the response to a sinusoid has not settled after "
-                f"{steps * sensors.step:.0f} s with this tuning; is its bias (q_b) free to settle?"
+                f"{steps * sensors.step:.0f} s with this tuning; give the bias a larger q_b"
             )
         steps = min(2 * steps, most)
 
@@ -116,7 +117,7 @@ def _batch(chain: Chain, sensors: Sensors, frequency: Array, settle: float) -> t
 def _error_phasors(
     chain: Chain, sensors: Sensors, frequency: Array, steps: int
 ) -> tuple[Complex, Complex]:
-    """h - 1 and h_v - iw of the last cycles, (cycles, cycle, n) each."""
+    """h - 1 and h_v - iw over the last cycles, (cycles, steps of a cycle, n) each."""
     from owtsweep.studies.hub.settled import KEPT_CYCLES
 
     cycle = cycle_of(chain)
@@ -143,7 +144,7 @@ def _error_phasors(
 
 
 def _lanes(values: Complex) -> Array:
-    """A cosine and a sine lane per frequency: (steps, [n real | n imaginary])."""
+    """One lane for the cosine and one for the sine of each frequency: (steps, [n cos | n sin])."""
     return np.ascontiguousarray(np.hstack([values.real, values.imag]))
 
 
@@ -154,16 +155,16 @@ def expected_mse(
     *,
     rms: float = 1.0,
 ) -> tuple[float, float]:
-    """What a random motion of that spectrum adds to the settled MSE of position and velocity.
+    """The settled MSE of position and velocity that a random motion of a given spectrum causes.
 
     Parameters
     ----------
     errors
-        An error spectrum that reaches over the band.
+        An error spectrum that covers the band.
     density
         S(f) at frequencies in Hz, in any unit.
     band
-        Edges (Hz) of the motion.
+        Lowest and highest frequency of the motion, Hz.
     rms
         Root mean square displacement, m.
 
@@ -171,26 +172,27 @@ def expected_mse(
     -------
     tuple of float
         Position (m^2) and velocity ((m/s)^2), x + y: rms^2 times the mean of the error spectrum
-        weighted by S. The noise floor comes on top.
+        weighted by S. The noise floor has to be added.
 
     Raises
     ------
     InputError
-        If the error spectrum does not reach over the band.
+        If the error spectrum does not cover the band.
     """
     low, high = band
-    known = errors.frequency
-    if low < known[0] * (1.0 - 1e-9) or high > known[-1] * (1.0 + 1e-9):
+    nodes = errors.frequency
+    if low < nodes[0] * (1.0 - 1e-9) or high > nodes[-1] * (1.0 + 1e-9):
         raise InputError(
             f"band: [{low:g}, {high:g}] Hz is wider than the error spectrum, which reaches from "
-            f"{known[0]:g} to {known[-1]:g} Hz"
+            f"{nodes[0]:g} to {nodes[-1]:g} Hz"
         )
     f = np.linspace(low, high, QUADRATURE)
     weight = density(f)
     weight = weight / np.sum(weight)
-    # between its points an error spectrum is nearer to a power law than to a straight line
+    # logarithmic, because between two nodes an error spectrum is closer to a power law than to a
+    # straight line
     position, velocity = (
-        float(rms**2 * np.sum(weight * np.exp(np.interp(np.log(f), np.log(known), np.log(values)))))
+        float(rms**2 * np.sum(weight * np.exp(np.interp(np.log(f), np.log(nodes), np.log(values)))))
         for values in (errors.position, errors.velocity)
     )
     return position, velocity

@@ -1,42 +1,42 @@
-"""One record in time: what was, what the sensors said, and what the schemes made of it."""
+"""One record in time: the true motion, the measurements, and every scheme's estimates."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.streams import stream
 from owtsweep.studies.hub import batch
-from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.records import STUDY, Records, make_records
+from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
+from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.true_bias import simulate_bias
 
 #: Natural period of the paper's time histories, section 5.2, s.
 NATURAL_PERIOD = 3.8
-#: Their amplitude (m) is not given. HME1 is better there, and at 4 s that begins at .3 m (section
-#: 5.3): .5 m is the first amplitude of the study's grid above it.
+#: Their amplitude (m) is not printed. HME1 is the better scheme there; at 4 s it is so from .3 m on
+#: (section 5.3), and .5 m is the next amplitude of the study's grid.
 AMPLITUDE = 0.5
 
 
 @dataclass(frozen=True)
-class Estimated:
-    """One scheme over a record, NED.
+class SchemeHistory:
+    """What one scheme estimates over a record, in NED.
 
     Attributes
     ----------
     position, velocity
         (steps, 2): estimate of step k at step k, m and m/s.
     acceleration, bias
-        (steps, 2): the filter's states, m/s^2, of `lag` steps before; `acceleration` is None for
-        a model without that state. `bias` is R b^b. NaN in the first `lag` steps.
+        (steps, 2): states of the filter, m/s^2. Row k is the estimate of step k - `lag`; the first
+        `lag` rows are NaN. `bias` is R b^b; `acceleration` is None for a model without that state.
     lag
-        How many steps old acceleration and bias are when they become known.
+        How many steps old acceleration and bias are when the filter gives them.
     """
 
     position: Array
@@ -67,7 +67,7 @@ class Histories:
     integrated_position, integrated_velocity
         (steps, 2): the IMU alone, integrated from the true initial state.
     estimated
-        Scheme -> its estimates.
+        Scheme -> what it estimates.
     left_out
         Scheme -> why it could not run.
     """
@@ -85,12 +85,12 @@ class Histories:
     delay: float
     integrated_position: Array
     integrated_velocity: Array
-    estimated: dict[str, Estimated]
+    estimated: dict[str, SchemeHistory]
     left_out: dict[str, str]
 
 
 def natural_period_of(config: HubConfig) -> float:
-    """3.8 s, or the grid's period next to it where the spectrum is printed for whole seconds."""
+    """3.8 s; for the printed spectrum, which has whole seconds only, the grid's nearest period."""
     if config.spectrum.kind == "printed":
         return min(config.grid.natural_period, key=lambda period: abs(period - NATURAL_PERIOD))
     return NATURAL_PERIOD
@@ -115,7 +115,7 @@ def histories(
     replicate
         Number of the record.
     schemes
-        Names to run; all with a kernel by default. (Others take a Python loop of minutes.)
+        Names of those to run; all with a kernel by default. (Without one a scheme takes minutes.)
     """
     period = natural_period_of(config) if natural_period is None else natural_period
     records = make_records(config, period, [replicate])
@@ -127,11 +127,11 @@ def histories(
     force, fixes = batch.Lanes(records).at(amplitude)
     T = sensors.step
     measured = force + np.array(sensors.gravity)
-    integrated_velocity = signal[1][0] + _before(np.cumsum(T * measured, axis=0))
-    moved = T * integrated_velocity + 0.5 * T**2 * measured
-    integrated_position = signal[0][0] + _before(np.cumsum(moved, axis=0))
+    integrated_velocity = signal[1][0] + _shift_by_one(np.cumsum(T * measured, axis=0))
+    increments = T * integrated_velocity + 0.5 * T**2 * measured
+    integrated_position = signal[0][0] + _shift_by_one(np.cumsum(increments, axis=0))
 
-    estimated: dict[str, Estimated] = {}
+    estimated: dict[str, SchemeHistory] = {}
     left_out: dict[str, str] = {}
     for scheme in resolve_all(config.schemes, config):
         wanted = schemes is None or scheme.name in schemes
@@ -150,7 +150,7 @@ def histories(
         position=signal[0],
         velocity=signal[1],
         acceleration=signal[2],
-        bias=_bias(config, records, replicate, period),
+        bias=next(simulate_bias(config.sensors, sensors, records.steps, records.stream(0))),
         measured=measured,
         fix_time=sensors.fix_step * np.arange(len(fixes)),
         fixes=fixes,
@@ -162,32 +162,20 @@ def histories(
     )
 
 
-def _before(sums: Array) -> Array:
-    """Sums of all steps before each: what has been gathered when a step begins."""
+def _shift_by_one(sums: Array) -> Array:
+    """Running sums as they stand when a step begins: those of the steps before it."""
     return np.concatenate([np.zeros((1, sums.shape[1])), sums[:-1]])
 
 
-def _bias(config: HubConfig, records: Records, replicate: int, period: float) -> Array:
-    """R b^b of one record: its noise once more, without all else."""
-
-    def named(name: str) -> np.random.Generator:
-        return stream(config.seed, STUDY, period, replicate, name)
-
-    quiet = replace(records.sensors, force_sigma=0.0, gravity=(0.0, 0.0))
-    alone = sensing.noise(config.sensors, quiet, records.steps, named)
-    return np.asarray(alone.specific_force @ records.sensors.rotation.T)
-
-
-def _estimate(chain: Chain, sensors: Sensors, force: Array, fixes: Array) -> Estimated:
+def _estimate(chain: Chain, sensors: Sensors, force: Array, fixes: Array) -> SchemeHistory:
     position, velocity, _ = batch.trajectories(chain, sensors, force, fixes)
     state = batch.states(chain, force, fixes)
-    lag = chain.filter.input_delay + chain.filter.window
+    lag = lag_of(chain)
     state[:lag] = np.nan  # there is no such moment in the record
-    has_acceleration = bool(np.any(chain.axis.force_row))
-    return Estimated(
+    return SchemeHistory(
         position=position,
         velocity=velocity,
-        acceleration=state[:, 2] if has_acceleration else None,
-        bias=np.array(sensors.gravity) - state[:, 3],
+        acceleration=state[:, 2] if has_acceleration(chain) else None,
+        bias=bias_of(state, sensors),
         lag=lag,
     )

@@ -1,7 +1,8 @@
 """The two process models of Ren et al. (2019), section 3, for one axis and for two.
 
-With R isotropic and the yaw known, both models fall apart into equal axes in NED: `axis` models
-have the states (p, v, a, b) with b = x4, and the two-axis matrices are kron(axis, I_2).
+Because R is isotropic and the yaw is known, both models separate into two equal axes in NED. The
+models of one axis have the states (p, v, a, b) with b = x4; the matrices of two axes are
+kron(axis, I_2).
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ from owtsweep.studies.hub.contract import Sensors
 POSITION = np.array([1.0, 0.0, 0.0, 0.0])
 #: R f = x3 - x4 (6b).
 FORCE = np.array([0.0, 0.0, 1.0, -1.0])
-#: Where (p, v, b) of Sigma_2 stand among the four states.
+#: Places of Sigma_2's states (p, v, b) among the four states.
 SIGMA_2_STATES = np.array([0, 1, 3])
 
 
 def variance(rule: Variance, sigma: float, sensors: Sensors) -> float:
-    """A measurement variance by its rule (`Variance`), in the square of sigma's unit."""
+    """A measurement variance by the given rule, in the square of sigma's unit."""
     factor = {
         "sigma2": 1.0,
         "sigma2_over_step": 1.0 / sensors.step,
@@ -36,8 +37,8 @@ def variance(rule: Variance, sigma: float, sensors: Sensors) -> float:
 def sigma_1(q_a: float, q_b: float) -> Model:
     """Sigma_1, Eq. (6a), one axis: states (p, v, a, b), no input.
 
-    (6a) drives the bias alone; the text lets white noise drive the acceleration, so Q has q_a
-    (m/s^3)^2/Hz besides q_b (m/s^2)^2/s.
+    In (6a) white noise drives only the bias. The text says that it drives the acceleration too, so
+    Q has q_a in (m/s^3)^2/Hz as well as q_b in (m/s^2)^2/s.
     """
     A = np.zeros((4, 4))
     A[0, 1] = A[1, 2] = 1.0
@@ -55,7 +56,7 @@ def sigma_2(q_f: float, q_b: float) -> Model:
 
 
 def four_states(model: Discrete) -> Discrete:
-    """Sigma_2 among four states: the acceleration becomes white, unobserved and without effect."""
+    """Sigma_2 on four states. The acceleration is a white state that affects no other state."""
     A, B, Q = np.zeros((4, 4)), np.zeros((4, 1)), np.zeros((4, 4))
     A[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] = model.A
     B[SIGMA_2_STATES] = model.B
@@ -66,14 +67,14 @@ def four_states(model: Discrete) -> Discrete:
 
 @dataclass(frozen=True)
 class AxisFilter:
-    """One axis of a multirate Kalman filter, in numbers.
+    """The matrices and variances of one axis of a multirate Kalman filter.
 
     Attributes
     ----------
     model
         Discrete model on four states; `model.B` is zero for Sigma_1.
     force_row
-        (4,) measurement row of the specific force in NED; zero for Sigma_2.
+        (4,) row of H for the specific force in NED; zero for Sigma_2.
     position_variance, force_variance
         m^2, (m/s^2)^2.
     initial_covariance
@@ -88,7 +89,7 @@ class AxisFilter:
 
 
 def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
-    """The filter that a tuning means for these sensors."""
+    """Make one axis of the filter from its tuning and the sensors."""
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     force_variance = variance(tuning.r_imu, sensors.force_sigma, sensors)
     if tuning.model == "sigma1":
@@ -108,6 +109,6 @@ def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
 
 
 def input_model(tuning: FilterTuning, sensors: Sensors) -> Discrete:
-    """Sigma_2 on (p, v, b) over one IMU step, as the predictor and the MHE use it."""
+    """Sigma_2 on (p, v, b), discretised over one IMU step, for the predictor and the MHE."""
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     return discretise(sigma_2(0.0, q_b), sensors.step, tuning.discretisation)

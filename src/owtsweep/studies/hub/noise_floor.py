@@ -1,8 +1,8 @@
-"""The settled MSE of a scheme at rest: what sensor noise alone makes, computed without sampling.
+"""Computes the noise floor: the settled MSE that sensor noise alone causes, without sampling.
 
-The covariance of the settled periodic system is summed from its impulse responses: by periodicity
-the mean over a cycle of the variance at each step is the energy of the responses to one unit
-impulse at each step of one cycle, over the length of the cycle.
+A settled chain (a scheme's form for the batch engine) repeats after each cycle. The variance of its
+error, averaged over a cycle, is therefore the energy of its responses to unit impulses, one at each
+step of one cycle, divided by the number of steps in the cycle.
 """
 
 from __future__ import annotations
@@ -19,40 +19,41 @@ from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.settled import cycle_of, filling, settled
 
 SOURCES = ("gnss", "imu", "bias")
-#: Greatest uncertainty of what is left of a response's energy, relative to the whole.
+#: Largest uncertainty of the energy in a response's extrapolated tail, relative to the whole.
 TOLERANCE = 1e-3
-#: Cycles that the responses are followed for, at first and at most.
+#: Cycles over which the responses are computed, at first and at most.
 FIRST_CYCLES = 64
 MOST_CYCLES = 1024
 
 
 @dataclass(frozen=True)
 class NoiseFloor:
-    """Settled MSE from noise alone, x + y, by source and in all.
+    """Settled MSE from noise alone, x + y, by source.
 
     Attributes
     ----------
     position, velocity
-        Source -> m^2 and (m/s)^2: `gnss` (white, per fix), `imu` (white, per sample), `bias` (its
-        Wiener process; a constant bias leaves nothing behind, or the scheme does not settle).
+        Source -> m^2 and (m/s)^2. The sources are `gnss` (white, per fix), `imu` (white, per
+        sample) and `bias` (its Wiener process). A constant bias causes no settled error in a scheme
+        that settles.
     """
 
     position: dict[str, float]
     velocity: dict[str, float]
 
     def of(self, measure: str) -> float:
-        """The sum over all sources, of `position` or `velocity`."""
+        """The sum over all sources; `measure` is `position` or `velocity`."""
         return sum({"position": self.position, "velocity": self.velocity}[measure].values())
 
 
 def noise_floor(chain: Chain, sensors: Sensors) -> NoiseFloor:
-    """The noise floor of a chain, exact but for the last modes' tail, which is extrapolated.
+    """The noise floor of a chain, exact apart from the extrapolated tails of its responses.
 
     Raises
     ------
     InputError
-        If the responses do not die out within `MOST_CYCLES` cycles: an estimator that is not
-        stable, or whose bias is too slow to settle.
+        If the responses do not die out within `MOST_CYCLES` cycles: the estimator is unstable, or
+        its bias settles too slowly.
     """
     steady = settled(chain)
     variance = {
@@ -85,7 +86,7 @@ def noise_floor(chain: Chain, sensors: Sensors) -> NoiseFloor:
 
 
 def _energies(chain: Chain, sensors: Sensors, cycles: int) -> dict[tuple[str, str], Array]:
-    """Energy per cycle of the responses to unit impulses in the first, (cycles,) each."""
+    """Energy in each cycle of the responses to unit impulses in the first cycle, (cycles,) each."""
     cycle, M = cycle_of(chain), sensors.fix_interval
     start = -(-filling(chain) // cycle) * cycle
     fixes_in_cycle = cycle // M
@@ -114,15 +115,15 @@ def _per_cycle(response: Array) -> Array:
 
 
 def _step_responses(impulse: Array) -> Array:
-    """Responses to a force that stays from each step of the first cycle on, as a bias does.
+    """Responses to a force that begins at a step of the first cycle and stays, as a bias does.
 
-    Such a step is an impulse at every later step of the cycle, and of all cycles after it, whose
-    responses are those to the first cycle's impulses, late.
+    Such a force is an impulse at each step from then on. The response to an impulse in a later
+    cycle is that to the same impulse in the first cycle, delayed by whole cycles.
 
     Parameters
     ----------
     impulse
-        (cycles, cycle, cycle): response by cycle and step to an impulse at each step.
+        (cycles, cycle, cycle): response in each cycle and step to an impulse at each step.
     """
     rest_of_cycle = np.cumsum(impulse[:, :, ::-1], axis=2)[:, :, ::-1]
     whole_cycle = np.cumsum(rest_of_cycle[:, :, 0], axis=0)
@@ -131,10 +132,11 @@ def _step_responses(impulse: Array) -> Array:
 
 
 def _total(energy: Array) -> tuple[float, float]:
-    """Sum of energies per cycle with the tail that is not there, and the tail's uncertainty.
+    """Sum of the energies with the extrapolated tail, and the tail's uncertainty.
 
-    In the end one real mode is left, and energies fall by a constant factor. One that takes more
-    than `MOST_CYCLES` to fall by e is none that a record would ever see settle.
+    In the end one real mode is left, and the energy falls by a constant factor per cycle. If it
+    takes more than `MOST_CYCLES` cycles to fall by e, no record would ever see it settle, and the
+    uncertainty is infinite.
     """
     total = float(np.sum(energy))
     last = energy[-3:]

@@ -13,8 +13,9 @@ import numpy as np
 
 from owtsweep import paging
 from owtsweep.arrays import Array
+from owtsweep.motion.source import Motion
 from owtsweep.motion.spectra import spectrum
-from owtsweep.motion.synthesis import Motion, synthesise
+from owtsweep.motion.synthesis import synthesise
 from owtsweep.streams import stream
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig

@@ -1,7 +1,7 @@
 """What GNSS and IMU report of a motion, Eqs. (3)-(5) of Ren et al. (2019).
 
-Signal and noise are made apart: superposition runs them side by side, and the noise of a record
-stays the same whatever moves.
+Signal and noise are made apart. So superposition can run them side by side, and a record's noise is
+the same whatever moves.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.synthesis import Motion
+from owtsweep.motion.source import Motion
+from owtsweep.sensing.noise import WhiteNoise, WienerBias
+from owtsweep.sensing.sampling import Sampling
 from owtsweep.studies.hub.config import SensorConfig
 from owtsweep.studies.hub.contract import Sensors
 
@@ -25,7 +27,7 @@ class Measurements(NamedTuple):
 
 
 def sensors(config: SensorConfig) -> Sensors:
-    """What estimators may know of the configured sensors."""
+    """What an estimator may know about the configured sensors."""
     step = 1.0 / config.imu.rate
     deviations = 1.0 if config.accuracy == "sigma" else 3.0
     return Sensors(
@@ -41,12 +43,12 @@ def sensors(config: SensorConfig) -> Sensors:
 
 
 def fix_count(steps: int, fix_interval: int) -> int:
-    """Fixes arrive at steps 0, M, 2 M, ... of the record."""
-    return -(-steps // fix_interval)
+    """How many fixes arrive in a record: they come at steps 0, M, 2 M, ..."""
+    return Sampling(fix_interval).count(steps)
 
 
 def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
-    """The motion's own part of Eqs. (3) and (4): R' vdot and p(t - tau_d).
+    """The part of Eqs. (3) and (4) that is motion: R' vdot and p(t - tau_d).
 
     Parameters
     ----------
@@ -60,11 +62,10 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
 
 
 class ForceNoise:
-    """All of the specific force that is not motion, drawn piece by piece.
+    """All of the specific force that is not motion: gravity -R' g, bias and white noise.
 
-    Gravity -R' g, the bias' Wiener process, white noise. `stream` gives the generator of a name:
-    imu_x, imu_y, bias_x, bias_y. They yield unit normals that are scaled here, so changing an
-    intensity keeps the noise; and in order, so the pieces are those of one draw, bit for bit.
+    It is drawn piece by piece from the streams bias_x, imu_x, bias_y and imu_y, which `stream`
+    gives by name. They yield unit normals that are scaled here (`owtsweep.sensing.noise`).
     """
 
     def __init__(
@@ -73,36 +74,45 @@ class ForceNoise:
         sensors: Sensors,
         stream: Callable[[str], np.random.Generator],
     ) -> None:
-        self.walk = config.imu.bias_walk * np.sqrt(sensors.step)
-        self.sigma = sensors.force_sigma
+        imu = config.imu
+        self.bias = [
+            WienerBias(stream(f"bias_{axis}"), imu.bias_walk, sensors.step, imu.bias_initial)
+            for axis in "xy"
+        ]
+        self.white = [WhiteNoise(stream(f"imu_{axis}"), sensors.force_sigma) for axis in "xy"]
         self.gravity = sensors.rotation.T @ np.array(sensors.gravity)
-        self.generators = [(stream(f"bias_{axis}"), stream(f"imu_{axis}")) for axis in "xy"]
-        self.initial = config.imu.bias_initial
-        self.bias: list[float] | None = None
+
+    @property
+    def walk(self) -> float:
+        """Standard deviation of the bias' change over a step, m/s^2."""
+        return self.bias[0].deviation
+
+    @property
+    def initial(self) -> float:
+        """The bias at the first step, m/s^2."""
+        return self.bias[0].initial
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of the white noise of a sample, m/s^2."""
+        return self.white[0].sigma
 
     def draw(self, normals: Array) -> None:
-        """The next unit normals of bias_x, imu_x, bias_y, imu_y into (4, steps), for the kernels.
+        """Put the next unit normals of bias_x, imu_x, bias_y, imu_y into (4, steps).
 
-        A record is taken either by this or by `next`.
+        The kernels scale them. A record is taken either by this or by `next`.
         """
-        for row, generator in zip(normals, sum(self.generators, ()), strict=True):
-            generator.standard_normal(out=row)
+        for axis in range(2):
+            self.bias[axis].generator.standard_normal(out=normals[2 * axis])
+            self.white[axis].generator.standard_normal(out=normals[2 * axis + 1])
 
     def next(self, steps: int) -> Array:
         """The next (steps, 2) in the IMU's frame, m/s^2."""
         force = np.empty((steps, 2))
-        last = []
-        for axis, (walk, white) in enumerate(self.generators):
-            bias = walk.standard_normal(steps)
-            bias *= self.walk
-            bias[0] = self.initial if self.bias is None else self.bias[axis] + bias[0]
-            np.cumsum(bias, out=bias)
-            last.append(bias[-1])
-            noise = white.standard_normal(steps)
-            noise *= self.sigma
-            noise += bias
-            np.subtract(noise, self.gravity[axis], out=force[:, axis])
-        self.bias = last
+        for axis in range(2):
+            total = self.white[axis].draw(steps)
+            total += self.bias[axis].draw(steps)
+            np.subtract(total, self.gravity[axis], out=force[:, axis])
         return force
 
 
@@ -112,12 +122,12 @@ def noise(
     steps: int,
     stream: Callable[[str], np.random.Generator],
 ) -> Measurements:
-    """All that is not motion in a whole record: of the specific force, and of the fixes."""
+    """All that is not motion in the measurements of a whole record."""
     force = ForceNoise(config, sensors, stream).next(steps)
     return Measurements(force, fix_noise(sensors, steps, stream))
 
 
 def fix_noise(sensors: Sensors, steps: int, stream: Callable[[str], np.random.Generator]) -> Array:
     """(fixes, 2) white noise of the fixes of a record, m, from the stream gnss."""
-    count = fix_count(steps, sensors.fix_interval)
-    return sensors.position_sigma * stream("gnss").standard_normal((count, 2))
+    white = WhiteNoise(stream("gnss"), sensors.position_sigma)
+    return white.draw(fix_count(steps, sensors.fix_interval), 2)

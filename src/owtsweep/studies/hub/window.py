@@ -1,4 +1,4 @@
-"""One window of the MHE as CasADi's problem, with its constraints, for both forms of HME2."""
+"""Solves one window of the MHE by CasADi, with constraints, for both forms of HME2."""
 
 from __future__ import annotations
 
@@ -34,15 +34,16 @@ def solve(
     Parameters
     ----------
     since_fix
-        Steps since the last node at a fix; above zero there is one more node, at the present.
+        Steps since the last node at a fix. If above zero, the present is one more node.
     fixes, have
-        (fix nodes, 2) in m, and which of them arrived.
+        (fix nodes, 2) fixes in m, and (fix nodes,) whether each arrived.
     effects
-        (links, 6) of the inputs, the last one up to the present if `since_fix` is above zero.
+        (links, 6) effect B u of the inputs between two nodes. If `since_fix` is above zero, the
+        last one ends at the present.
     filled
-        Whether the arrival state is the filter's own past, which holds the oldest fix already.
+        Whether the arrival state comes from the filter's past. It contains the oldest fix then.
     x0, covariance
-        (6,) arrival state and (3, 3) its covariance; None for no arrival term.
+        (6,) arrival state and its (3, 3) covariance; a covariance of None means no arrival term.
 
     Raises
     ------
@@ -67,15 +68,15 @@ def solve(
     deviation = np.sqrt(np.diagonal(weights.link_covariance))
     scale = np.kron([np.sqrt(weights.fix_variance), deviation[1], deviation[2]], [1.0, 1.0])
     return problem.solve(
-        scale,
-        np.where(have[:, None], fixes, 0.0).T,
-        effects.reshape(-1, 6).T,
-        np.kron(weights.transition, _I),
-        np.kron(transition_over(since_fix * sensors.step), _I),
-        np.kron(square_root_information(weights.link_covariance), _I),
-        np.where(have, 1.0 / np.sqrt(weights.fix_variance), 0.0),
-        x0,
-        prior,
+        scale=scale,
+        z=np.where(have[:, None], fixes, 0.0).T,
+        inputs=effects.reshape(-1, 6).T,
+        A=np.kron(weights.transition, _I),
+        A_f=np.kron(transition_over(since_fix * sensors.step), _I),
+        link=np.kron(square_root_information(weights.link_covariance), _I),
+        fix=np.where(have, 1.0 / np.sqrt(weights.fix_variance), 0.0),
+        x0=x0,
+        prior=prior,
         rows=rows,
         lower=lower,
         upper=upper,
@@ -83,9 +84,10 @@ def solve(
 
 
 def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Array]:
-    """Rows (rows, 6) on a node's states with their limits (rows,), for those bounds there are.
+    """Constraint rows (rows, 6) on a node's states and their lower and upper limits (rows,) each.
 
-    The bias is bounded in the IMU's frame: b^b = R' g - R' x4 by Eq. (6).
+    Only finite bounds make rows. The bias is bounded in the IMU's frame: b^b = R' g - R' x4 by
+    Eq. (6).
     """
     rows, shift = np.kron(np.eye(3), _I), np.zeros(6)
     rows[4:, 4:] = -sensors.rotation.T
@@ -97,5 +99,5 @@ def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Arra
 
 @lru_cache(maxsize=256)
 def _problem(intervals: int, **kind: Any) -> CasadiWindow:
-    """A window's problem on two axes; it holds no data, so all estimators share it."""
+    """The problem of a window on two axes. It holds no data, so all estimators can share it."""
     return CasadiWindow(intervals, states=6, outputs=2, **kind)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.sweep.study import Block
@@ -12,23 +11,34 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
+    from owtsweep.figures.drawings import Drawing
+    from owtsweep.results.conditions import Condition
     from owtsweep.studies.readings.config import ReadingsConfig
 
 __all__ = ["ReadingsStudy"]
 
 
 class ReadingsStudy:
-    """`owtsweep.sweep.study.Study` for the search; a block is one search with one sampler seed."""
+    """The study of the search, and its only engine; a block is one search with one sampler seed."""
 
     name = "readings"
     schema_version = 1
     numerics_version = 4
+    samples = True
 
     def config_type(self) -> type[ReadingsConfig]:
         """The hub study's configuration and the section `calibration`."""
         from owtsweep.studies.readings.config import ReadingsConfig
 
         return ReadingsConfig
+
+    def conditions(self, config: ReadingsConfig) -> tuple[Condition, ...]:
+        """A search has no grid."""
+        return ()
+
+    def engine(self, config: ReadingsConfig) -> ReadingsStudy:
+        """There is one engine, and it is the study itself."""
+        return self
 
     def plan(self, config: ReadingsConfig) -> list[Block]:
         """One block per search."""
@@ -52,7 +62,7 @@ class ReadingsStudy:
         """What identifies a trial."""
         return ["target", "search", "trial"]
 
-    def aggregate(self, config: ReadingsConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    def tables(self, config: ReadingsConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """trials (all of them) and best (the best of each search, best first)."""
         from owtsweep.studies.readings.results import best, trials
 
@@ -66,21 +76,18 @@ class ReadingsStudy:
 
         return as_text(tables["best"])
 
-    def overview(self) -> str:
-        """Score over each parameter."""
-        return "score_over_parameters"
-
-    def draw(
+    def drawings(
         self,
         config: ReadingsConfig,
         tables: Mapping[str, pd.DataFrame],
         rows: pd.DataFrame,
-        folder: Path,
-        *,
-        only: str | None = None,
-        metadata: Mapping[str, str] | None = None,
-    ) -> list[Path]:
-        """The trail of the search."""
-        from owtsweep.studies.readings.results import draw
+        metadata: Mapping[str, str],
+    ) -> Mapping[str, Drawing]:
+        """The trail of the search: one figure per target under one name."""
+        from owtsweep.studies.readings.results import drawings
 
-        return draw(tables["trials"], folder, only=only, metadata=metadata)
+        return drawings(tables["trials"], metadata)
+
+    def overview(self, config: ReadingsConfig) -> str:
+        """Score over each parameter."""
+        return "score_over_parameters"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from owtsweep.config import Section, key, require
-from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.public import HubConfig
 
 
 class Calibration(Section):

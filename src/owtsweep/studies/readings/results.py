@@ -1,4 +1,4 @@
-"""What came out of the searches: tables, and the score drawn over each parameter."""
+"""The results of the searches: tables, and the score drawn over each parameter."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from owtsweep.errors import InputError
+from owtsweep.figures.drawings import Drawing
+from owtsweep.results.status import OK
 from owtsweep.studies.readings.searches import COLUMNS
-from owtsweep.sweep.study import OK
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
 
-#: How many trials of each search `best` keeps: the best and its runners-up.
+#: Trials of each search in `best`: the best one and its runners-up.
 KEPT = 5
 
 
@@ -56,31 +56,20 @@ def _short(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def draw(
-    table: pd.DataFrame,
-    folder: Path,
-    *,
-    only: str | None = None,
-    metadata: Mapping[str, str] | None = None,
-) -> list[Path]:
-    """Score over each parameter: one figure with all published targets' and one per other target.
+def drawings(table: pd.DataFrame, metadata: Mapping[str, str]) -> dict[str, Drawing]:
+    """Score over each parameter: one figure for all published targets, one per other target."""
 
-    Raises
-    ------
-    InputError
-        If there is no figure of that name.
-    """
-    from owtsweep.figures import style
+    def draw(folder: Path, name: str) -> list[Path]:
+        from owtsweep.figures import style
 
-    if only not in (None, "score_over_parameters"):
-        raise InputError(f"only: this run has no figure {only!r}; use score_over_parameters")
-    files: list[Path] = []
-    for target, group in table[table.status == OK].groupby("target", sort=True):
-        with style.context():
-            figure = _score_over_parameters(str(target), group)
-            stem = f"score_over_parameters_{target}"
-            files += style.save(figure, folder, stem, metadata)
-    return files
+        files: list[Path] = []
+        for target, group in table[table.status == OK].groupby("target", sort=True):
+            with style.context():
+                figure = _score_over_parameters(str(target), group)
+                files += style.save(figure, folder, f"{name}_{target}", metadata)
+        return files
+
+    return {"score_over_parameters": draw}
 
 
 def _score_over_parameters(target: str, table: pd.DataFrame) -> Figure:

@@ -1,7 +1,7 @@
-"""Searching with Optuna: every trial is a reading, judged on the same records.
+"""Search with Optuna: every trial is a reading of the paper, judged on the same records.
 
-The score of a published target is the one of `studies.hub.fidelity.score`, over the schemes that
-the target judges; its whole trail is kept, the bad trials too.
+The score of a published target is that of the hub's `fidelity.score`, over the schemes that the
+target judges. All trials are kept, the bad ones too.
 """
 
 from __future__ import annotations
@@ -15,8 +15,14 @@ import pandas as pd
 
 from owtsweep.config import as_mapping, conf_directory, group_options, require, with_values
 from owtsweep.errors import InputError, as_text
-from owtsweep.studies.hub.batch import Lanes
-from owtsweep.studies.hub.fidelity import score as scoring
+from owtsweep.studies.hub.public import (
+    Lanes,
+    at_amplitude,
+    compare,
+    make_lanes,
+    scheme_products,
+    score,
+)
 from owtsweep.studies.readings.config import ReadingsConfig
 from owtsweep.sweep.study import FAILED, OK, Block
 
@@ -31,7 +37,7 @@ KINDS = ("published", "settled")
 #: First spread of CMA-ES in units of each parameter's range.
 SPREAD = 0.03
 
-#: What a trial counts as that diverges.
+#: The score of a trial that diverges.
 DIVERGED = 50.0
 
 
@@ -46,17 +52,18 @@ def plan(config: ReadingsConfig) -> list[Block]:
             kind in KINDS,
             f"calibration.targets.{name}.kind: {kind!r} is none of {', '.join(KINDS)}",
         )
-        values = fixed_values(target, config.tuning)
-        truths = _truths(name, target, calibration.truths)
-        for truth, own in truths.items():
-            with_values(config, {**values, **own})  # an unknown key is refused before anything runs
+        values = take_fixed_values(target, config.tuning)
+        truths = _choose_truths(name, target, calibration.truths)
+        for truth, overrides in truths.items():
+            # so that an unknown key is refused before anything runs
+            with_values(config, {**values, **overrides})
             for seed in calibration.sampler_seeds:
                 label = f"{name}, {truth}, sampler seed {seed}"
                 content = {
-                    "config": _shared(config),
+                    "config": _collect_shared(config),
                     "target": {**target, "values": values},
                     "target_name": name,
-                    "truth": dict(own),
+                    "truth": dict(overrides),
                     "truth_name": truth,
                     "sampler_seed": seed,
                     "trials": calibration.trials,
@@ -66,40 +73,39 @@ def plan(config: ReadingsConfig) -> list[Block]:
     return blocks
 
 
-def _truths(
-    name: str, target: Mapping[str, Any], known: Mapping[str, Any]
+def _choose_truths(
+    name: str, target: Mapping[str, Any], truths: Mapping[str, Any]
 ) -> Mapping[str, Mapping[str, Any]]:
-    """The truths under which a target is searched: all, those it names, or its own."""
+    """The truths under which a target is searched: all, those that it names, or its own one."""
     if target["kind"] == "settled":
         return {"own": target.get("truth", {})}
-    wanted = target.get("truths", list(known))
+    wanted = target.get("truths", list(truths))
     for truth in wanted:
         require(
-            truth in known,
-            f"calibration.targets.{name}.truths: there is no {truth!r}; use {', '.join(known)}",
+            truth in truths,
+            f"calibration.targets.{name}.truths: there is no {truth!r}; use {', '.join(truths)}",
         )
-    return {truth: known[truth] for truth in wanted}
+    return {truth: truths[truth] for truth in wanted}
 
 
-def tuning_values(name: str) -> dict[str, Any]:
-    """The dotted keys that a tuning file sets."""
+def read_tuning(name: str) -> dict[str, Any]:
+    """The values of a tuning file by dotted key."""
     from omegaconf import OmegaConf
 
     options = group_options(conf_directory(), "tuning")
     require(name in options, f"tuning: there is no {name!r}; use {' or '.join(options)}")
     path = conf_directory() / "tuning" / f"{name}.yaml"
-    return dict(_flat(OmegaConf.to_container(OmegaConf.load(path))))
+    return dict(_flatten(OmegaConf.to_container(OmegaConf.load(path))))
 
 
-def fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]:
-    """What a target takes from its tuning file: its schemes' values that are not searched.
+def take_fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]:
+    """Values of a target's schemes in its tuning file that are not searched.
 
-    So a search stays the same, and its results stay valid, when what it found is written into the
-    file.
+    The searched ones are left out, so results stay valid when they are written into the file.
     """
     searched = {key for keys in target["parameters"] for key in keys.split("+")}
     sections = {name.lower() for name in target["schemes"]} | {"hme"}
-    values = tuning_values(str(target.get("tuning", default)))
+    values = read_tuning(str(target.get("tuning", default)))
     return {
         key: value
         for key, value in values.items()
@@ -107,15 +113,15 @@ def fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]:
     }
 
 
-def _flat(section: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+def _flatten(section: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
     for key, value in section.items():
         if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{key}.")
+            yield from _flatten(value, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}", value
 
 
-def _shared(config: ReadingsConfig) -> dict[str, Any]:
+def _collect_shared(config: ReadingsConfig) -> dict[str, Any]:
     whole = as_mapping(config)
     for key in (
         "compute",
@@ -157,8 +163,8 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     target = content["target"]
     base = with_values(config, {**target["values"], **content["truth"]})
-    judge = _judge(base, target, content["replicates"])
-    study = optuna.create_study(sampler=_sampler(target, content["sampler_seed"]))
+    judge = _make_judge(base, target, content["replicates"])
+    study = optuna.create_study(sampler=_make_sampler(target, content["sampler_seed"]))
     study.enqueue_trial(dict(target["start"]))
     search = f"{content['target_name']}/{content['truth_name']}/{content['sampler_seed']}"
     rows: list[dict[str, Any]] = []
@@ -190,14 +196,14 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
     return table.reindex(columns=[*COLUMNS, *(c for c in table.columns if c not in COLUMNS)])
 
 
-def _sampler(target: Mapping[str, Any], seed: int) -> Any:
-    """CMA-ES around the start, which beats TPE here; TPE where a parameter is a choice."""
+def _make_sampler(target: Mapping[str, Any], seed: int) -> Any:
+    """CMA-ES around the start, which searches better here; TPE where a parameter is a choice."""
     import optuna
 
     if any(isinstance(bounds, Mapping) for bounds in target["parameters"].values()):
         return optuna.samplers.TPESampler(seed=seed, multivariate=True)
     with warnings.catch_warnings():
-        # x0 and sigma0 go with Optuna 6; the extra `calibrate` stops before it.
+        # Optuna 6 drops x0 and sigma0; the extra `calibrate` asks for an earlier version.
         warnings.simplefilter("ignore", FutureWarning)
         return optuna.samplers.CmaEsSampler(x0=dict(target["start"]), sigma0=SPREAD, seed=seed)
 
@@ -215,46 +221,46 @@ def suggest(trial: Any, key: str, bounds: Any) -> Any:
 Judge = Callable[[Any], dict[str, Any]]
 
 
-def _judge(base: ReadingsConfig, target: Mapping[str, Any], replicates: int) -> Judge:
-    """What gives a configuration its score; the records are made once."""
+def _make_judge(base: ReadingsConfig, target: Mapping[str, Any], replicates: int) -> Judge:
+    """A function that scores configurations, all on the same records."""
     schemes = list(target["schemes"])
     if target["kind"] == "settled":
-        lanes = scoring.make_lanes(base, range(replicates), base.grid.natural_period)
-        return lambda config: _settled(config, schemes, lanes)
-    lanes = scoring.make_lanes(base, range(replicates))
-    return lambda config: _published(config, schemes, lanes)
+        lanes = make_lanes(base, range(replicates), base.grid.natural_period)
+        return lambda config: _score_settled(config, schemes, lanes)
+    lanes = make_lanes(base, range(replicates))
+    return lambda config: _score_published(config, schemes, lanes)
 
 
-def _settled(
+def _score_settled(
     config: ReadingsConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
 ) -> dict[str, Any]:
     settled = with_values(config, {"measures.window": "settled"})
     logs = []
     for scheme in schemes:
-        for products in scoring.scheme_products(settled, scheme, lanes).values():
+        for products in scheme_products(settled, scheme, lanes).values():
             position = products[:2].sum(axis=0)
-            logs += [np.log(scoring.at_amplitude(position, N)) for N in config.grid.amplitude]
+            logs += [np.log(at_amplitude(position, N)) for N in config.grid.amplitude]
     value = float(np.exp(np.mean(logs)))
     return {"score": value if np.isfinite(value) else DIVERGED}
 
 
-def _published(
+def _score_published(
     config: ReadingsConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
 ) -> dict[str, Any]:
-    """The score of the judged schemes; winners and boundaries only where HME1 and HME2 are."""
-    products = {scheme: scoring.scheme_products(config, scheme, lanes) for scheme in schemes}
-    logs = scoring.compare(products).log2.abs()
+    """The score of the judged schemes; with HME1 and HME2 also winners and boundaries."""
+    products = {scheme: scheme_products(config, scheme, lanes) for scheme in schemes}
+    logs = compare(products).log2.abs()
     result: dict[str, Any] = {
         "score": float(logs.mean()),
         "median_log2": float(logs.median()),
         "p80_log2": float(logs.quantile(0.8)),
     }
     if {"HME1", "HME2"} <= set(schemes):
-        whole = scoring.score(products)
-        result["score"] += whole.penalties
-        result["winners"] = " ".join(whole.winners)
+        all_four = score(products)
+        result["score"] += all_four.penalties
+        result["winners"] = " ".join(all_four.winners)
         for period in (4.0, 6.0, 8.0):
-            result[f"boundary_{period:g}s"] = whole.boundaries[period]
+            result[f"boundary_{period:g}s"] = all_four.boundaries[period]
     if not np.isfinite(result["score"]):
         result["score"] = DIVERGED
     return result

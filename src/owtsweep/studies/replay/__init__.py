@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.sweep.study import Block
@@ -12,23 +11,34 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
+    from owtsweep.figures.drawings import Drawing
+    from owtsweep.results.conditions import Condition
     from owtsweep.studies.replay.config import ReplayConfig
 
 __all__ = ["ReplayStudy"]
 
 
 class ReplayStudy:
-    """`owtsweep.sweep.study.Study` for records; a block is one record with one scheme."""
+    """The study of records, and its only engine; a block is one record with one scheme."""
 
     name = "replay"
     schema_version = 1
     numerics_version = 4
+    samples = True
 
     def config_type(self) -> type[ReplayConfig]:
         """The hub study's configuration and how to read a record."""
         from owtsweep.studies.replay.config import ReplayConfig
 
         return ReplayConfig
+
+    def conditions(self, config: ReplayConfig) -> tuple[Condition, ...]:
+        """A record has no grid: it is what it is."""
+        return ()
+
+    def engine(self, config: ReplayConfig) -> ReplayStudy:
+        """There is one engine, and it is the study itself."""
+        return self
 
     def plan(self, config: ReplayConfig) -> list[Block]:
         """The record's own block and one per scheme, for every file."""
@@ -38,8 +48,7 @@ class ReplayStudy:
 
     def backend(self, config: ReplayConfig) -> str:
         """Threads for kernels; processes as soon as one scheme is Python."""
-        from owtsweep.studies.hub.blocks import backend
-        from owtsweep.studies.hub.schemes import resolve_all
+        from owtsweep.studies.hub.public import backend, resolve_all
 
         return backend(config, resolve_all(config.schemes, config))
 
@@ -55,7 +64,7 @@ class ReplayStudy:
         """What identifies a row."""
         return ["file", "scheme", "measure", "window", "replicate"]
 
-    def aggregate(self, config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    def tables(self, config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """replay, errors, records and advice."""
         from owtsweep.studies.replay.results import aggregate
 
@@ -63,25 +72,24 @@ class ReplayStudy:
 
     def terminal(self, config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """The errors and the advice."""
-        from owtsweep.studies.replay.terminal import answer
+        from owtsweep.studies.replay.terminal import render_answer
 
-        return answer(config, tables)
+        return render_answer(config, tables)
 
-    def overview(self) -> str:
-        """The estimates in time, zoomed in; of many records, the map over them."""
-        return "overview"
-
-    def draw(
+    def drawings(
         self,
         config: ReplayConfig,
         tables: Mapping[str, pd.DataFrame],
         rows: pd.DataFrame,
-        folder: Path,
-        *,
-        only: str | None = None,
-        metadata: Mapping[str, str] | None = None,
-    ) -> list[Path]:
-        """Every record's figures, or the map over many records."""
-        from owtsweep.studies.replay.figures import draw_all
+        metadata: Mapping[str, str],
+    ) -> Mapping[str, Drawing]:
+        """A single record's figures, or the map over many records."""
+        from owtsweep.studies.replay.figures import drawings
 
-        return draw_all(config, tables, folder, only=only, metadata=metadata)
+        return drawings(config, tables, metadata)
+
+    def overview(self, config: ReplayConfig) -> str:
+        """The estimates in time, zoomed in; of many records, the map over them."""
+        from owtsweep.studies.replay.figures import overview
+
+        return overview(config)

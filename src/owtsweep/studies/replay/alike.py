@@ -1,4 +1,4 @@
-"""Which of several series are one and the same, told piece by piece."""
+"""Which of several series are the same, found piece by piece."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from owtsweep.arrays import Array
 
 
 class Alike:
-    """Series by name; two are alike as long as all their pieces are."""
+    """Compares series by name; two are alike as long as all their pieces are."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self.names = names
@@ -26,5 +26,5 @@ class Alike:
         }
 
     def repeated(self) -> frozenset[str]:
-        """Names of those that a later one repeats."""
+        """Names of the series that a later one repeats."""
         return frozenset(self.names[i] for i, _ in self._pairs)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from owtsweep.config import Positive, Section, key, require
-from owtsweep.studies.hub.config import Grid, HubConfig
+from owtsweep.studies.hub.public import Grid, HubConfig
 
 
 class ReplayGrid(Grid):

@@ -1,24 +1,24 @@
-"""A long series as few points, told piece by piece: `decimate` of a series that never is whole."""
+"""A long series as few points: `decimate` for a series that comes piece by piece."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from owtsweep.arrays import Array
-
-#: Points of a series over the width of a figure.
-POINTS = 1200
+from owtsweep.figures.lines import POINTS
 
 
 class Envelope:
-    """The least and the greatest value of each of some spans, and the ends, as `decimate` has them.
+    """The least and the greatest value of each span of a series, and both ends.
+
+    The points are those of `decimate`.
 
     Parameters
     ----------
     steps
-        How many values there will be, all finite; those beyond are left out.
+        Length of the series; its values are finite, and further ones are left out.
     points
-        A series of no more than that many values is kept as it is.
+        A series that is no longer than this is kept as it is.
     """
 
     def __init__(self, steps: int, points: int = POINTS) -> None:
@@ -29,13 +29,13 @@ class Envelope:
         self._greatest = np.full(spans, -np.inf)
         self._at = np.zeros((2, spans), dtype=np.int64)
         self._ends = np.zeros(2)
-        self._taken = 0
+        self._added = 0
 
     def add(self, values: Array) -> None:
         """Take the next values, (n,)."""
-        begin = self._taken
+        begin = self._added
         values = values[: max(self.steps - begin, 0)]
-        self._taken = end = begin + len(values)
+        self._added = end = begin + len(values)
         if begin == end:
             return
         first = int(np.searchsorted(self._edges, begin, "right")) - 1
@@ -53,8 +53,8 @@ class Envelope:
         self._ends[1] = values[-1]
 
     def points(self) -> tuple[Array, Array]:
-        """Steps and values, (n,) each, in their order in time."""
+        """Steps and values, (n,) each, in order of time."""
         steps = np.concatenate([[0, self.steps - 1], *self._at]).astype(int)
         values = np.concatenate([self._ends, self._least, self._greatest])
-        steps, kept = np.unique(steps, return_index=True)
-        return steps, values[kept]
+        steps, first = np.unique(steps, return_index=True)
+        return steps, values[first]

@@ -1,7 +1,6 @@
-"""The estimates as files: estimates.parquet, and one CSV per scheme.
+"""Write the estimates to files: estimates.parquet, and one CSV per scheme.
 
-Both are written piece by piece, one scheme at a time: of a day at 100 Hz all schemes would take
-several GB.
+Both are written piece by piece, one scheme at a time: a day at 100 Hz would take several GB.
 """
 
 from __future__ import annotations
@@ -14,15 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.evaluation.trajectory import Trajectory
+from owtsweep.studies.hub.public import make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.estimating import Estimated
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import listen, pieces_of
-from owtsweep.studies.replay.memory import LONG, give_back
+from owtsweep.studies.replay.long_records import LONG, release_memory
+from owtsweep.studies.replay.measuring import cut_into_pieces, listen
 from owtsweep.studies.replay.record import Record
-from owtsweep.studies.replay.session import SchemeFailed, each
+from owtsweep.studies.replay.session import SchemeFailed, run_scheme
 
 STATES = ("x", "y", "vx", "vy")
 COLUMNS = ("time", "scheme", *STATES, *(f"{name}_std" for name in STATES))
@@ -35,19 +33,19 @@ ROW = (160, 60)
 def write(
     config: ReplayConfig, file: str, folder: Path, say: Callable[[str], None] = lambda text: None
 ) -> list[Path]:
-    """Write estimates.parquet and estimates/<scheme>.csv of a record; returns the files.
+    """Write estimates.parquet and estimates/<scheme>.csv of a record; return the files.
 
-    Columns `COLUMNS`, replicate 0: time in s on the file's clock; x, y in m with the origin put
-    back, so that they lie over the positions in the file; velocities in m/s; the standard
+    Columns `COLUMNS`, replicate 0: time in s on the file's clock; x, y in m with the origin added
+    again, so that they compare with the positions in the file; velocities in m/s; the standard
     deviations of all four (NaN for a scheme without covariance).
 
     Parameters
     ----------
     say
-        Is told in words what takes its time, where the record is long.
+        Takes a line for the user that announces slow work on a long record.
     """
     record = load_record(config, file)
-    sensors = sensing.sensors(config.sensors)
+    sensors = make_sensors(config.sensors)
     signals = listen(config, sensors, record, 0)
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     (folder / "estimates").mkdir(parents=True, exist_ok=True)
@@ -59,19 +57,19 @@ def write(
         )
     while True:
         pieces = {
-            name: each(config, scheme, sensors, signals, pieces_of(record.steps, PIECE))
+            name: run_scheme(config, scheme, sensors, signals, cut_into_pieces(record.steps, PIECE))
             for name, scheme in schemes.items()
         }
         try:
-            files = _written(record, pieces, folder)
-            give_back(record)
+            files = _write_all(record, pieces, folder)
+            release_memory(record)
             return files
-        except SchemeFailed as error:  # what it had given is not left among the others'
+        except SchemeFailed as error:  # begin again, so that the files hold no part of it
             del schemes[error.name]
 
 
-def _written(
-    record: Record, schemes: Mapping[str, Iterator[Estimated]], folder: Path
+def _write_all(
+    record: Record, schemes: Mapping[str, Iterator[Trajectory]], folder: Path
 ) -> list[Path]:
     import pyarrow as pa
     import pyarrow.csv as pc
@@ -80,14 +78,17 @@ def _written(
     files = [folder / "estimates.parquet"]
     fields = [(name, pa.string() if name == "scheme" else pa.float64()) for name in COLUMNS]
     schema = pa.schema(fields)
-    own = schema.remove(schema.get_field_index("scheme"))
+    schema_of_csv = schema.remove(schema.get_field_index("scheme"))
     with ExitStack() as stack:
-        target = stack.enter_context(_whole(files[0]))
+        target = stack.enter_context(_replace_when_written(files[0]))
         writer = stack.enter_context(pq.ParquetWriter(target, schema, write_page_checksum=True))
         for name, pieces in schemes.items():
             files.append(folder / "estimates" / f"{name}.csv")
-            with _whole(files[-1]) as temporary, pc.CSVWriter(temporary, own) as text:
-                for columns in _columns(record, pieces, name):
+            with (
+                _replace_when_written(files[-1]) as temporary,
+                pc.CSVWriter(temporary, schema_of_csv) as text,
+            ):
+                for columns in _make_columns(record, pieces, name):
                     table = pa.table(columns, schema=schema)
                     writer.write_table(table)
                     text.write_table(table.drop_columns(["scheme"]))
@@ -95,8 +96,8 @@ def _written(
 
 
 @contextmanager
-def _whole(path: Path) -> Iterator[str]:
-    """A temporary name beside a file that takes its place once it is written."""
+def _replace_when_written(path: Path) -> Iterator[str]:
+    """Name of a temporary file, which replaces `path` when the block ends without an error."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         yield str(temporary)
@@ -105,7 +106,9 @@ def _whole(path: Path) -> Iterator[str]:
         temporary.unlink(missing_ok=True)
 
 
-def _columns(record: Record, pieces: Iterator[Estimated], name: str) -> Iterator[dict[str, Any]]:
+def _make_columns(
+    record: Record, pieces: Iterator[Trajectory], name: str
+) -> Iterator[dict[str, Any]]:
     origin = np.concatenate([record.origin, np.zeros(2)])
     first = 0
     for estimated in pieces:

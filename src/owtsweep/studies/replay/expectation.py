@@ -1,4 +1,4 @@
-"""What a scheme's error is expected to be for a motion of Eq. (1), settled, without any record."""
+"""The settled error that is expected of a scheme for a motion of Eq. (1), without any record."""
 
 from __future__ import annotations
 
@@ -10,11 +10,18 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.contract import Scheme, Sensors
-from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
-from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
+from owtsweep.errors import InputError
+from owtsweep.studies.hub.public import (
+    Chain,
+    ErrorSpectrum,
+    HubConfig,
+    NoiseFloor,
+    Scheme,
+    Sensors,
+    error_spectrum,
+    expected_mse,
+    noise_floor,
+)
 
 #: Frequencies at which an error spectrum is computed over the band.
 NODES = 64
@@ -22,7 +29,7 @@ NODES = 64
 
 @dataclass(frozen=True)
 class Expectation:
-    """A scheme's settled errors per unit of motion, and what its sensors' noise makes."""
+    """A scheme's settled error per unit of motion, and the error that its sensors' noise makes."""
 
     spectrum: ErrorSpectrum
     floor: NoiseFloor
@@ -43,7 +50,7 @@ class Expectation:
         return position + self.floor.of("position"), velocity + self.floor.of("velocity")
 
 
-def expectation(
+def expect_errors(
     config: HubConfig, scheme: Scheme, sensors: Sensors, steps: int, band: tuple[float, float]
 ) -> Expectation:
     """The expectation of a scheme under a configuration, for motions inside a band (Hz).
@@ -55,15 +62,13 @@ def expectation(
     """
     kernel: Any = getattr(scheme, "kernel", None)
     if kernel is None:
-        from owtsweep.errors import InputError
-
         raise InputError(f"schemes: {scheme.name} has no kernel, so nothing can be expected of it")
     chain = kernel(sensors, config, steps)
-    return _known(_Held(chain), sensors, *band)
+    return _compute(_SharedChain(chain), sensors, *band)
 
 
-class _Held:
-    """A chain by identity: chains are shared, so equal ones are the same object."""
+class _SharedChain:
+    """A chain as a key of the cache: equal chains are one and the same object."""
 
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
@@ -72,12 +77,12 @@ class _Held:
         return id(self.chain)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Held) and other.chain is self.chain
+        return isinstance(other, _SharedChain) and other.chain is self.chain
 
 
 @lru_cache(maxsize=8)
-def _known(held: _Held, sensors: Sensors, low: float, high: float) -> Expectation:
+def _compute(shared: _SharedChain, sensors: Sensors, low: float, high: float) -> Expectation:
     frequencies = np.geomspace(low, high, NODES)
     return Expectation(
-        error_spectrum(held.chain, sensors, frequencies), noise_floor(held.chain, sensors)
+        error_spectrum(shared.chain, sensors, frequencies), noise_floor(shared.chain, sensors)
     )

@@ -1,4 +1,4 @@
-"""Position fixes on the IMU's grid: those that were recorded, and those made from a reference."""
+"""Position fixes on the IMU's grid: recorded ones, and those made from a reference."""
 
 from __future__ import annotations
 
@@ -8,19 +8,25 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.sensors import fix_count
+from owtsweep.studies.hub.public import Sensors, fix_count
 
-#: Least fixes that a record must hold to be worth running.
+#: A record with fewer fixes is refused.
 LEAST_FIXES = 3
 
 
 class Aligned(NamedTuple):
     """Recorded fixes at the moments at which they are due.
 
-    offset: s after the record's begin at which the first is due, below one GNSS interval; values
-    (fixes, 2) m, NaN where none came; jitter: s, the largest distance of a fix from its moment;
-    dropped: fixes that came while another stood for the same moment.
+    Attributes
+    ----------
+    offset
+        When the first fix is due, s after the record's begin; less than one GNSS interval.
+    values
+        (fixes, 2) m, NaN where none came.
+    jitter
+        The largest distance of a fix from its moment, s.
+    dropped
+        How many fixes were left out because a nearer one stood for the same moment.
     """
 
     offset: float
@@ -32,7 +38,8 @@ class Aligned(NamedTuple):
 def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Aligned:
     """Move irregular fixes to the grid of the GNSS, each to the nearest moment.
 
-    The grid's phase is the circular mean of the fixes' own, so a constant offset costs nothing.
+    The grid's phase is the circular mean of the fixes' phases, so the grid follows a constant
+    offset of theirs.
 
     Parameters
     ----------
@@ -48,8 +55,8 @@ def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Alig
     InputError
         If there are fewer than `LEAST_FIXES`.
     """
-    there = np.all(np.isfinite(values), axis=1)
-    time, values = time[there], values[there]
+    came = np.all(np.isfinite(values), axis=1)
+    time, values = time[came], values[came]
     if len(time) < LEAST_FIXES:
         raise InputError(
             f"columns.fix_x: the record holds {len(time)} position fixes, and {LEAST_FIXES} are "
@@ -60,7 +67,7 @@ def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Alig
     offset = float(phase * interval)
     if offset < -1e-9:  # the first moment must lie inside the record
         offset += interval
-    # ... and on a sample of the IMU
+    # ... and at a sample of the IMU
     offset = max(round(offset / sensors.step), 0) * sensors.step
     steps = int((duration - offset) / sensors.step + 1e-9) + 1
     count = fix_count(steps, sensors.fix_interval)
@@ -75,14 +82,14 @@ def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Alig
     return Aligned(offset, result, jitter, dropped)
 
 
-def from_reference(position: Array, first: int, steps: int, sensors: Sensors) -> Array:
-    """Fixes without noise: the reference `delay` steps before each moment, (fixes, 2) m.
+def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Array:
+    """Make fixes without noise: the reference `delay` steps before each moment, (fixes, 2) m.
 
     Parameters
     ----------
     position
-        (n, 2) m on the IMU's grid, NaN where there is none; it begins `first` steps before the
-        first moment.
+        (n, 2) the reference in m on the IMU's grid, NaN in its gaps. It begins `first` steps
+        before the first moment.
     first
         At least `sensors.delay`.
     steps

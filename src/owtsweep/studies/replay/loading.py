@@ -1,4 +1,4 @@
-"""From a file to the record that is replayed."""
+"""Load the record of a file."""
 
 from __future__ import annotations
 
@@ -10,39 +10,40 @@ from typing import Any
 from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Limits, Recording, read
-from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.memory import give_back
-from owtsweep.studies.replay.of_motion import of_motion
-from owtsweep.studies.replay.of_sensors import of_sensors
+from owtsweep.studies.replay.long_records import release_memory
+from owtsweep.studies.replay.of_motion import make_record_of_motion
+from owtsweep.studies.replay.of_sensors import make_record_of_sensors
 from owtsweep.studies.replay.record import Record
 
-#: Records that are kept, and bytes that they may hold beside the newest.
-_KEPT, _KEPT_BYTES = 2, 1 << 28
+#: How many records are kept, and the bytes above which the older ones are dropped for a new one.
+_MOST_KEPT, _MOST_BYTES = 2, 1 << 28
 _RECORDS: OrderedDict[Any, Record] = OrderedDict()
 _LOCK = Lock()
 
 
 def load_record(config: ReplayConfig, file: str) -> Record:
-    """Read, check and resample a file; the last few are kept, of long ones the last alone.
+    """Read, check and resample a file. The last two records are kept; of long ones only the last.
 
     Raises
     ------
     InputError
-        For anything that is wrong in it, in one line that names the file.
+        For anything wrong in it, in one line that names the file.
     """
-    from owtsweep.studies.replay.blocks import digest
+    from owtsweep.studies.replay.blocks import hash_file
 
     settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
-    key = (file, digest(file), repr(settings), config.measures.settling_time)
+    key = (file, hash_file(file), repr(settings), config.measures.settling_time)
     with _LOCK:
         if key not in _RECORDS:
             while _RECORDS and (
-                len(_RECORDS) >= _KEPT or sum(r.nbytes for r in _RECORDS.values()) > _KEPT_BYTES
+                len(_RECORDS) >= _MOST_KEPT
+                or sum(r.nbytes for r in _RECORDS.values()) > _MOST_BYTES
             ):
                 _RECORDS.popitem(last=False)
             _RECORDS[key] = _load(config, file)
-            give_back(_RECORDS[key])
+            release_memory(_RECORDS[key])
         return _RECORDS[key]
 
 
@@ -51,16 +52,19 @@ def _load(config: ReplayConfig, file: str) -> Record:
     recording = read(
         file, columns=config.columns.given(), units=config.units.given(), limits=limits
     )
-    sensors = sensing.sensors(config.sensors)
-    if _is_sensors(config, recording):
-        record = of_sensors(config, _with_reference(recording), sensors, limits)
+    sensors = make_sensors(config.sensors)
+    if _holds_sensors(config, recording):
+        # positions beside a specific force are the reference
+        recording = _rename(recording, "position", "reference")
+        record = make_record_of_sensors(config, recording, sensors, limits)
     else:
         require(
             config.replay.gnss == "auto",
             f"{file}: replay.gnss={config.replay.gnss} is for recorded sensors; with a motion "
             "fixes are simulated: leave it at auto, or set columns.specific_force_x",
         )
-        record = of_motion(config, _with_position(recording), sensors, limits)
+        recording = _rename(recording, "reference", "position")
+        record = make_record_of_motion(config, recording, sensors, limits)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(
         length >= settling + sensors.fix_step,
@@ -70,7 +74,7 @@ def _load(config: ReplayConfig, file: str) -> Record:
     return record
 
 
-def _is_sensors(config: ReplayConfig, recording: Recording) -> bool:
+def _holds_sensors(config: ReplayConfig, recording: Recording) -> bool:
     has_force = recording.has("specific_force")
     if config.replay.input == "sensors" and not has_force:
         raise InputError(
@@ -80,17 +84,8 @@ def _is_sensors(config: ReplayConfig, recording: Recording) -> bool:
     return has_force and config.replay.input != "motion"
 
 
-def _with_reference(recording: Recording) -> Recording:
-    """Positions beside a specific force are the reference."""
-    return _renamed(recording, "position", "reference")
-
-
-def _with_position(recording: Recording) -> Recording:
-    """A reference that is to be replayed as motion."""
-    return _renamed(recording, "reference", "position")
-
-
-def _renamed(recording: Recording, old: str, new: str) -> Recording:
+def _rename(recording: Recording, old: str, new: str) -> Recording:
+    """Give the channels of one quantity to another, unless that has channels already."""
     if recording.has(new) or not recording.has(old):
         return recording
     swap = {f"{old}_{axis}": f"{new}_{axis}" for axis in "xy"}

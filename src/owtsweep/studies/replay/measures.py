@@ -1,8 +1,8 @@
-"""From estimates to numbers: errors, coverage, consistency, and what needs no reference.
+"""Measures of estimates: errors, coverage, consistency, and what needs no reference.
 
-Without a reference a fix still tells how good an estimate was: the fix that arrives `delay` later
-reports the position of that moment, and the estimate has not seen it. Their mean squared distance
-is the MSE at those moments plus the variance of a fix, for every scheme alike.
+Without a reference a later fix judges an estimate: the fix that arrives `delay` after it reports
+the position of the estimate's moment, and the estimate has not seen it. Their mean squared distance
+is the MSE at those moments plus the variance of a fix, the same for every scheme.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.replay.estimating import Estimated
+from owtsweep.evaluation.trajectory import Trajectory
+from owtsweep.studies.hub.public import Sensors
 from owtsweep.studies.replay.record import Record
 
 WINDOWS = ("full", "settled")
-#: The settled part in pieces, for the interval of a difference that was observed once.
+#: Parts of the settled record; their spread gives the interval of a difference observed once.
 PARTS = 20
-#: Bound of a normal error that holds 95 %.
+#: 95 % of normal errors lie within this many standard deviations.
 QUANTILE = 1.959963984540054
 #: Lags of the whiteness test.
 LAGS = 10
@@ -33,7 +33,8 @@ Measured = tuple[str, str, float, int]
 class Tally:
     """All measures of one replicate, from its estimates piece by piece.
 
-    Sums are those over whole pieces, so that any way of making the estimates gives the same.
+    The pieces are always those of `cut_into_parts`, so the sums are the same bits however the
+    estimates were made.
 
     Parameters
     ----------
@@ -47,76 +48,82 @@ class Tally:
 
     def __init__(self, record: Record, fixes: Array, sensors: Sensors, settled: int) -> None:
         self.record, self.settled = record, settled
-        self.edges = edges(settled, record.steps)
+        self.edges = cut_into_parts(settled, record.steps)
         self._sums: list[dict[str, tuple[float, int]]] = []
-        self._innovations: list[tuple[NDArray[np.int64], Array, Array]] = []
-        self._taken = 0
-        at = sensors.fix_interval * np.arange(len(fixes)) - sensors.delay
-        # Without a delay that fix has been seen; there is none to compare with.
-        told = (at >= 0) & (at < record.steps) & (sensors.delay > 0)
-        self._told, self._fixes = at[told], fixes[told]
-        self._residual = np.empty(len(self._told))
+        nothing = np.empty((0, 2))
+        self._innovations: list[tuple[NDArray[np.int64], Array, Array]] = [
+            (np.empty(0, dtype=np.int64), nothing, nothing)
+        ]
+        self._steps_added = 0
+        reported = sensors.fix_interval * np.arange(len(fixes)) - sensors.delay
+        # Without a delay the estimate has seen the fix of its own moment.
+        judged = (reported >= 0) & (reported < record.steps) & (sensors.delay > 0)
+        self._reported, self._fixes = reported[judged], fixes[judged]
+        self._residual = np.empty(len(self._reported))
 
-    def add(self, estimated: Estimated) -> None:
+    def add(self, estimated: Trajectory) -> None:
         """Take the next piece: the steps between two of `edges`."""
-        begin = self._taken
-        self._taken = end = begin + len(estimated.state)
+        begin = self._steps_added
+        self._steps_added = end = begin + len(estimated.state)
         if (begin, end) != (self.edges[len(self._sums)], self.edges[len(self._sums) + 1]):
             raise ValueError(f"steps {begin} to {end} are no piece")
-        self._sums.append(_sums(self.record, estimated, begin))
-        own = slice(*np.searchsorted(self._told, [begin, end]))
-        position = estimated.state[self._told[own] - begin, :2]
-        self._residual[own] = np.sum((self._fixes[own] - position) ** 2, axis=1)
-        there = np.flatnonzero(np.all(np.isfinite(estimated.innovation), axis=1))
-        self._innovations.append(
-            (begin + there, estimated.innovation[there], estimated.innovation_variance[there])
-        )
+        self._sums.append(_sum_errors(self.record, estimated, begin))
+        inside = slice(*np.searchsorted(self._reported, [begin, end]))
+        position = estimated.state[self._reported[inside] - begin, :2]
+        self._residual[inside] = np.sum((self._fixes[inside] - position) ** 2, axis=1)
+        innovation, covariance = estimated.innovation, estimated.innovation_covariance
+        if innovation is not None and covariance is not None:
+            at = np.flatnonzero(np.all(np.isfinite(innovation), axis=1))
+            variance = np.einsum("kii->ki", covariance[at])
+            self._innovations.append((begin + at, innovation[at], variance))
 
     def measures(self) -> Iterator[Measured]:
-        """All of them, once the last piece has been added."""
-        if self._taken != self.record.steps:
-            raise ValueError(f"{self._taken} of {self.record.steps} steps have been added")
-        yield from _errors(self._sums)
+        """All measures; the last piece must have been added."""
+        if self._steps_added != self.record.steps:
+            raise ValueError(f"{self._steps_added} of {self.record.steps} steps have been added")
+        yield from _average_errors(self._sums)
         at, innovation, variance = map(np.concatenate, zip(*self._innovations, strict=True))
         for window, begin in {"full": 0, "settled": self.settled}.items():
-            late = self._told >= begin
-            yield from _mean("fix_residual", window, self._residual[late])
-            yield from _innovations(innovation[at >= begin], variance[at >= begin], window)
+            late = self._reported >= begin
+            yield from _average("fix_residual", window, self._residual[late])
+            yield from _judge_innovations(innovation[at >= begin], variance[at >= begin], window)
         for number, (begin, end) in enumerate(itertools.pairwise(self.edges[1:])):
-            inside = (self._told >= begin) & (self._told < end)
-            yield from _mean("fix_residual", f"part_{number:02d}", self._residual[inside])
+            inside = (self._reported >= begin) & (self._reported < end)
+            yield from _average("fix_residual", f"part_{number:02d}", self._residual[inside])
 
 
 def measure(
-    record: Record, fixes: Array, estimated: Estimated, sensors: Sensors, settled: int
+    record: Record, fixes: Array, estimated: Trajectory, sensors: Sensors, settled: int
 ) -> Iterator[Measured]:
-    """All measures of one replicate whose estimates are there as a whole; see `Tally`."""
+    """All measures of one replicate whose estimates are in memory as a whole; see `Tally`."""
     tally = Tally(record, fixes, sensors, settled)
     for begin, end in itertools.pairwise(tally.edges):
         tally.add(estimated.part(slice(begin, end)))
     yield from tally.measures()
 
 
-def held(record: Record, fixes: Array, sensors: Sensors, settled: int) -> Iterator[Measured]:
-    """The position error of holding the last fix: what an estimator has to beat."""
+def measure_last_fix(
+    record: Record, fixes: Array, sensors: Sensors, settled: int
+) -> Iterator[Measured]:
+    """The position error of holding the last fix, which an estimator has to beat."""
     if record.position is None:
         return
     last = np.where(np.isfinite(fixes[:, 0]), np.arange(len(fixes)), -1)
     last = np.maximum.accumulate(last)
-    known = np.where(last[:, None] >= 0, fixes[np.maximum(last, 0)], 0.0)
-    squared = []  # axis by axis and in place: a long record leaves little room
+    held = np.where(last[:, None] >= 0, fixes[np.maximum(last, 0)], 0.0)
+    squared = []  # axis by axis and in place, to save memory with a long record
     for axis in range(2):
-        error = np.repeat(known[:, axis], sensors.fix_interval)[: record.steps]
+        error = np.repeat(held[:, axis], sensors.fix_interval)[: record.steps]
         error -= record.position[:, axis]
         squared.append(np.square(error, out=error))
     both = squared[0] + squared[1]
     for window, begin in {"full": 0, "settled": settled}.items():
-        yield from _mean("x", window, squared[0][begin:])
-        yield from _mean("y", window, squared[1][begin:])
-        yield from _mean("position", window, both[begin:])
+        yield from _average("x", window, squared[0][begin:])
+        yield from _average("y", window, squared[1][begin:])
+        yield from _average("position", window, both[begin:])
 
 
-def _errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured]:
+def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured]:
     """Errors and coverage over both windows and over the pieces of the settled one."""
     for window, chosen in (("full", pieces), ("settled", pieces[1:])):
         for name in pieces[0]:
@@ -130,7 +137,7 @@ def _errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured
                 yield (name, f"part_{number:02d}", total / count, count)
 
 
-def _sums(record: Record, estimated: Estimated, begin: int) -> dict[str, tuple[float, int]]:
+def _sum_errors(record: Record, estimated: Trajectory, begin: int) -> dict[str, tuple[float, int]]:
     """Measure -> sum and number of its values where there is a truth; none without one.
 
     Axis by axis, in arrays that lie close together: this is where a replay spends its time.
@@ -141,62 +148,62 @@ def _sums(record: Record, estimated: Estimated, begin: int) -> dict[str, tuple[f
     position, velocity = record.position[part], record.given("velocity")[part]
     squared: list[tuple[Array, Array]] = []
     nees: list[Array] = []
-    inside = np.zeros((2, 2), dtype=np.int64)  # of position and of velocity: how many, of how many
+    inside = np.zeros((2, 2), dtype=np.int64)  # (position, velocity) x (inside, judged)
     for axis in range(2):
         p = estimated.state[:, axis] - position[:, axis]
         v = estimated.state[:, 2 + axis] - velocity[:, axis]
-        P = estimated.covariance[:, axis]
+        P = estimated.axis_covariance(axis)
         pp, pv, vv = P[:, 0, 0], P[:, 0, 1], P[:, 1, 1]
         squared.append((p**2, v**2))
-        nees.append(_nees(p, v, pp, pv, vv))
+        nees.append(_weigh(p, v, pp, pv, vv))
         for which, variance in enumerate((pp, vv)):
             limit = (QUANTILE * np.sqrt(variance)) ** 2
-            known = np.isfinite(squared[axis][which]) & np.isfinite(limit)
+            judged = np.isfinite(squared[axis][which]) & np.isfinite(limit)
             inside[which] += (
-                np.count_nonzero((squared[axis][which] <= limit) & known),
-                np.count_nonzero(known),
+                np.count_nonzero((squared[axis][which] <= limit) & judged),
+                np.count_nonzero(judged),
             )
     (x, vx), (y, vy) = squared
     series = {"x": x, "y": y, "vx": vx, "vy": vy, "position": x + y, "velocity": vx + vy}
     return {
-        **{name: _total(values) for name, values in series.items()},
+        **{name: _sum_finite(values) for name, values in series.items()},
         "coverage_position": (float(inside[0, 0]), int(inside[0, 1])),
         "coverage_velocity": (float(inside[1, 0]), int(inside[1, 1])),
-        "nees": _total(nees[0] + nees[1]),
+        "nees": _sum_finite(nees[0] + nees[1]),
     }
 
 
-def _total(values: Array) -> tuple[float, int]:
-    """Sum and number of what is finite."""
-    there = np.isfinite(values)
-    count = int(np.count_nonzero(there))
-    return float(np.sum(values if count == len(values) else values[there])), count
+def _sum_finite(values: Array) -> tuple[float, int]:
+    """Sum and number of the finite values."""
+    finite = np.isfinite(values)
+    count = int(np.count_nonzero(finite))
+    return float(np.sum(values if count == len(values) else values[finite])), count
 
 
-def _nees(p: Array, v: Array, pp: Array, pv: Array, vv: Array) -> Array:
-    """(n,) squared error of one axis in the metric of its covariance."""
+def _weigh(p: Array, v: Array, pp: Array, pv: Array, vv: Array) -> Array:
+    """(n,) one axis' part of NEES: (p, v) P^-1 (p, v)' with P = [[pp, pv], [pv, vv]]."""
     weighted = vv * p**2 - 2.0 * pv * p * v + pp * v**2
     return np.asarray(weighted / (pp * vv - pv**2))
 
 
-def _innovations(innovation: Array, variance: Array, window: str) -> Iterator[Measured]:
+def _judge_innovations(innovation: Array, variance: Array, window: str) -> Iterator[Measured]:
     """NIS, size and whiteness of (n, 2) innovations."""
     if len(innovation) == 0:
         return
-    yield from _mean("nis", window, np.sum(innovation**2 / variance, axis=1))
-    yield from _mean("innovation", window, np.sum(innovation**2, axis=1))
+    yield from _average("nis", window, np.sum(innovation**2 / variance, axis=1))
+    yield from _average("innovation", window, np.sum(innovation**2, axis=1))
     if len(innovation) > 2 * LAGS:
         scaled = innovation / np.sqrt(variance)
-        lag_1, p = whiteness(scaled)
+        lag_1, p = check_whiteness(scaled)
         yield ("innovation_lag_1", window, lag_1, len(innovation))
         yield ("innovation_white_p", window, p, len(innovation))
 
 
-def whiteness(innovation: Array) -> tuple[float, float]:
+def check_whiteness(innovation: Array) -> tuple[float, float]:
     """Autocorrelation at lag 1 (mean of the axes) and the p value of Ljung and Box (1978).
 
-    Q = n (n + 2) sum_k r_k^2 / (n - k) over `LAGS` lags, summed over the axes, is chi-squared with
-    that many degrees of freedom if the innovations are white.
+    Q = n (n + 2) sum_k r_k^2 / (n - k) over k = 1, ..., `LAGS`, summed over the axes. If the
+    innovations are white, Q is chi-squared with `LAGS` times the number of axes degrees of freedom.
 
     Parameters
     ----------
@@ -214,13 +221,13 @@ def whiteness(innovation: Array) -> tuple[float, float]:
     return float(np.mean(r[0])), float(gammaincc(0.5 * LAGS * axes, 0.5 * Q))
 
 
-def edges(settled: int, steps: int) -> list[int]:
-    """Where the pieces begin that are summed by themselves: the start, and `PARTS` settled ones."""
+def cut_into_parts(settled: int, steps: int) -> list[int]:
+    """Where the parts begin and the last ends: one before settling, then `PARTS` settled ones."""
     return [0, *(int(edge) for edge in np.linspace(settled, steps, PARTS + 1))]
 
 
-def _mean(name: str, window: str, values: Array) -> Iterator[Measured]:
-    there = np.isfinite(values)
-    count = int(np.count_nonzero(there))
+def _average(name: str, window: str, values: Array) -> Iterator[Measured]:
+    finite = np.isfinite(values)
+    count = int(np.count_nonzero(finite))
     if count:
-        yield (name, window, float(np.mean(values[there])), count)
+        yield (name, window, float(np.mean(values[finite])), count)

@@ -1,23 +1,27 @@
-"""What the sensors report of a record: recorded as it is, or simulated in a replicate."""
+"""The measurements of a record: as recorded, or simulated in a replicate."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.streams import stream
-from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.sensors import ForceNoise, Measurements
+from owtsweep.studies.hub.public import (
+    ForceNoise,
+    Measurements,
+    Sensors,
+    fix_noise,
+    simulate_bias,
+)
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.record import Record
 
 STUDY = "replay"
-#: Steps of specific force that are made at once; of a shorter record all.
+#: Steps of specific force that are made at once.
 PIECE = 1 << 16
 
 
@@ -32,40 +36,39 @@ class Signals:
     fixes
         (fixes, 2) in NED, m; NaN where none came.
     force
-        Length of a piece -> (steps, 2) in the IMU's frame, m/s^2, piece by piece; from the start
-        each time it is called.
+        Takes the length of a piece, gives the pieces, (n, 2) in the IMU's frame, m/s^2. Each call
+        begins at the start of the record.
     """
 
     steps: int
     fixes: Array
     force: Callable[[int], Iterator[Array]]
 
-    def whole(self) -> Measurements:
-        """All at once."""
+    def collect(self) -> Measurements:
+        """All measurements at once."""
         return Measurements(next(self.force(self.steps)), self.fixes)
 
 
-def replicates(config: ReplayConfig, record: Record) -> int:
-    """How many replicates a record has: one where nothing is simulated."""
+def count_replicates(config: ReplayConfig, record: Record) -> int:
+    """The number of replicates of a record: one where nothing is simulated."""
     return 1 if record.gnss == "recorded" else config.replay.replicates
 
 
 def listen(config: ReplayConfig, sensors: Sensors, record: Record, replicate: int) -> Signals:
-    """The measurements of one replicate, made as they are taken.
+    """The measurements of one replicate; the specific force is made piece by piece.
 
-    All records see the same draws of a replicate, whatever file they come from and whatever pieces
-    they are taken in.
+    The noise of a replicate depends neither on the file nor on the length of the pieces.
     """
-    steps, named = record.steps, _streams(config, replicate)
+    steps, streams = record.steps, _streams_of(config, replicate)
     fixes = record.fixes
     if record.gnss != "recorded":
-        fixes = fixes + sensing.fix_noise(sensors, steps, named)
-    if record.specific_force is not None:  # no noise is added to what a real IMU said
-        return Signals(steps, fixes, cut(record.specific_force))
+        fixes = fixes + fix_noise(sensors, steps, streams)
+    if record.specific_force is not None:  # a real IMU has its own noise
+        return Signals(steps, fixes, _cut(record.specific_force))
     acceleration = record.given("acceleration")
 
     def force(size: int) -> Iterator[Array]:
-        noise = ForceNoise(config.sensors, sensors, named)
+        noise = ForceNoise(config.sensors, sensors, streams)
         for begin in range(0, steps, size):
             part = acceleration[begin : begin + size] @ sensors.rotation  # R' a
             part += noise.next(len(part))
@@ -74,36 +77,33 @@ def listen(config: ReplayConfig, sensors: Sensors, record: Record, replicate: in
     return Signals(steps, fixes, force)
 
 
-def pieces_of(steps: int, size: int = PIECE) -> list[int]:
-    """Where the pieces of a record begin, and where the last one ends."""
+def cut_into_pieces(steps: int, size: int = PIECE) -> list[int]:
+    """The steps at which the pieces of a record begin, and the one at which the last ends."""
     return [*range(0, steps, size), steps]
 
 
-def cut(series: Array) -> Callable[[int], Iterator[Array]]:
-    """A series that is there, handed out in pieces."""
-    return lambda size: (series[at : at + size] for at in range(0, len(series), size))
-
-
-def given(measured: Measurements) -> Signals:
-    """Measurements that are there, as signals."""
+def make_signals(measured: Measurements) -> Signals:
+    """Signals of measurements that are in memory."""
     force = measured.specific_force
-    return Signals(len(force), measured.fixes, cut(force))
+    return Signals(len(force), measured.fixes, _cut(force))
 
 
 def measure(config: ReplayConfig, sensors: Sensors, record: Record, replicate: int) -> Measurements:
-    """The measurements of one replicate; fixes are NaN where none came."""
-    return listen(config, sensors, record, replicate).whole()
+    """All measurements of one replicate; fixes are NaN where none came."""
+    return listen(config, sensors, record, replicate).collect()
 
 
-def simulated_bias(
+def simulate_true_bias(
     config: ReplayConfig, sensors: Sensors, steps: int, replicate: int
 ) -> Iterator[Array]:
-    """R b^b of a replicate of a motion, (steps, 2) m/s^2, in pieces: its noise without all else."""
-    quiet = replace(sensors, force_sigma=0.0, gravity=(0.0, 0.0))
-    noise = ForceNoise(config.sensors, quiet, _streams(config, replicate))
-    for begin in range(0, steps, PIECE):
-        yield np.asarray(noise.next(min(PIECE, steps - begin)) @ sensors.rotation.T)
+    """R b^b of a replicate of a motion, (steps, 2) m/s^2, in pieces."""
+    streams = _streams_of(config, replicate)
+    return simulate_bias(config.sensors, sensors, steps, streams, piece=PIECE)
 
 
-def _streams(config: ReplayConfig, replicate: int) -> Callable[[str], np.random.Generator]:
+def _streams_of(config: ReplayConfig, replicate: int) -> Callable[[str], np.random.Generator]:
     return partial(stream, config.seed, STUDY, 0.0, replicate)
+
+
+def _cut(series: Array) -> Callable[[int], Iterator[Array]]:
+    return lambda size: (series[at : at + size] for at in range(0, len(series), size))

@@ -1,4 +1,4 @@
-"""A recorded motion as a record: the sensors are still to be simulated."""
+"""Make a record of a recorded motion, whose sensors will be simulated."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import numpy as np
 from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Gridded, Limits, Recording, to_motion
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.public import Sensors
 from owtsweep.studies.replay import fixes as fixing
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.record import Record
 
 
-def of_motion(
+def make_record_of_motion(
     config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits
 ) -> Record:
     """Position, velocity and acceleration on the IMU's grid, and fixes without noise.
@@ -26,18 +26,18 @@ def of_motion(
         If the record is too slow for the band, or shorter than the fixes' delay.
     """
     rate = config.sensors.imu.rate
-    found = derived(recording, rate, cutoff=config.replay.cutoff, limits=limits)
+    gridded = derive(recording, rate, cutoff=config.replay.cutoff, limits=limits)
     lowest = config.fit_band[0]
-    kept = found.cutoff or 0.0
+    kept = gridded.cutoff or 0.0
     require(
         kept > lowest,
         f"{recording.path}: motion is kept up to {kept:.3g} Hz only, and the band begins at "
         f"{lowest:g} Hz; check units.time and the record's rate, replay.cutoff and replay.band",
     )
-    position = found.pairs["position"]
+    position = gridded.pairs["position"]
     origin = position.mean(axis=0) if config.replay.remove_mean else np.zeros(2)
     position -= origin
-    first = sensors.delay  # what the first fix reports stands before step 0
+    first = sensors.delay  # the first fix reports the position before step 0
     steps = len(position) - first
     require(
         steps > 0,
@@ -48,22 +48,22 @@ def of_motion(
         file=str(recording.path),
         kind="motion",
         gnss="simulated",
-        begin=found.grid.start + first / rate,
+        begin=gridded.grid.start + first / rate,
         step=sensors.step,
         steps=steps,
         origin=origin,
         position=position[first:],
-        velocity=found.pairs["velocity"][first:],
-        acceleration=found.pairs["acceleration"][first:],
+        velocity=gridded.pairs["velocity"][first:],
+        acceleration=gridded.pairs["acceleration"][first:],
         specific_force=None,
-        fixes=fixing.from_reference(position, first, steps, sensors),
+        fixes=fixing.make_fixes(position, first, steps, sensors),
         truth="the recorded motion",
-        notes=(*recording.notes, *found.notes),
+        notes=(*recording.notes, *gridded.notes),
     )
 
 
-def derived(recording: Recording, rate: float, **settings: Any) -> Gridded:
-    """`to_motion`, whose `cutoff` is the key replay.cutoff here."""
+def derive(recording: Recording, rate: float, **settings: Any) -> Gridded:
+    """`to_motion`, whose errors about `cutoff` name the key replay.cutoff here."""
     try:
         return to_motion(recording, rate, **settings)
     except InputError as error:

@@ -1,4 +1,4 @@
-"""Recorded sensors as a record: specific force, fixes, and the reference if there is one."""
+"""Make a record of recorded sensors: specific force, fixes, and the reference if there is one."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Grid, Limits, Recording, grid_of, to_grid
-from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.public import Sensors
 from owtsweep.studies.replay import fixes as fixing
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.of_motion import derived
+from owtsweep.studies.replay.of_motion import derive
 from owtsweep.studies.replay.record import Record
 
-#: Fixes further than this part of the GNSS interval from their moment make no grid.
+#: Fixes must lie within this part of the GNSS interval of the moments at which they are due.
 LARGEST_JITTER = 0.25
 
 
-def of_sensors(
+def make_record_of_sensors(
     config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits
 ) -> Record:
-    """Specific force and fixes from the first moment at which one is due, and the reference.
+    """Specific force, fixes and reference from the first moment at which a fix is due.
 
-    What has been taken over is let go from the recording.
+    To save memory the recording loses every channel once it has been read.
 
     Raises
     ------
@@ -33,7 +33,7 @@ def of_sensors(
     rate = config.sensors.imu.rate
     forces = [role for role in recording.channels if role.startswith("specific_force")]
     whole = grid_of(recording, forces, rate)
-    gnss = _gnss(config, recording)
+    gnss = _choose_gnss(config, recording)
     notes = [*recording.notes]
     slow = min(recording.rate(role) for role in forces)
     if slow < 0.999 * rate:
@@ -43,9 +43,9 @@ def of_sensors(
         )
     offset, values = sensors.delay, None
     if gnss == "recorded":
-        aligned = _aligned(recording, whole, sensors)
+        aligned = _align_fixes(recording, whole, sensors)
         offset, values = round(aligned.offset * rate), aligned.values
-        notes += _said(aligned, sensors)
+        notes += _note_fixes(aligned, sensors)
     recording.let_go("fix")
     grid = Grid(whole.start + offset / rate, rate, whole.steps - offset)
     gridded = to_grid(recording, forces, rate, grid=grid, limits=limits)
@@ -54,16 +54,16 @@ def of_sensors(
     notes += gridded.notes
     position = velocity = None
     if recording.has("reference"):
-        position, velocity, said = _reference(config, recording, whole, limits)
-        notes += said
+        position, velocity, more = _derive_reference(config, recording, whole, limits)
+        notes += more
     origin = np.zeros(2)
     if config.replay.remove_mean:
-        known = values if position is None else position
-        origin = np.nanmean(np.asarray(known), axis=0)
+        positions = values if position is None else position
+        origin = np.nanmean(np.asarray(positions), axis=0)
     if position is not None and velocity is not None:
         position -= origin
         if values is None:
-            values = fixing.from_reference(position, offset, grid.steps, sensors)
+            values = fixing.make_fixes(position, offset, grid.steps, sensors)
         else:
             values = values - origin
         position, velocity = position[offset:], velocity[offset:]
@@ -89,8 +89,8 @@ def of_sensors(
     )
 
 
-def _gnss(config: ReplayConfig, recording: Recording) -> str:
-    """Where the fixes come from."""
+def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
+    """Where the fixes come from: "recorded" or "from_reference"."""
     wanted = config.replay.gnss
     if wanted == "auto":
         wanted = "recorded" if recording.has("fix") else "from_reference"
@@ -107,7 +107,7 @@ def _gnss(config: ReplayConfig, recording: Recording) -> str:
     return wanted
 
 
-def _aligned(recording: Recording, grid: Grid, sensors: Sensors) -> fixing.Aligned:
+def _align_fixes(recording: Recording, grid: Grid, sensors: Sensors) -> fixing.Aligned:
     time = recording.time - grid.start
     axes = [recording.channels.get(f"fix_{axis}") for axis in "xy"]
     values = np.stack([np.zeros(len(time)) if a is None else a for a in axes], axis=1)
@@ -117,16 +117,16 @@ def _aligned(recording: Recording, grid: Grid, sensors: Sensors) -> fixing.Align
     except InputError as error:
         raise InputError(f"{recording.path}: {error}") from None
     if aligned.jitter > LARGEST_JITTER * sensors.fix_step:
-        own = np.diff(time[np.all(np.isfinite(values), axis=1)])
+        median = np.median(np.diff(time[np.all(np.isfinite(values), axis=1)]))
         raise InputError(
             f"{recording.path}: fixes come up to {aligned.jitter:.3g} s away from a grid of "
-            f"{1.0 / sensors.fix_step:g} Hz (their median interval is {np.median(own):.4g} s); "
+            f"{1.0 / sensors.fix_step:g} Hz (their median interval is {median:.4g} s); "
             "set sensors.gnss.rate to their rate"
         )
     return aligned
 
 
-def _said(aligned: fixing.Aligned, sensors: Sensors) -> list[str]:
+def _note_fixes(aligned: fixing.Aligned, sensors: Sensors) -> list[str]:
     notes = []
     if aligned.jitter > 1e-6:
         notes.append(
@@ -147,15 +147,15 @@ def _said(aligned: fixing.Aligned, sensors: Sensors) -> list[str]:
     return notes
 
 
-def _reference(
+def _derive_reference(
     config: ReplayConfig, recording: Recording, grid: Grid, limits: Limits
 ) -> tuple[Array, Array, list[str]]:
-    """Position and velocity of the reference on the grid, NaN where it is not."""
-    found = derived(
+    """Position and velocity of the reference on the grid, NaN where it has none; and notes."""
+    gridded = derive(
         recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
         grid=grid, limits=limits,
     )  # fmt: skip
-    position, velocity = found.pairs["position"], found.pairs["velocity"]
+    position, velocity = gridded.pairs["position"], gridded.pairs["velocity"]
     unknown = ~np.all(np.isfinite(position), axis=1)
     for axis in "xy":
         if f"reference_{axis}" in recording.channels:
@@ -166,4 +166,4 @@ def _reference(
         f"{recording.path}: the reference and the specific force do not overlap",
     )
     position[unknown] = velocity[unknown] = np.nan
-    return position, velocity, list(found.notes)
+    return position, velocity, list(gridded.notes)

@@ -1,4 +1,4 @@
-"""Where a record stands in the expected best-scheme map."""
+"""The place of a record in the expected best-scheme map."""
 
 from __future__ import annotations
 
@@ -8,64 +8,63 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.spectra import Spectrum, spectrum
-from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.public import make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.expectation import expectation
+from owtsweep.studies.replay.expectation import expect_errors
 
 
-def fitted(record: Any) -> Spectrum | None:
-    """Eq. (1) as it was fitted to a record, if it was; `record` is its line of records.csv."""
+def read_fit(record: Any) -> Spectrum | None:
+    """Eq. (1) as fitted to a record, None without a fit; `record` is its line of records.csv."""
     values = [record.get(name, np.nan) for name in "abc"]
     if not np.all(np.isfinite(values)):
         return None
     return Spectrum(*(float(value) for value in values))
 
 
-def rms_in_band(record: Any) -> float:
-    """Of the horizontal displacement, m; what lies outside the band is not judged."""
+def compute_rms_in_band(record: Any) -> float:
+    """Root mean square (m) of the part of the displacement whose frequencies lie in the band."""
     return float(record["rms"]) * float(np.sqrt(record["band_share"]))
 
 
-def expected_at(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
+def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
     """Scheme -> expected settled MSE of position and velocity at the record's own spectrum.
 
     None if the fit has no peak inside the band.
     """
-    shape = fitted(record)
+    shape = read_fit(record)
     band = config.fit_band
     if shape is None or not band[0] <= shape.peak_frequency <= band[1]:
         return None
-    sensors = sensing.sensors(config.sensors)
+    sensors = make_sensors(config.sensors)
     steps = round(float(record["duration"]) / sensors.step)
     return {
-        scheme.name: expectation(config, scheme, sensors, steps, band).mse(
-            shape.density, band, rms_in_band(record)
+        scheme.name: expect_errors(config, scheme, sensors, steps, band).mse(
+            shape.density, band, compute_rms_in_band(record)
         )
         for scheme in resolve_all(config.schemes, config)
     }
 
 
-def expected_map(
+def expect_map(
     config: ReplayConfig, record: Any, periods: Array, amplitudes: Array
 ) -> dict[str, Array]:
     """Scheme -> (periods, amplitudes) expected settled MSE by `measures.criterion`.
 
-    Motions have the spectrum of the configuration and the record's own ratio of the largest to
-    the root mean square displacement, so the record's amplitude is the largest displacement.
+    Motions have the spectrum of the configuration, and the record's ratio of the largest to the
+    root mean square displacement; amplitudes are largest displacements.
     """
-    sensors = sensing.sensors(config.sensors)
+    sensors = make_sensors(config.sensors)
     steps = round(float(record["duration"]) / sensors.step)
     band = config.fit_band
-    ratio = rms_in_band(record) / float(record["peak"])
+    ratio = compute_rms_in_band(record) / float(record["peak"])
     which = 1 if config.measures.criterion == "velocity" else 0
     result: dict[str, Array] = {}
     for scheme in resolve_all(config.schemes, config):
-        known = expectation(config, scheme, sensors, steps, band)
-        floor = known.floor.of(("position", "velocity")[which])
+        expectation = expect_errors(config, scheme, sensors, steps, band)
+        floor = expectation.floor.of(("position", "velocity")[which])
         result[scheme.name] = np.empty((len(periods), len(amplitudes)))
         for i, period in enumerate(periods):
             shape = spectrum("translated", float(period), config.spectrum.bandwidth)
-            unit = known.mse(shape.density, band, 1.0)[which] - floor
+            unit = expectation.mse(shape.density, band, 1.0)[which] - floor
             result[scheme.name][i] = (amplitudes * ratio) ** 2 * unit + floor
     return result

@@ -1,4 +1,4 @@
-"""A recording made ready: on the IMU's grid, from the first moment at which a fix is due."""
+"""A recording on the IMU's grid, from the first moment at which a fix is due."""
 
 from __future__ import annotations
 
@@ -11,32 +11,32 @@ from owtsweep.arrays import Array
 
 @dataclass(frozen=True)
 class Record:
-    """What a replay runs on; all in NED with the origin taken off, SI units.
+    """What a replay runs on: in NED relative to the origin, SI units.
 
     Attributes
     ----------
     file
-        Where it came from.
+        The file that it was read from.
     kind
         "motion" or "sensors".
     gnss
-        "simulated" (motion), "recorded" or "from_reference" (sensors).
+        Where the fixes come from: "simulated" (motion), "recorded" or "from_reference" (sensors).
     begin, step, steps
         Time of step 0 on the file's clock (s), interval (s), number of IMU steps.
     origin
-        (2,) what was taken off the positions, m.
+        (2,) what was subtracted from the positions, m.
     position, velocity
-        (steps, 2) the truth, NaN where it is unknown; None without a reference.
+        (steps, 2) the truth, NaN in gaps of a reference; None without a reference.
     acceleration
         (steps, 2), of a motion.
     specific_force
         (steps, 2) in the IMU's frame, of recorded sensors.
     fixes
-        (fixes, 2): as recorded, or without noise; NaN where there is none.
+        (fixes, 2) as recorded, or made without noise; NaN where there is none.
     truth
-        What the truth is, in words.
+        The source of the truth, in words.
     notes
-        What a user should know.
+        What the user should know about the recording, one sentence each.
     """
 
     file: str
@@ -65,12 +65,12 @@ class Record:
 
     @property
     def nbytes(self) -> int:
-        """Memory that its series take."""
+        """Bytes that its series take."""
         series = (self.position, self.velocity, self.acceleration, self.specific_force, self.fixes)
         return sum(0 if one is None else one.nbytes for one in series)
 
     def given(self, name: str) -> Array:
-        """A series that must be there, by name."""
+        """A series by name, which must not be None."""
         series: Array | None = getattr(self, name)
         if series is None:
             raise TypeError(f"{self.file}: the record has no {name}")

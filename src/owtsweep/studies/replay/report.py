@@ -1,4 +1,4 @@
-"""report.md: what was replayed, what came of it, and what to run."""
+"""Write report.md: the record, the errors, the advice and the figures."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.record import Record
-from owtsweep.studies.replay.terminal import cells, fit_warnings, sentences
+from owtsweep.studies.replay.terminal import list_fit_warnings, make_error_cells, make_sentences
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,14 +40,14 @@ CAPTIONS = {
 def write(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], figures: Sequence[Path], folder: Path
 ) -> Path:
-    """Write report.md into a run folder whose tables and figures are there."""
+    """Write report.md into a run folder that holds its tables and figures; return its path."""
     parts = ["# Replay\n", "## Advice\n"]
-    parts += [f"- {line}" for line in sentences(tables["advice"])] or ["- none: no scheme ran"]
+    parts += [f"- {line}" for line in make_sentences(tables["advice"])] or ["- none: no scheme ran"]
     if len(config.grid.files) == 1:
         record = load_record(config, config.grid.files[0])
-        parts += ["", *_of_one(config, tables, record)]
+        parts += ["", *_describe_one(config, tables, record)]
     else:
-        parts += ["", f"## Records\n\n{_records(tables['records'])}"]
+        parts += ["", f"## Records\n\n{_describe_many(tables['records'])}"]
     parts.append("\n## Figures\n")
     drawn = {path.stem: path for path in figures if path.suffix == ".png"}
     parts += [
@@ -59,20 +60,22 @@ def write(
     return path
 
 
-def _of_one(config: ReplayConfig, tables: Mapping[str, pd.DataFrame], record: Record) -> list[str]:
+def _describe_one(
+    config: ReplayConfig, tables: Mapping[str, pd.DataFrame], record: Record
+) -> list[str]:
     count = int(tables["errors"]["n"].max()) if len(tables["errors"]) else 0
-    headings, rows = cells(config, tables["errors"])
+    headings, rows = make_error_cells(config, tables["errors"])
     return [
         "## The record\n",
         f"- {Path(record.file).name}: {KINDS[record.gnss].format(n=count)}",
         f"- {record.steps} IMU steps at {1.0 / record.step:g} Hz "
         f"({record.steps * record.step:.6g} s), fixes at {config.sensors.gnss.rate:g} Hz, "
         f"{config.sensors.gnss.delay:g} s late; tuning {config.tuning}",
-        *(f"- {line}" for line in _facts(config, tables["records"])),
+        *(f"- {line}" for line in _state_facts(config, tables["records"])),
         *(f"- {note}" for note in record.notes),
         "",
         f"## Errors, {config.measures.window} record\n",
-        _table(headings, rows),
+        markdown.table(headings, rows),
         "",
         "Mean squared errors of x + y; ± is the 95 % interval over the draws. *In ±1.96 σ*: how "
         "much of the position error lies within what the scheme states (95 % if it knows its "
@@ -82,17 +85,17 @@ def _of_one(config: ReplayConfig, tables: Mapping[str, pd.DataFrame], record: Re
     ]
 
 
-def _facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
+def _state_facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
     if records.empty:
         return []
     line: Any = records.iloc[0]
-    found = [
+    facts = [
         f"displacement: rms {line['rms']:.3g} m, largest {line['peak']:.3g} m along "
         f"{line['direction']:.0f} deg from x, which carries "
         f"{100 * line['direction_share']:.0f} % of the variance"
     ]
     if np.isfinite(line.get("natural_period", np.nan)):
-        found.append(
+        facts.append(
             f"Eq. (1): natural period {line['natural_period']:.4g} ± "
             f"{1.96 * line['natural_period_error']:.2g} s, half-bandwidth "
             f"{line['half_bandwidth']:.3g} ± {1.96 * line['half_bandwidth_error']:.2g} Hz, "
@@ -100,28 +103,23 @@ def _facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
             + f"; {100 * line['band_share']:.0f} % of the variance lies in the band "
             f"[{config.fit_band[0]:g}, {config.fit_band[1]:g}] Hz"
         )
-        found += [
+        facts += [
             f"the fit of Eq. (1): {warning}"
-            for warning in fit_warnings(config, config.grid.files[0])
+            for warning in list_fit_warnings(config, config.grid.files[0])
         ]
         low, high = config.fit_band
         if not low <= 1.0 / float(line["natural_period"]) <= high:
-            found.append("its peak lies outside band, so it has no place in the expected map")
+            facts.append("its peak lies outside band, so it has no place in the expected map")
     else:
-        found.append("Eq. (1) could not be fitted, so the record has no place in the expected map")
-    return found
+        facts.append("Eq. (1) could not be fitted, so the record has no place in the expected map")
+    return facts
 
 
-def _records(records: pd.DataFrame) -> str:
+def _describe_many(records: pd.DataFrame) -> str:
     kept = [name for name in records.columns if not name.startswith("spectrum_") or
             name == "spectrum_natural_period"]  # fmt: skip
     rows = [
         [f"{v:.4g}" if isinstance(v, float) else str(v) for v in line]
         for line in records[kept].itertuples(index=False)
     ]
-    return _table([str(name) for name in kept], rows)
-
-
-def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [headings, ["---"] * len(headings), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    return markdown.table([str(name) for name in kept], rows)

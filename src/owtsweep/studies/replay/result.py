@@ -1,4 +1,4 @@
-"""What `owtsweep.replay` returns."""
+"""The object that `owtsweep.replay` returns."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.running import folders
+from owtsweep.studies.replay.running import locate_estimates
 from owtsweep.sweep.runs import Run
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ class Replay:
         return self.run.table("errors")
 
     def advice(self) -> pd.DataFrame:
-        """The best scheme and the next, from the record itself and from the expected map."""
+        """The best scheme and the runner-up, by the record itself and by the expected map."""
         return self.run.table("advice")
 
     def records(self) -> pd.DataFrame:
@@ -39,7 +39,7 @@ class Replay:
         return self.run.table("records")
 
     def estimates(self, record: str | None = None) -> pd.DataFrame:
-        """time, scheme, x, y, vx, vy and their standard deviations (replicate 0).
+        """Columns time, scheme, x, y, vx, vy and their standard deviations (replicate 0).
 
         Parameters
         ----------
@@ -49,16 +49,16 @@ class Replay:
         Raises
         ------
         InputError
-            If it is needed or unknown.
+            If there are several records and none is named, or none has that name.
         """
         import pandas as pd
 
         config = self.run.config
         if not isinstance(config, ReplayConfig):
             raise InputError(f"{self.run.folder}: this is no replay but a run of {config.study}")
-        known = folders(config, self.run.folder)
-        if record is None and len(known) == 1:
-            record = next(iter(known))
-        if record not in known:
-            raise InputError(f"record: {record!r} is none of {', '.join(known)}")
-        return pd.read_parquet(known[record] / "estimates.parquet")
+        folders = locate_estimates(config, self.run.folder)
+        if record is None and len(folders) == 1:
+            record = next(iter(folders))
+        if record not in folders:
+            raise InputError(f"record: {record!r} is none of {', '.join(folders)}")
+        return pd.read_parquet(folders[record] / "estimates.parquet")

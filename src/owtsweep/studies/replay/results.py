@@ -1,4 +1,4 @@
-"""From the rows of a replay to its tables."""
+"""Make the tables of a replay from its rows."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.results.cube import mean_and_error, t_quantile
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice
-from owtsweep.studies.replay.blocks import LAST_FIX, RECORD, labels
+from owtsweep.studies.replay.blocks import LAST_FIX, RECORD, label_files
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.measures import WINDOWS
-from owtsweep.studies.replay.seastates import sea_states
+from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import OK
 
 if TYPE_CHECKING:
@@ -22,29 +22,31 @@ if TYPE_CHECKING:
 
 
 def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """replay, errors, records and advice (see docs/replay.md for their columns)."""
+    """The tables replay, errors, records and advice; docs/replay.md tells their columns."""
     import pandas as pd
 
     done = rows[rows["status"] == OK]
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
-    order = list(labels(config.grid.files))
-    found = errors(done[done["scheme"] != RECORD], order, [*names, LAST_FIX])
-    values = found[["file", "scheme", "measure", "window", "mean"]].rename(
+    labels = list(label_files(config.grid.files))
+    errors = average_errors(done[done["scheme"] != RECORD], labels, [*names, LAST_FIX])
+    values = errors[["file", "scheme", "measure", "window", "mean"]].rename(
         columns={"mean": "value"}
     )
-    records = facts(config, done[done["scheme"] == RECORD], order)
+    records = list_records(config, done[done["scheme"] == RECORD], labels)
     advised = pd.DataFrame(
-        [*_advices(config, done, names, order, records)], columns=list(advice.COLUMNS)
+        [*_advise(config, done, names, labels, records)], columns=list(advice.COLUMNS)
     )
     return {
-        "replay": values.drop(columns="file") if len(order) == 1 else values,
-        "errors": found,
+        "replay": values.drop(columns="file") if len(labels) == 1 else values,
+        "errors": errors,
         "records": records,
         "advice": advised,
     }
 
 
-def errors(rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]) -> pd.DataFrame:
+def average_errors(
+    rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]
+) -> pd.DataFrame:
     """Means over the replicates with 95 % intervals, per file, scheme, measure and window."""
     import pandas as pd
 
@@ -69,19 +71,19 @@ def errors(rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]) -> 
     )  # fmt: skip
 
 
-def facts(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """One line per record: its sea state from the table, and what it is."""
+def list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
+    """One line per record: its sea state from the table, and the facts about it."""
     wide = rows.pivot_table(index="file", columns="measure", values="value", sort=False)
     table = wide.reindex([file for file in files if file in wide.index])
     table.columns.name = None
     table = table.reset_index()
-    states = sea_states(config)
+    states = read_sea_states(config)
     if states is not None:
         table = states.merge(table, on="file", how="right")
     return table
 
 
-def _advices(
+def _advise(
     config: ReplayConfig,
     rows: pd.DataFrame,
     schemes: Sequence[str],
@@ -89,25 +91,27 @@ def _advices(
     records: pd.DataFrame,
 ) -> Any:
     for file in files:
-        own = rows[(rows["file"] == file) & rows["scheme"].isin(schemes)]
-        if not own.empty:
-            found = advice.from_record(
-                own, schemes, config.measures.criterion, config.measures.window
+        values = rows[(rows["file"] == file) & rows["scheme"].isin(schemes)]
+        if not values.empty:
+            advised = advice.from_record(
+                values, schemes, config.measures.criterion, config.measures.window
             )
-            if found is not None:
-                yield {"file": file, **found}
-        known = records[records["file"] == file]
-        if known.empty:
+            if advised is not None:
+                yield {"file": file, **advised}
+        record = records[records["file"] == file]
+        if record.empty:
             continue
         try:
-            found = from_map(config, schemes, known.iloc[0])
+            advised = advise_from_map(config, schemes, record.iloc[0])
         except InputError:  # a scheme that nothing can be expected of; the report says so
             continue
-        if found is not None:
-            yield {"file": file, **found}
+        if advised is not None:
+            yield {"file": file, **advised}
 
 
-def from_map(config: ReplayConfig, schemes: Sequence[str], record: Any) -> dict[str, Any] | None:
+def advise_from_map(
+    config: ReplayConfig, schemes: Sequence[str], record: Any
+) -> dict[str, Any] | None:
     """The advice of the expected map at a record's period and amplitude, settled.
 
     Raises
@@ -115,13 +119,13 @@ def from_map(config: ReplayConfig, schemes: Sequence[str], record: Any) -> dict[
     InputError
         If a scheme has no expectation.
     """
-    from owtsweep.studies.replay.place import expected_at
+    from owtsweep.studies.replay.place import expect_at_record
 
-    found = expected_at(config, record)
-    if found is None:
+    expected = expect_at_record(config, record)
+    if expected is None:
         return None
     criterion = "velocity" if config.measures.criterion == "velocity" else "position"
-    values = np.array([[found[name][criterion == "velocity"]] for name in schemes])
+    values = np.array([[expected[name][criterion == "velocity"]] for name in schemes])
     compared = advice.compare(values, schemes)
     if compared is None:
         return None

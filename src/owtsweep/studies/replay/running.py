@@ -1,4 +1,4 @@
-"""A replay from words on the command line to a run folder with estimates and a report."""
+"""Run a replay: from the words on the command line to a run folder with estimates."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from owtsweep.sweep.run import Outcome
 
 
-def composed(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
-    """The checked configuration of a replay, whatever its files.
+def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
+    """Compose and check the configuration of a replay, without its files.
 
     Raises
     ------
@@ -35,47 +35,47 @@ def composed(overrides: Sequence[str], config_dir: str | None = None) -> ReplayC
 def configure(
     files: Sequence[str], overrides: Sequence[str] = (), config_dir: str | None = None
 ) -> ReplayConfig:
-    """The checked configuration of a replay; nothing has been read yet but a table of files.
+    """Compose and check the configuration of a replay of some files. Of these none is read.
 
     Parameters
     ----------
     files
-        Paths or patterns; without any, those of `replay.table`.
+        Paths or patterns; by default the files that `replay.table` names.
 
     Raises
     ------
     InputError
         If the overrides are wrong, or no file is there.
     """
-    config = composed(overrides, config_dir)
+    config = compose_replay(overrides, config_dir)
     words = [*files, *config.grid.files]
     if not words and config.replay.table is not None:
-        from owtsweep.studies.replay.seastates import files_of
+        from owtsweep.studies.replay.seastates import list_files
 
-        words = files_of(config.replay.table)
-    found = expand(words)
-    require(len(found) > 0, "FILE: name a record, a pattern, or replay.table=FILE.csv")
+        words = list_files(config.replay.table)
+    paths = expand(words)
+    require(len(paths) > 0, "FILE: name a record, a pattern, or replay.table=FILE.csv")
     # Absolute, so that the run can be read from another folder.
-    grid = changed(config.grid, files=found)
+    grid = changed(config.grid, files=paths)
     table = config.replay.table
     if table is not None:
         config = changed(config, replay=changed(config.replay, table=str(Path(table).resolve())))
     experiment = config.experiment
-    if len(found) == 1 and experiment == "replay":
-        stem = re.sub(r"[^\w.+,-]", "_", Path(found[0]).name.split(".")[0])
+    if len(paths) == 1 and experiment == "replay":
+        stem = re.sub(r"[^\w.+,-]", "_", Path(paths[0]).name.split(".")[0])
         experiment = f"replay-{stem}"
     return changed(config, grid=grid, experiment=experiment)
 
 
 def expand(words: Sequence[str]) -> list[str]:
-    """Absolute paths of files, patterns replaced by what matches, in order and once each.
+    """Absolute paths of files and of all files that match patterns, in order and once each.
 
     Raises
     ------
     InputError
-        If a file or a match is not there.
+        If a file does not exist, or nothing matches a pattern.
     """
-    found: dict[str, None] = {}
+    paths: dict[str, None] = {}
     for word in words:
         path = Path(word).expanduser()
         if path.exists():
@@ -87,14 +87,14 @@ def expand(words: Sequence[str]) -> list[str]:
             matches = [Path(name) for name in sorted(glob.glob(str(path), recursive=True))]
             matches = [match for match in matches if match.is_file()]
             require(len(matches) > 0, f"{word}: {wrong}")
-        found.update({str(match.resolve()): None for match in matches})
-    return list(found)
+        paths.update({str(match.resolve()): None for match in matches})
+    return list(paths)
 
 
 def verify(config: ReplayConfig) -> list[str]:
     """Read every record once, so that a bad one is refused before anything is written.
 
-    Returns what readers and resampling have to say, each once; of many records with the file.
+    Returns the notes on the records, each once; with many records they begin with the file's name.
 
     Raises
     ------
@@ -102,14 +102,14 @@ def verify(config: ReplayConfig) -> list[str]:
         One line that names the file.
     """
     from owtsweep.studies.replay.loading import load_record
-    from owtsweep.studies.replay.seastates import sea_states
+    from owtsweep.studies.replay.seastates import read_sea_states
 
-    sea_states(config)
-    found: dict[str, None] = {}
+    read_sea_states(config)
+    notes: dict[str, None] = {}
     for file in config.grid.files:
         name = f"{Path(file).name}: " if len(config.grid.files) > 1 else ""
-        found |= {f"{name}{note}": None for note in load_record(config, file).notes}
-    return list(found)
+        notes |= {f"{name}{note}": None for note in load_record(config, file).notes}
+    return list(notes)
 
 
 def execute(
@@ -120,12 +120,13 @@ def execute(
     argv: Sequence[str] | None = None,
     say: Callable[[str], None] = lambda text: None,
 ) -> Outcome:
-    """Run what is missing, then write the estimates; figures and report are `report.write`'s.
+    """Run what is missing, then write the estimates. `report.write` writes the report.
 
     Parameters
     ----------
     say
-        Is told the notes of the records before anything runs, and what takes its time.
+        Takes lines for the user: the notes on the records before anything runs, and the
+        announcement of slow work.
 
     Raises
     ------
@@ -134,25 +135,21 @@ def execute(
     """
     from owtsweep.studies import get_study
     from owtsweep.studies.replay import estimates
+    from owtsweep.studies.replay.blocks import label_files
     from owtsweep.sweep.run import sweep
 
     for note in verify(config):
         say(f"note: {note}")
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
-    for label, folder in folders(config, outcome.run.folder).items():
-        estimates.write(config, _file(config, label), folder, say)
+    files = label_files(config.grid.files)
+    for label, folder in locate_estimates(config, outcome.run.folder).items():
+        estimates.write(config, files[label], folder, say)
     return outcome
 
 
-def folders(config: ReplayConfig, run: Path) -> dict[str, Path]:
-    """Label -> where a record's estimates go: the run folder, or records/<label> of many."""
-    from owtsweep.studies.replay.blocks import labels
+def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
+    """Label -> folder of a record's estimates: the run's, or records/<label> if there are many."""
+    from owtsweep.studies.replay.blocks import label_files
 
-    names = list(labels(config.grid.files))
-    return {name: run if len(names) == 1 else run / "records" / name for name in names}
-
-
-def _file(config: ReplayConfig, label: str) -> str:
-    from owtsweep.studies.replay.blocks import labels
-
-    return labels(config.grid.files)[label]
+    labels = list(label_files(config.grid.files))
+    return {label: run if len(labels) == 1 else run / "records" / label for label in labels}

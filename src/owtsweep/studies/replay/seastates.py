@@ -1,4 +1,4 @@
-"""The table of sea states: which file is which, and the axes of the map over records."""
+"""The table of sea states: one row per record, and the axes of the map over records."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import require
-from owtsweep.studies.replay.blocks import labels
+from owtsweep.studies.replay.blocks import label_files
 from owtsweep.studies.replay.config import ReplayConfig
 
 if TYPE_CHECKING:
@@ -15,12 +15,14 @@ if TYPE_CHECKING:
 
 
 def read_table(path: str) -> pd.DataFrame:
-    """A CSV with the column `file` (relative to the table's folder) and at least one number.
+    """Read a CSV with the column `file` and at least one column of numbers.
+
+    Its files are relative to the table's folder.
 
     Raises
     ------
     InputError
-        If it cannot be read, or lacks them.
+        If it cannot be read, or lacks one of these columns, or has no row.
     """
     import pandas as pd
 
@@ -32,10 +34,12 @@ def read_table(path: str) -> pd.DataFrame:
         text = " ".join(str(error).split())
         require(False, f"{where}: it cannot be read as CSV ({text})")
         raise
-    require("file" in table.columns, f"{where}: it has no column `file`; it has {_list(table)}")
+    require(
+        "file" in table.columns, f"{where}: it has no column `file`; it has {_list_columns(table)}"
+    )
     require(len(table) > 0, f"{where}: it has no row")
     require(
-        len(axes(table)) > 0,
+        len(find_axes(table)) > 0,
         f"{where}: it has no column of numbers besides `file`; add e.g. Hs and Tp",
     )
     blank = table["file"].isna()
@@ -47,30 +51,30 @@ def read_table(path: str) -> pd.DataFrame:
     return table
 
 
-def axes(table: pd.DataFrame) -> list[str]:
+def find_axes(table: pd.DataFrame) -> list[str]:
     """The columns of numbers, in order; the first two are the axes of the map."""
     numbers = table.select_dtypes("number").columns
     return [str(name) for name in numbers if name != "file"]
 
 
-def files_of(path: str) -> list[str]:
+def list_files(path: str) -> list[str]:
     """The files that a table names."""
     return [str(name) for name in read_table(path)["file"]]
 
 
-def sea_states(config: ReplayConfig) -> pd.DataFrame | None:
-    """The table with labels in place of files; rows of other files are left out.
+def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
+    """The rows of the replayed records, with labels in place of files; None without a table.
 
     Raises
     ------
     InputError
-        If it cannot be read, or none of its rows is of a record.
+        If the table cannot be read, or none of its rows belongs to a record.
     """
     if config.replay.table is None:
         return None
     table = read_table(config.replay.table)
-    names = {_real(file): label for label, file in labels(config.grid.files).items()}
-    table["file"] = [names.get(_real(file)) for file in table["file"]]
+    labels = {_resolve(file): label for label, file in label_files(config.grid.files).items()}
+    table["file"] = [labels.get(_resolve(file)) for file in table["file"]]
     require(
         bool(table["file"].notna().any()),
         f"replay.table: {config.replay.table}: it names none of the records; leave FILE out, or "
@@ -80,10 +84,10 @@ def sea_states(config: ReplayConfig) -> pd.DataFrame | None:
     return kept[["file", *[c for c in table.columns if c != "file"]]]
 
 
-def _real(file: str) -> str:
+def _resolve(file: str) -> str:
     return str(Path(file).resolve())
 
 
-def _list(table: pd.DataFrame) -> str:
+def _list_columns(table: pd.DataFrame) -> str:
     names: Sequence[str] = [str(name) for name in table.columns]
     return ", ".join(names[:8])

@@ -1,7 +1,7 @@
-"""What figures show of a record and its schemes: pieces of replicate 0, not the whole of it.
+"""What figures show of a record and its schemes, replicate 0, without holding the whole of it.
 
-All schemes go through the record side by side, piece by piece; kept are the steps that a figure
-shows, and of the rest how large the errors grow and which schemes are the same line.
+All schemes run through the record side by side, piece by piece. Kept are the steps that a figure
+shows; of the others, how large the errors grow and which schemes give the same line.
 """
 
 from __future__ import annotations
@@ -13,24 +13,23 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import as_text
-from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.contract import Scheme, Sensors
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.evaluation.trajectory import Trajectory, join
+from owtsweep.studies.hub.public import Scheme, Sensors, make_sensors, resolve_all
 from owtsweep.studies.replay.alike import Alike
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.estimating import Estimated, estimates
+from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import Signals, listen, pieces_of
+from owtsweep.studies.replay.measuring import Signals, cut_into_pieces, listen
 from owtsweep.studies.replay.record import Record
-from owtsweep.studies.replay.windows import Largest, windows
+from owtsweep.studies.replay.windows import LargestMotion, choose_windows
 
-#: Quantity -> which columns of the state it is.
+#: Quantity -> its columns of the state.
 COLUMNS = {"position": slice(0, 2), "velocity": slice(2, 4)}
 
 
 @dataclass(frozen=True)
 class Session:
-    """A record, what the sensors said in replicate 0, and what the schemes made of it.
+    """A record, its measurements in replicate 0, and the estimates of the schemes.
 
     Attributes
     ----------
@@ -39,7 +38,7 @@ class Session:
     seen
         Name of a window -> scheme -> its estimates there.
     repeated
-        "position" or "velocity" -> schemes whose line is that of a later one.
+        "position" or "velocity" -> schemes whose line is the same as a later scheme's.
     bounds
         "position" or "velocity" -> scheme -> its largest error of x after a fifth of the record.
     failed
@@ -50,7 +49,7 @@ class Session:
     sensors: Sensors
     signals: Signals
     windows: Mapping[str, slice]
-    seen: Mapping[str, Mapping[str, Estimated]]
+    seen: Mapping[str, Mapping[str, Trajectory]]
     repeated: Mapping[str, frozenset[str]]
     bounds: Mapping[str, Mapping[str, float]]
     failed: Mapping[str, str]
@@ -61,12 +60,12 @@ class Session:
         return list(next(iter(self.seen.values())))
 
 
-def settled_from(record: Record) -> int:
-    """The step from which on errors decide how far an axis reaches."""
+def skip_start(record: Record) -> int:
+    """The step after a fifth of the record: from there on errors decide how far an axis reaches."""
     return record.steps // 5
 
 
-def session(config: ReplayConfig, file: str) -> Session:
+def run_session(config: ReplayConfig, file: str) -> Session:
     """Run all schemes over replicate 0 of a record.
 
     Raises
@@ -75,44 +74,44 @@ def session(config: ReplayConfig, file: str) -> Session:
         If the file cannot be read.
     """
     record = load_record(config, file)
-    sensors = sensing.sensors(config.sensors)
+    sensors = make_sensors(config.sensors)
     signals = listen(config, sensors, record, 0)
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     failed: dict[str, str] = {}
     while True:
         try:
-            return _gathered(config, record, sensors, signals, schemes, failed)
+            return _run_side_by_side(config, record, sensors, signals, schemes, failed)
         except SchemeFailed as error:
             failed[error.name] = str(error)
             del schemes[error.name]
 
 
 class SchemeFailed(Exception):
-    """A scheme, by name, has no estimates of this record."""
+    """The scheme of this name cannot estimate this record."""
 
     def __init__(self, name: str, cause: BaseException) -> None:
         self.name = name
         super().__init__(as_text(cause))
 
 
-def each(
+def run_scheme(
     config: ReplayConfig, scheme: Scheme, sensors: Sensors, signals: Signals, edges: list[int]
-) -> Iterator[Estimated]:
+) -> Iterator[Trajectory]:
     """A scheme's estimates piece by piece.
 
     Raises
     ------
     SchemeFailed
-        Whatever goes wrong in a scheme, perhaps a user's: the others have theirs.
+        Whatever goes wrong in a scheme, perhaps a user's, so that the others can go on.
     """
     try:
-        for (piece,) in estimates(config, scheme, sensors, [signals], edges):
+        for (piece,) in estimate_pieces(config, scheme, sensors, [signals], edges):
             yield piece
     except (Exception, SystemExit) as error:
         raise SchemeFailed(scheme.name, error) from error
 
 
-def _gathered(
+def _run_side_by_side(
     config: ReplayConfig,
     record: Record,
     sensors: Sensors,
@@ -120,28 +119,28 @@ def _gathered(
     schemes: Mapping[str, Scheme],
     failed: Mapping[str, str],
 ) -> Session:
-    edges = pieces_of(record.steps)
-    largest = Largest(record)
+    edges = cut_into_pieces(record.steps)
+    largest = LargestMotion(record)
     if record.position is not None:
         largest.add(record.position)
     elif schemes:
         first = next(iter(schemes.values()))
-        for piece in each(config, first, sensors, signals, edges):
+        for piece in run_scheme(config, first, sensors, signals, edges):
             largest.add(piece.state[:, :2])
-    shown = windows(record, largest)
-    kept: dict[str, dict[str, list[Estimated]]] = {
-        window: {name: [] for name in schemes} for window in shown
+    windows = choose_windows(record, largest)
+    kept: dict[str, dict[str, list[Trajectory]]] = {
+        window: {name: [] for name in schemes} for window in windows
     }
     alike = {quantity: Alike(list(schemes)) for quantity in COLUMNS}
     bounds = {quantity: dict.fromkeys(schemes, 0.0) for quantity in COLUMNS}
-    runs = [each(config, scheme, sensors, signals, edges) for scheme in schemes.values()]
-    begin, late = 0, settled_from(record)
+    runs = [run_scheme(config, scheme, sensors, signals, edges) for scheme in schemes.values()]
+    begin, late = 0, skip_start(record)
     for pieces in zip(*runs, strict=True):
         end = begin + len(pieces[0].state)
-        for window, steps in shown.items():
-            own = slice(max(steps.start - begin, 0), max(steps.stop - begin, 0))
+        for window, steps in windows.items():
+            inside = slice(max(steps.start - begin, 0), max(steps.stop - begin, 0))
             for name, piece in zip(schemes, pieces, strict=True):
-                kept[window][name].append(piece.part(own).copy())
+                kept[window][name].append(piece.part(inside).copy())
         for quantity, columns in COLUMNS.items():
             alike[quantity].add([piece.state[:, columns] for piece in pieces])
             truth = getattr(record, quantity)
@@ -150,16 +149,16 @@ def _gathered(
             after = slice(max(late - begin, 0), None)
             for name, piece in zip(schemes, pieces, strict=True):
                 error = piece.state[after, columns.start] - truth[begin:end][after, 0]
-                bounds[quantity][name] = largest_of(bounds[quantity][name], np.abs(error))
+                bounds[quantity][name] = raise_bound(bounds[quantity][name], np.abs(error))
         begin = end
-    return Session(
-        record, sensors, signals, shown,
-        {window: {n: Estimated.joined(p) for n, p in own.items()} for window, own in kept.items()},
-        {quantity: found.repeated() for quantity, found in alike.items()},
-        bounds, dict(failed),
-    )  # fmt: skip
+    seen = {
+        window: {name: join(pieces) for name, pieces in of_window.items()}
+        for window, of_window in kept.items()
+    }
+    repeated = {quantity: pairs.repeated() for quantity, pairs in alike.items()}
+    return Session(record, sensors, signals, windows, seen, repeated, bounds, dict(failed))
 
 
-def largest_of(before: float, values: Array) -> float:
-    """The largest of a number and of what is finite among some."""
-    return float(np.max(values, initial=before, where=np.isfinite(values)))
+def raise_bound(bound: float, values: Array) -> float:
+    """The largest of a bound and of some values; those that are not finite do not count."""
+    return float(np.max(values, initial=bound, where=np.isfinite(values)))

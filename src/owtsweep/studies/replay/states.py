@@ -1,4 +1,4 @@
-"""What the filters believe besides position and velocity: acceleration and bias."""
+"""The other states of the filters, for figures: acceleration and bias."""
 
 from __future__ import annotations
 
@@ -9,20 +9,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub import batch
-from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.figures.lines import POINTS
+from owtsweep.studies.hub.public import (
+    Chain,
+    bias_of,
+    has_acceleration,
+    lag_of,
+    resolve_all,
+    state_chunks,
+)
 from owtsweep.studies.replay.alike import Alike
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.envelope import POINTS, Envelope
-from owtsweep.studies.replay.estimating import rows_of
-from owtsweep.studies.replay.measuring import pieces_of, simulated_bias
-from owtsweep.studies.replay.session import Session, largest_of, settled_from
+from owtsweep.studies.replay.envelope import Envelope
+from owtsweep.studies.replay.estimating import make_lanes
+from owtsweep.studies.replay.measuring import cut_into_pieces, simulate_true_bias
+from owtsweep.studies.replay.session import Session, raise_bound, skip_start
 
 
 @dataclass
 class FilterState:
-    """One filter's states, NED, each at the moment that it is about; SI units.
+    """The states of one filter in NED, each at the moment that it is an estimate of; SI units.
 
     Attributes
     ----------
@@ -33,9 +39,9 @@ class FilterState:
     bias
         Envelopes of x and y of R b^b over the whole record.
     bias_error
-        That of the error of x, if the bias is simulated.
+        Envelope of the error of x, if the bias is simulated.
     bias_range
-        (2, 2) least and greatest of x and of y after a fifth of the record.
+        (2, 2) least and greatest bias of x and of y after a fifth of the record.
     """
 
     acceleration: Array | None
@@ -53,11 +59,11 @@ class FilterStates:
     Attributes
     ----------
     of
-        Scheme -> its filter's.
+        Scheme -> the states of its filter.
     repeated
-        "acceleration" or "bias" -> schemes whose line is that of a later one.
+        "acceleration" or "bias" -> schemes whose line is the same as a later scheme's.
     true_bias
-        Envelopes of x and y of the simulated bias, which only a motion has.
+        Envelopes of x and y of the simulated bias; None for recorded sensors.
     true_range
         (2, 2) its least and greatest.
     """
@@ -68,39 +74,39 @@ class FilterStates:
     true_range: Array
 
 
-#: Of figures that need none.
-NONE = FilterStates({}, {}, None, np.empty((0, 2)))
+#: For figures that need no states.
+NO_STATES = FilterStates({}, {}, None, np.empty((0, 2)))
 
 
-def filter_states(config: ReplayConfig, session: Session) -> FilterStates:
-    """The filters' states; none where fixes are missing (kernels need every one)."""
+def collect_filter_states(config: ReplayConfig, session: Session) -> FilterStates:
+    """The states of all filters; none where fixes are missing, because kernels need every fix."""
     record = session.record
     simulated = record.kind == "motion"
     true_bias = (Envelope(record.steps), Envelope(record.steps)) if simulated else None
-    true_range = _nothing()
-    chains = _chains(config, session)
-    found = {name: _new(chain, record.steps) for name, chain in chains.items()}
-    moving = [name for name, own in found.items() if own.acceleration is not None]
-    alike = {"acceleration": Alike(moving), "bias": Alike(list(found))}
-    edges = pieces_of(record.steps)
-    runs = [_moved(chain, session, edges) for chain in chains.values()]
-    biases = simulated_bias(config, session.sensors, record.steps, 0) if simulated else None
+    true_range = _empty_range()
+    chains = _make_chains(config, session)
+    states = {name: _new_state(chain, record.steps) for name, chain in chains.items()}
+    accelerating = [name for name, state in states.items() if state.acceleration is not None]
+    alike = {"acceleration": Alike(accelerating), "bias": Alike(list(states))}
+    edges = cut_into_pieces(record.steps)
+    runs = [_run_shifted(chain, session, edges) for chain in chains.values()]
+    biases = simulate_true_bias(config, session.sensors, record.steps, 0) if simulated else None
     for begin in edges[:-1] if chains else ():
-        pieces = dict(zip(found, (next(run) for run in runs), strict=True))
+        pieces = dict(zip(states, (next(run) for run in runs), strict=True))
         truth = None if biases is None else next(biases)
         for name, piece in pieces.items():
-            _take(found[name], piece, truth, begin, session)
-        alike["acceleration"].add([pieces[name][:, 2] for name in moving])
+            _add_piece(states[name], piece, truth, begin, session)
+        alike["acceleration"].add([pieces[name][:, 2] for name in accelerating])
         alike["bias"].add([piece[:, 3] for piece in pieces.values()])
         if truth is not None and true_bias is not None:
             _widen(true_range, truth)
             for axis, envelope in enumerate(true_bias):
                 envelope.add(truth[:, axis])
     repeated = {quantity: pairs.repeated() for quantity, pairs in alike.items()}
-    return FilterStates(found, repeated, true_bias, true_range)
+    return FilterStates(states, repeated, true_bias, true_range)
 
 
-def _chains(config: ReplayConfig, session: Session) -> dict[str, Chain]:
+def _make_chains(config: ReplayConfig, session: Session) -> dict[str, Chain]:
     if not np.all(np.isfinite(session.signals.fixes)):
         return {}
     return {
@@ -110,24 +116,21 @@ def _chains(config: ReplayConfig, session: Session) -> dict[str, Chain]:
     }
 
 
-def _new(chain: Chain, steps: int) -> FilterState:
-    known = steps - _lag(chain)
-    points = POINTS if known == steps else max(int(POINTS * known / steps), 8)
-    x, y, error = (Envelope(known, points) for _ in range(3))
-    has_acceleration = bool(np.any(chain.axis.force_row))
-    return FilterState(np.empty((0, 2)) if has_acceleration else None, (x, y), error, _nothing())
+def _new_state(chain: Chain, steps: int) -> FilterState:
+    estimated = steps - lag_of(chain)
+    points = POINTS if estimated == steps else max(int(POINTS * estimated / steps), 8)
+    x, y, error = (Envelope(estimated, points) for _ in range(3))
+    acceleration = np.empty((0, 2)) if has_acceleration(chain) else None
+    return FilterState(acceleration, (x, y), error, _empty_range())
 
 
-def _lag(chain: Chain) -> int:
-    """Steps by which the filter's time is late."""
-    return chain.filter.input_delay + chain.filter.window
+def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[Array]:
+    """(n, 4, 2) p, v, a and R b^b of the steps between two edges each.
 
-
-def _moved(chain: Chain, session: Session, edges: list[int]) -> Iterator[Array]:
-    """(n, 4, 2) p, v, a and R b^b between two edges each, NaN at the end, where none is."""
-    lag, steps = _lag(chain), session.record.steps
-    chunks = batch.state_chunks(chain, *rows_of([session.signals], session.sensors))
-    gravity = np.array(session.sensors.gravity)
+    Estimates come `lag_of(chain)` steps late, so the last steps of the record have none: NaN.
+    """
+    lag, steps = lag_of(chain), session.record.steps
+    chunks = state_chunks(chain, *make_lanes([session.signals], session.sensors))
     first, count, chunk = next(chunks)
     for begin, end in itertools.pairwise(edges):
         result = np.full((end - begin, 4, 2), np.nan)
@@ -138,39 +141,39 @@ def _moved(chain: Chain, session: Session, edges: list[int]) -> Iterator[Array]:
             stop = min(first + count, end + lag)
             result[at - lag - begin : stop - lag - begin] = chunk[at - first : stop - first]
             at = stop
-        result[:, 3] = gravity - result[:, 3]
+        result[:, 3] = bias_of(result, session.sensors)
         yield result
 
 
-def _take(
+def _add_piece(
     state: FilterState, piece: Array, truth: Array | None, begin: int, session: Session
 ) -> None:
-    """Keep of a piece what figures show."""
-    end, late = begin + len(piece), slice(max(settled_from(session.record) - begin, 0), None)
+    """Keep what figures show of a piece."""
+    end, late = begin + len(piece), slice(max(skip_start(session.record) - begin, 0), None)
     acceleration, bias = piece[:, 2], piece[:, 3]
     if state.acceleration is not None:
         window = session.windows["acceleration"]
-        own = slice(max(window.start - begin, 0), max(window.stop - begin, 0))
-        state.acceleration = np.concatenate([state.acceleration, acceleration[own]])
+        inside = slice(max(window.start - begin, 0), max(window.stop - begin, 0))
+        state.acceleration = np.concatenate([state.acceleration, acceleration[inside]])
         if session.record.acceleration is not None:
             error = acceleration[:, 0] - session.record.acceleration[begin:end, 0]
-            state.acceleration_bound = largest_of(state.acceleration_bound, np.abs(error[late]))
+            state.acceleration_bound = raise_bound(state.acceleration_bound, np.abs(error[late]))
     for axis, envelope in enumerate(state.bias):
         envelope.add(bias[:, axis])
     _widen(state.bias_range, bias[late])
     if truth is not None:
         error = bias[:, 0] - truth[:, 0]
         state.bias_error.add(error)
-        state.bias_bound = largest_of(state.bias_bound, np.abs(error[late]))
+        state.bias_bound = raise_bound(state.bias_bound, np.abs(error[late]))
 
 
-def _nothing() -> Array:
-    """(2, 2) least and greatest of x and of y before anything was seen."""
+def _empty_range() -> Array:
+    """(2, 2) least and greatest of x and of y while there are no values."""
     return np.array([[np.inf, -np.inf], [np.inf, -np.inf]])
 
 
-def _widen(known: Array, values: Array) -> None:
-    """Let ranges take in (n, 2) further values, where these are finite."""
-    there = np.isfinite(values)
-    known[:, 0] = np.minimum(known[:, 0], np.min(values, axis=0, initial=np.inf, where=there))
-    known[:, 1] = np.maximum(known[:, 1], np.max(values, axis=0, initial=-np.inf, where=there))
+def _widen(limits: Array, values: Array) -> None:
+    """Widen the ranges of x and of y to (n, 2) further values; only finite ones count."""
+    finite = np.isfinite(values)
+    limits[:, 0] = np.minimum(limits[:, 0], np.min(values, axis=0, initial=np.inf, where=finite))
+    limits[:, 1] = np.maximum(limits[:, 1], np.max(values, axis=0, initial=-np.inf, where=finite))

@@ -1,4 +1,4 @@
-"""What `replay` shows at its end: the errors of every scheme, and the advice."""
+"""The end of the command `replay`: the errors of every scheme, and the advice."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
-#: Measure -> heading, in the order of the columns; those without a value are left out.
+#: Measure -> heading, in the order of the columns; measures without a value have no column.
 SHOWN = {
     "position": "position MSE (m²)",
     "velocity": "velocity MSE (m²/s²)",
@@ -25,35 +25,38 @@ SHOWN = {
 }
 
 
-#: Of more records than this the terminal counts the advice instead of telling each.
+#: With more records than this the terminal counts the advice and does not print each.
 MOST_RECORDS = 8
 
 
-def answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-    """A table of errors for one record, and the advice for each."""
+def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
+    """The table of errors if there is one record, and the advice."""
     from rich.console import Group
     from rich.text import Text
 
     parts: list[Any] = []
     if len(config.grid.files) == 1:
-        parts.append(_errors(config, tables["errors"]))
+        parts.append(_make_table(config, tables["errors"]))
     if len(config.grid.files) <= MOST_RECORDS:
-        parts += [Text(line) for line in sentences(tables["advice"])]
+        parts += [Text(line) for line in make_sentences(tables["advice"])]
     else:
-        parts.append(Text(_counted(tables["advice"])))
+        parts.append(Text(_count_advice(tables["advice"])))
     return Group(*parts)
 
 
-def _counted(advised: pd.DataFrame) -> str:
+def _count_advice(advised: pd.DataFrame) -> str:
     """How often each scheme is best by the records' own errors."""
-    own = advised[advised["source"] != "map"]
-    best = ", ".join(f"{name} in {count}" for name, count in own["best"].value_counts().items())
-    alike = int((~own["matters"].astype(bool)).sum())
-    return f"{len(own)} records; best: {best}; in {alike} no difference that matters (report.md)"
+    by_record = advised[advised["source"] != "map"]
+    counts = by_record["best"].value_counts()
+    best = ", ".join(f"{name} in {count}" for name, count in counts.items())
+    alike = int((~by_record["matters"].astype(bool)).sum())
+    return (
+        f"{len(by_record)} records; best: {best}; in {alike} no difference that matters (report.md)"
+    )
 
 
-def sentences(advised: pd.DataFrame) -> list[str]:
-    """The advice, one line each; with many records each names its own."""
+def make_sentences(advised: pd.DataFrame) -> list[str]:
+    """One line per advice; with many records each line begins with its record."""
     empty = advised[["same_as", "runner_up"]].isna()
     clean = advised.astype({"same_as": object, "runner_up": object}).mask(
         empty.reindex(columns=advised.columns, fill_value=False), ""
@@ -65,36 +68,38 @@ def sentences(advised: pd.DataFrame) -> list[str]:
     ]
 
 
-def spectrum_notes(config: ReplayConfig) -> list[str]:
-    """What is doubtful about the fit of a single record's spectrum."""
+def list_spectrum_notes(config: ReplayConfig) -> list[str]:
+    """Doubts about the fitted spectrum of a single record; nothing for many."""
     if len(config.grid.files) > 1:
         return []
-    return [f"spectrum: {warning}" for warning in fit_warnings(config, config.grid.files[0])]
+    return [f"spectrum: {warning}" for warning in list_fit_warnings(config, config.grid.files[0])]
 
 
-def fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
-    """What is doubtful about the spectrum fitted to a record, or why there is none."""
-    from owtsweep.studies.replay.facts import described
+def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
+    """Doubts about the spectrum fitted to a record, or the reason why none could be fitted."""
+    from owtsweep.studies.replay.facts import describe_spectrum
 
-    shape = described(config, file).fit
-    return (shape,) if isinstance(shape, str) else shape.warnings
+    fit = describe_spectrum(config, file).fit
+    return (fit,) if isinstance(fit, str) else fit.warnings
 
 
-def cells(config: ReplayConfig, errors: pd.DataFrame) -> tuple[list[str], list[list[str]]]:
+def make_error_cells(
+    config: ReplayConfig, errors: pd.DataFrame
+) -> tuple[list[str], list[list[str]]]:
     """Headings and rows of the error table of one record, in the configured window."""
     shown = errors[errors["window"] == config.measures.window]
     names = [name for name in SHOWN if name in set(shown["measure"])]
     rows = []
     for scheme, group in shown.groupby("scheme", sort=False):
-        found = group.set_index("measure")
+        by_measure = group.set_index("measure")
         row = ["hold the last fix" if scheme == LAST_FIX else str(scheme)]
         for name in names:
-            row.append(_cell(name, found.loc[name]) if name in found.index else "")
+            row.append(_format(name, by_measure.loc[name]) if name in by_measure.index else "")
         rows.append(row)
     return ["scheme", *(SHOWN[name] for name in names)], rows
 
 
-def _cell(name: str, line: Any) -> str:
+def _format(name: str, line: Any) -> str:
     if name.startswith("coverage"):
         return f"{100.0 * line['mean']:.1f} %"
     text = f"{line['mean']:.3g}"
@@ -103,10 +108,10 @@ def _cell(name: str, line: Any) -> str:
     return text
 
 
-def _errors(config: ReplayConfig, errors: pd.DataFrame) -> RenderableType:
+def _make_table(config: ReplayConfig, errors: pd.DataFrame) -> RenderableType:
     from rich.table import Table
 
-    headings, rows = cells(config, errors)
+    headings, rows = make_error_cells(config, errors)
     table = Table(title=f"errors, {config.measures.window} record, tuning {config.tuning}")
     for heading in headings:
         table.add_column(heading, justify="left" if heading == "scheme" else "right")

@@ -1,4 +1,4 @@
-"""Which steps of a record its figures show."""
+"""Choose the steps of a record that its figures show."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from owtsweep.arrays import Array
 from owtsweep.studies.replay.measuring import PIECE
 from owtsweep.studies.replay.record import Record
 
-#: s that the whole and the zoomed views show at most.
+#: The most that a whole and a zoomed view show, s.
 SPAN, ZOOM, ACCELERATION_ZOOM = 200.0, 15.0, 6.0
-#: s after the begin in which no view zooms in: estimates still settle.
+#: No view zooms into the first seconds, while estimates settle, s.
 SETTLING = 20.0
 
 
-class Largest:
-    """Where the motion is largest, for zoomed views of several lengths; told piece by piece."""
+class LargestMotion:
+    """Finds where the motion is largest, piece by piece, for zoomed views of several lengths."""
 
     def __init__(self, record: Record) -> None:
         self._record = record
-        self._taken = 0
-        self._found = dict.fromkeys((ZOOM, ACCELERATION_ZOOM), (0.0, -1))
+        self._added = 0
+        self._largest = dict.fromkeys((ZOOM, ACCELERATION_ZOOM), (0.0, -1))
 
     def add(self, position: Array) -> None:
         """Take the next positions, (n, 2) m; NaN where there is none."""
@@ -28,35 +28,35 @@ class Largest:
             self._add(position[at : at + PIECE])
 
     def _add(self, xy: Array) -> None:
-        record, begin = self._record, self._taken
-        self._taken += len(xy)
-        time = record.time_at(slice(begin, self._taken))
+        record, begin = self._record, self._added
+        self._added += len(xy)
+        time = record.time_at(slice(begin, self._added))
         first, last = _ends(record)
         size = np.where(np.isfinite(xy[:, 0]), np.hypot(xy[:, 0], xy[:, 1]), -1.0)
-        for length, (value, _) in self._found.items():
+        for length, (value, _) in self._largest.items():
             inside = (time >= first + SETTLING + length / 2) & (time <= last - length / 2)
             here = np.where(inside, size, -1.0)
             at = int(np.argmax(here))
             if here[at] > value:
-                self._found[length] = (float(here[at]), begin + at)
+                self._largest[length] = (float(here[at]), begin + at)
 
     def step(self, length: float) -> int:
-        """The step of the largest motion, so far inside that a view of that length fits."""
-        step = self._found[length][1]
+        """The step of the largest motion about which a view of that length fits."""
+        step = self._largest[length][1]
         return step if step >= 0 else self._record.steps // 2
 
 
-def windows(record: Record, largest: Largest) -> dict[str, slice]:
+def choose_windows(record: Record, largest: LargestMotion) -> dict[str, slice]:
     """Name of a window -> its steps: "whole", "zoom" and "acceleration"."""
     first, last = _ends(record)
-    found = {"whole": _within(record, first, min(first + SPAN, last))}
+    windows = {"whole": _select(record, first, min(first + SPAN, last))}
     for name, length in (("zoom", ZOOM), ("acceleration", ACCELERATION_ZOOM)):
-        start, end = zoomed(record, largest.step(length), length)
-        found[name] = _within(record, start, end)
-    return found
+        start, end = choose_zoom(record, largest.step(length), length)
+        windows[name] = _select(record, start, end)
+    return windows
 
 
-def zoomed(record: Record, middle: int, length: float) -> tuple[float, float]:
+def choose_zoom(record: Record, middle: int, length: float) -> tuple[float, float]:
     """Start and end (s) of a view of some length about a step."""
     first, last = _ends(record)
     centre = float(record.time_at(slice(middle, middle + 1))[0])
@@ -69,8 +69,8 @@ def _ends(record: Record) -> tuple[float, float]:
     return float(record.time_at(slice(0, 1))[0]), float(record.time_at(slice(steps - 1, steps))[0])
 
 
-def _within(record: Record, start: float, end: float) -> slice:
-    """The steps from start to end, s, both included."""
+def _select(record: Record, start: float, end: float) -> slice:
+    """The steps from start to end (s), both included."""
     near = slice(
         max(int((start - record.begin) / record.step) - 2, 0),
         min(int((end - record.begin) / record.step) + 3, record.steps),

@@ -1,4 +1,4 @@
-"""NumPy archives (.npz, never pickled) and Parquet."""
+"""Reads NumPy archives (.npz, without pickled objects) and Parquet files."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import Table, distinct, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
 
 AXES = "xyz"
 
 
-def open_npz(path: Path) -> Table:
-    """Open an archive of arrays as long as each other; (n, 2) arrays become name_x and name_y.
+def open_npz(path: Path) -> ChannelTable:
+    """Open an archive of arrays of equal length; an (n, 2) array becomes name_x and name_y.
 
     Raises
     ------
@@ -23,7 +23,7 @@ def open_npz(path: Path) -> Table:
         For a damaged archive, pickled objects, or arrays of different lengths.
     """
     arrays: dict[str, Array] = {}
-    if not zipfile.is_zipfile(path):  # np.load takes anything else for a pickle
+    if not zipfile.is_zipfile(path):  # np.load would treat any other file as a pickle
         raise refuse(path, "is not a whole .npz archive")
     try:
         with np.load(path, allow_pickle=False) as archive:
@@ -53,16 +53,19 @@ def open_npz(path: Path) -> Table:
     def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
         return {name: np.array(arrays[name][:rows], dtype=float) for name in names}
 
-    return Table(path, "NumPy archive", tuple(arrays), ("",) * len(arrays), load)
+    return ChannelTable(path, "NumPy archive", tuple(arrays), ("",) * len(arrays), load)
 
 
-def open_parquet(path: Path) -> Table:
-    """Open a Parquet file; a field's metadata may hold its `unit`, timestamps become s.
+def open_parquet(path: Path) -> ChannelTable:
+    """Open a Parquet file.
+
+    Units come from the fields' metadata (`unit` or `units`). Timestamps become seconds from the
+    first one.
 
     Raises
     ------
     InputError
-        For a damaged file, or a wanted column without numbers.
+        For a damaged file, or when a column without numbers is loaded.
     """
     import pyarrow as pa
     from pyarrow import parquet
@@ -98,4 +101,4 @@ def open_parquet(path: Path) -> Table:
                 raise refuse(path, f"column {name} holds no numbers ({column.type})") from None
         return result
 
-    return Table(path, "Parquet", distinct(schema.names), tuple(units), load)
+    return ChannelTable(path, "Parquet", number_repeats(schema.names), tuple(units), load)

@@ -1,10 +1,10 @@
-"""FAST and OpenFAST binary output (.outb), file kinds 1 to 4.
+"""Reads FAST and OpenFAST binary output (.outb), file kinds 1 to 4.
 
-Little-endian, without padding (OpenFAST, NWTC library, subroutine WrBinFAST):
+The layout, little-endian and without padding (OpenFAST, NWTC library, subroutine WrBinFAST):
 
-    int16    kind: 1 with time, 2 without time, 3 without time uncompressed, 4 as 2 with
-             the length of names
-    int16    length of names and units (kind 4 alone; 10 otherwise)
+    int16    kind: 1 with time; 2 without time; 3 without time, uncompressed; 4 as 2, with
+             the length of the names
+    int16    length of names and units (only in kind 4; 10 otherwise)
     int32    number of channels besides time; int32 number of time steps
     float64  kind 1: scale and offset of time; else first time and time step
     float32  scales, then float32 offsets of the channels (not kind 3)
@@ -26,15 +26,15 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import Table, distinct, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
 
 WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES = 1, 2, 3, 4
-SHORT = 10  # characters of a name where the file does not say
+SHORT = 10  # characters of a name in kinds 1 to 3
 
 
 @dataclass(frozen=True)
 class Header:
-    """All but the numbers; `first` is the byte where they begin."""
+    """The header of a file; `first` is the byte at which the numbers begin."""
 
     kind: int
     steps: int
@@ -46,23 +46,23 @@ class Header:
     first: int
 
 
-def open_fast_binary(path: Path) -> Table:
+def open_fast_binary(path: Path) -> ChannelTable:
     """Open a FAST binary file.
 
     Raises
     ------
     InputError
-        If it is none, or cut short.
+        If it is not a FAST binary file, or is cut short.
     """
-    header = _header(path)
+    header = _read_header(path)
 
     def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
         return _load(path, header, names, rows)
 
-    return Table(path, "FAST binary", header.names, header.units, load)
+    return ChannelTable(path, "FAST binary", header.names, header.units, load)
 
 
-def _header(path: Path) -> Header:
+def _read_header(path: Path) -> Header:
     size = path.stat().st_size
     not_fast = refuse(path, "is not a FAST binary file (.outb), or is cut short in its header")
     with path.open("rb") as file:
@@ -79,7 +79,7 @@ def _header(path: Path) -> Header:
             raw = file.read(count * length)
             if len(raw) < count * length:
                 raise not_fast
-            return tuple(_word(raw[k * length : (k + 1) * length]) for k in range(count))
+            return tuple(_decode(raw[k * length : (k + 1) * length]) for k in range(count))
 
         kind = int(take("h")[0])
         if kind not in (WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES):
@@ -110,7 +110,7 @@ def _header(path: Path) -> Header:
         (clock[0], clock[1]),
         scale,
         offset,
-        distinct(names),
+        number_repeats(names),
         stated,
         first,
     )
@@ -142,8 +142,8 @@ def _load(
     return result
 
 
-def _word(raw: bytes) -> str:
-    """A name or unit; some versions write the middle dot of N·m as UTF-8, others as Latin-1."""
+def _decode(raw: bytes) -> str:
+    """A name or unit. Some versions write the middle dot of N·m in UTF-8, others in Latin-1."""
     try:
         return raw.decode("utf-8").strip("\0 ")
     except UnicodeDecodeError:

@@ -1,10 +1,11 @@
-"""HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
+"""Reads HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
 
-Groups block0000, block0001, ... hold `data` (observations, attributes), optionally `time` (else
-0, 1, 2, ...), `gains` and `offsets`, and the attributes `time_step` and `time_start`:
-time = time_start + time_step * time, value = data * gain + offset. In integer data the largest
-value of the type means missing. `attribute_names` and `attribute_units` stand at the root; time is
-not among them. The documentation of DTU's Wind Energy Toolbox (wetb.gtsdf) defines the format.
+The groups block0000, block0001, ... hold `data` (observations, attributes) and the attributes
+`time_step` and `time_start`. They may also hold `time` (0, 1, 2, ... if absent), `gains` and
+`offsets`. Then time = time_start + time_step * time and value = data * gain + offset. In integer
+data the largest value of the type means missing. The root holds `attribute_names` and
+`attribute_units`, without time. The documentation of DTU's Wind Energy Toolbox (wetb.gtsdf) defines
+the format.
 """
 
 from __future__ import annotations
@@ -16,18 +17,18 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import Table, distinct, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
 
 TIME = "Time"
 
 
-def open_gtsdf(path: Path) -> Table:
+def open_gtsdf(path: Path) -> ChannelTable:
     """Open a gtsdf file; needs h5py.
 
     Raises
     ------
     InputError
-        If h5py is missing, or the file is no HDF5 or no gtsdf.
+        If h5py is not installed, or the file is not HDF5 or not gtsdf.
     """
     try:
         import h5py
@@ -39,22 +40,24 @@ def open_gtsdf(path: Path) -> Table:
             if not blocks or any("data" not in file[block] for block in blocks):
                 raise refuse(path, "is HDF5 but not gtsdf (no block0000/data)")
             count = file[blocks[0]]["data"].shape[1]
-            names = _words(file, "attribute_names", count) or [str(k + 1) for k in range(count)]
-            units = _words(file, "attribute_units", count) or [""] * count
+            names = _read_words(file, "attribute_names", count) or [
+                str(k + 1) for k in range(count)
+            ]
+            units = _read_words(file, "attribute_units", count) or [""] * count
     except OSError as error:
         reason = " ".join(str(error).split())[:120]
         raise refuse(path, f"is not a whole HDF5 file ({reason})") from None
-    names = list(distinct([TIME, *(name or str(k + 1) for k, name in enumerate(names))]))
+    names = list(number_repeats([TIME, *(name or str(k + 1) for k, name in enumerate(names))]))
     units = ["s", *("" if unit in ("-", "") else unit for unit in units)]
 
     def load(wanted: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
         with h5py.File(path, "r") as file:
             return _load(file, blocks, {name: names.index(name) for name in wanted}, rows)
 
-    return Table(path, "gtsdf (HDF5)", tuple(names), tuple(units), load)
+    return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), load)
 
 
-def _words(file: Any, key: str, count: int) -> list[str]:
+def _read_words(file: Any, key: str, count: int) -> list[str]:
     if key not in file:
         return []
     raw = [text.decode("utf-8") if isinstance(text, bytes) else str(text) for text in file[key][:]]

@@ -1,10 +1,10 @@
-"""HAWC2 output: a .sel file that lists the channels, and a .dat file with their numbers.
+"""Reads HAWC2 output: a .sel file that lists the channels, and a .dat file with their numbers.
 
-Line 9 of the .sel file holds the number of scans, the number of channels, the duration in s and
-ASCII or BINARY; from line 13 on stands one line per channel with its name in columns 13 to 43, its
-unit in 44 to 54, then a description. Binary values are little-endian int16, all scans of the first
-channel, then those of the next; the factors they are multiplied by follow in the .sel file below
-the line "Scale factors".
+Line 9 of the .sel file holds the number of scans, the number of channels, the duration in s, and
+ASCII or BINARY. From line 13 on there is one line per channel: its name in columns 13 to 43, its
+unit in columns 44 to 54, then a description. Binary values are little-endian int16: all scans of
+the first channel, then all of the second, and so on. The .sel file gives the factors by which they
+are multiplied, below the line "Scale factors".
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import Table, distinct, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
 
 SUMMARY_LINE = 8
 FIRST_CHANNEL = 12
@@ -25,7 +25,7 @@ NAME, UNIT = slice(12, 43), slice(43, 54)
 
 @dataclass(frozen=True)
 class Selection:
-    """What the .sel file says; `factors` is None for ASCII."""
+    """The content of a .sel file; `factors` is None for ASCII."""
 
     scans: int
     names: tuple[str, ...]
@@ -34,38 +34,38 @@ class Selection:
     duration: float
 
 
-def companion(path: Path, suffix: str) -> Path | None:
-    """The file beside it with the other extension, in lower or upper case."""
+def find_companion(path: Path, suffix: str) -> Path | None:
+    """The file of the same name with another extension, in lower or upper case, if it exists."""
     for candidate in (path.with_suffix(suffix), path.with_suffix(suffix.upper())):
         if candidate.exists():
             return candidate
     return None
 
 
-def open_hawc2(path: Path) -> Table:
-    """Open a pair of .sel and .dat by either name.
+def open_hawc2(path: Path) -> ChannelTable:
+    """Open a pair of .sel and .dat files, given the path of either.
 
     Raises
     ------
     InputError
-        If the other file is missing, the .sel file is none of HAWC2's, or the .dat is cut short.
+        If the other file is missing, the .sel file is not HAWC2's, or the .dat file is cut short.
     """
     wanted = ".dat" if path.suffix.lower() == ".sel" else ".sel"
-    other = companion(path, wanted)
+    other = find_companion(path, wanted)
     if other is None:
         raise refuse(path, f"HAWC2 output is two files; {path.with_suffix(wanted).name} is missing")
     sel, dat = (path, other) if wanted == ".dat" else (other, path)
-    selection = _selection(sel)
+    selection = _read_selection(sel)
     _check_length(dat, selection)
 
     def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
         return _load(dat, selection, names, rows)
 
     kind = "ASCII" if selection.factors is None else "binary"
-    return Table(path, f"HAWC2, {kind}", selection.names, selection.units, load)
+    return ChannelTable(path, f"HAWC2, {kind}", selection.names, selection.units, load)
 
 
-def _selection(sel: Path) -> Selection:
+def _read_selection(sel: Path) -> Selection:
     lines = sel.read_text(encoding="latin-1").splitlines()
     strange = refuse(sel, "is not a HAWC2 .sel file (line 9: scans, channels, time, ASCII/BINARY)")
     try:
@@ -76,7 +76,7 @@ def _selection(sel: Path) -> Selection:
         raise strange from None
     if len(rows) != int(count) or kind.upper() not in ("ASCII", "BINARY") or total < 1:
         raise strange
-    names = distinct([row[NAME].strip() or str(place + 1) for place, row in enumerate(rows)])
+    names = number_repeats([row[NAME].strip() or str(place + 1) for place, row in enumerate(rows)])
     units = tuple(row[UNIT].strip() for row in rows)
     factors = None
     if kind.upper() == "BINARY":
@@ -115,7 +115,7 @@ def _load(
         scans = selection.scans
         packed = np.memmap(dat, dtype="<i2", mode="r", shape=(len(selection.names), scans))
         return {
-            name: _restored(packed[k, :rows] * selection.factors[k], k, selection)
+            name: _restore_time(packed[k, :rows] * selection.factors[k], k, selection)
             for name, k in places.items()
         }
     import pandas as pd
@@ -136,14 +136,16 @@ def _load(
     if rows is None and len(frame) < selection.scans:
         raise refuse(dat, f"is cut short: {selection.scans} scans announced, {len(frame)} there")
     return {
-        name: _restored(frame[k].to_numpy(dtype=float), k, selection) for name, k in places.items()
+        name: _restore_time(frame[k].to_numpy(dtype=float), k, selection)
+        for name, k in places.items()
     }
 
 
-def _restored(values: Array, place: int, selection: Selection) -> Array:
-    """Time at full resolution: 16 bits or 6 digits of it repeat values in a long file.
+def _restore_time(values: Array, place: int, selection: Selection) -> Array:
+    """A channel's values; for the time channel, at full resolution.
 
-    The step is duration / scans. Time stays as it is where it is not that comb but for rounding.
+    The file stores time in 16 bits or 6 digits, so values repeat in a long file. Time is restored
+    as multiples of duration / scans, if those equal the stored values apart from rounding.
     """
     if place != 0 or not selection.names[0].lower().startswith("time") or not len(values):
         return values

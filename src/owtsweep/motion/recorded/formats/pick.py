@@ -1,4 +1,4 @@
-"""Which reader a file needs: by its extension, then by its content."""
+"""Chooses the reader of a file by its extension, then by its content."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from pathlib import Path
 from owtsweep.motion.recorded.formats.arrays import open_npz, open_parquet
 from owtsweep.motion.recorded.formats.fast_binary import open_fast_binary
 from owtsweep.motion.recorded.formats.gtsdf import open_gtsdf
-from owtsweep.motion.recorded.formats.hawc2 import companion, open_hawc2
-from owtsweep.motion.recorded.formats.table import Table, refuse
+from owtsweep.motion.recorded.formats.hawc2 import find_companion, open_hawc2
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
 from owtsweep.motion.recorded.formats.text import open_text
 
-#: Extensions of tables of text; these alone may also be compressed (.gz).
+#: Extensions of text tables. Only these may be compressed (.gz).
 TEXT = (".csv", ".tsv", ".txt", ".asc", ".out", ".dat")
 
 READERS = {
@@ -26,13 +26,13 @@ READERS = {
 }
 
 
-def open_table(path: str | Path) -> Table:
+def open_table(path: str | Path) -> ChannelTable:
     """Open a file of channels.
 
     Raises
     ------
     InputError
-        If there is no such file, it is empty, or it is not what its extension says.
+        If the file does not exist, is empty, or is not what its extension says.
     """
     path = Path(path)
     if not path.exists():
@@ -49,10 +49,10 @@ def open_table(path: str | Path) -> Table:
         raise refuse(path, f"only text tables may be compressed ({', '.join(TEXT)})")
     if suffix in READERS:
         return READERS[suffix](path)
-    if suffix == ".dat" and companion(path, ".sel"):
+    if suffix == ".dat" and find_companion(path, ".sel"):
         return open_hawc2(path)
     if suffix in TEXT:
-        if suffix == ".out" and _is_binary(path):  # renamed: the kind tells
+        if suffix == ".out" and _is_binary(path):  # an .outb file that was renamed
             return open_fast_binary(path)
         return open_text(path)
     raise refuse(path, f"unknown extension {suffix!r}: use {', '.join((*TEXT, *READERS))}")

@@ -1,4 +1,4 @@
-"""A file of channels, opened: its names and units are known, its numbers are read on demand."""
+"""An opened file of channels: names and units have been read, numbers are read on demand."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from pathlib import Path
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 
-#: `(names, rows) -> name -> (n,) float64`; `rows` bounds how many are read, None reads all.
+#: `load(names, rows)` returns name -> (n,) float64. It reads at most `rows` rows; None reads all.
 Load = Callable[[Sequence[str], int | None], Mapping[str, Array]]
 
 
 @dataclass(frozen=True)
-class Table:
-    """One opened file.
+class ChannelTable:
+    """The channels of one opened file.
 
     Attributes
     ----------
     path
         The file.
     format
-        What it is, in words.
+        The format in words.
     names
-        Channel names as the file has them, without their units; time is one of them.
+        Channel names as in the file, without units; time is one of them.
     units
-        Unit of each channel as the file states it, "" where it does not.
+        Unit of each channel as in the file; "" if the file states none.
     load
-        Reads the named channels in the file's own units, NaN where a value is missing.
+        Reads the named channels in the file's units; missing values are NaN.
     """
 
     path: Path
@@ -38,12 +38,12 @@ class Table:
     load: Load
 
     def unit(self, name: str) -> str:
-        """Unit that the file states for a channel, "" for none."""
+        """The unit that the file states for a channel; "" if it states none."""
         return self.units[self.names.index(name)]
 
 
-def distinct(names: Sequence[str]) -> tuple[str, ...]:
-    """The same names, a repeated one numbered: `a, a` becomes `a, a (2)`."""
+def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
+    """The same names, with repeated ones numbered: `a, a` becomes `a, a (2)`."""
     seen: dict[str, int] = {}
     result = []
     for name in names:
@@ -53,5 +53,5 @@ def distinct(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def refuse(path: Path, reason: str) -> InputError:
-    """The error of a file: its name, then the reason."""
+    """The error to raise for a file: its path, then the reason."""
     return InputError(f"{path}: {reason}")

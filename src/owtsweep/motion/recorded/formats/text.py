@@ -1,8 +1,8 @@
-"""Text tables: CSV, TSV, blanks between the columns, FAST's .out; also compressed by gzip.
+"""Reads text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed.
 
-The layout is found from the first lines: data begin at the first two lines that are mostly numbers
-and have the same number of fields; above them stands a line of names, or names and then units,
-and above those any preamble.
+The reader finds the layout from the first lines. Data begin at the first two lines that hold mostly
+numbers and have the same number of fields. The line above them holds the names; if it holds units,
+the names are one line higher. Anything above the names is skipped.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from typing import IO, Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import Table, distinct, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
 
-#: How much of the file the layout is found from: bytes.
+#: The layout is found from this many bytes at the start of the file.
 HEAD = 1 << 18
 
 MISSING = (
@@ -35,7 +35,17 @@ _BRACKETED = re.compile(r"^[\[(].*[\])]$")
 
 @dataclass(frozen=True)
 class Layout:
-    """Where things stand: `delimiter` is " " for any run of blanks, `first` the first data line."""
+    """The layout of a text table.
+
+    Attributes
+    ----------
+    delimiter
+        The character between fields; " " stands for any run of blanks.
+    first
+        Number of lines above the data.
+    names, units
+        Of each column; a unit is "" if the file states none.
+    """
 
     delimiter: str
     first: int
@@ -43,34 +53,34 @@ class Layout:
     units: tuple[str, ...]
 
 
-def open_text(path: Path) -> Table:
+def open_text(path: Path) -> ChannelTable:
     """Open a text table.
 
     Raises
     ------
     InputError
-        For an empty file, one without two lines of numbers, one with decimal commas.
+        If the file is empty, has no two lines of numbers, or has decimal commas.
     """
-    layout = find_layout(path, _head(path))
+    layout = find_layout(path, _read_head(path))
     read = _load_blanks if layout.delimiter == " " else _load_delimited
 
     def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
         return read(path, layout, list(names), rows)
 
     word = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks"}[layout.delimiter]
-    return Table(path, f"text, columns between {word}", layout.names, layout.units, load)
+    return ChannelTable(path, f"text, columns between {word}", layout.names, layout.units, load)
 
 
-def _opened(path: Path) -> IO[bytes]:
+def _open(path: Path) -> IO[bytes]:
     if path.suffix.lower() == ".gz":
         return gzip.open(path)  # type: ignore[return-value]
     return path.open("rb")
 
 
-def _head(path: Path) -> list[str]:
-    """The first lines, the last one only if it is whole."""
+def _read_head(path: Path) -> list[str]:
+    """The first lines of the file, without a last line that may be cut."""
     try:
-        with _opened(path) as file:
+        with _open(path) as file:
             raw = file.read(HEAD)
     except (OSError, EOFError) as error:
         raise refuse(path, f"cannot be read ({error})") from None
@@ -86,58 +96,58 @@ def _head(path: Path) -> list[str]:
     return lines[:-1] if len(raw) == HEAD and len(lines) > 1 else lines
 
 
-def split(line: str, delimiter: str) -> list[str]:
-    """The fields of a line, without blanks and quotes around them."""
+def split_fields(line: str, delimiter: str) -> list[str]:
+    """The fields of a line, without surrounding blanks and quotes."""
     if delimiter == " ":
         return [field.strip('"') for field in line.split()]
     return [field.strip().strip('"').strip() for field in line.rstrip("\r\n").split(delimiter)]
 
 
 def find_layout(path: Path, lines: list[str]) -> Layout:
-    """Delimiter, header and first line of the data.
+    """Find delimiter, names, units and the first line of the data.
 
     Raises
     ------
     InputError
-        If there are no numbers, or decimal commas.
+        If there is no table of numbers, or it has decimal commas.
     """
     for first, line in enumerate(lines):
         if not line.strip():
             continue
-        delimiter = _delimiter(line)
-        fields = split(line, delimiter)
+        delimiter = _find_delimiter(line)
+        fields = split_fields(line, delimiter)
         follower = next((text for text in lines[first + 1 :] if text.strip()), line)
         if (
             len(fields) < 2
             or not _is_data(fields)
-            or not _is_data(split(follower, delimiter))
-            or len(split(follower, delimiter)) != len(fields)
+            or not _is_data(split_fields(follower, delimiter))
+            or len(split_fields(follower, delimiter)) != len(fields)
         ):
             continue
         if delimiter != "," and any(_DECIMAL_COMMA.match(field) for field in fields):
             raise refuse(
                 path,
-                f"line {first + 1} has decimal commas ({_comma_example(fields)}): "
+                f"line {first + 1} has decimal commas ({_find_decimal_comma(fields)}): "
                 "write numbers with a point",
             )
-        names, units = _header(lines[:first], delimiter, len(fields))
+        names, units = _read_header(lines[:first], delimiter, len(fields))
         return Layout(delimiter, first, names, units)
     raise refuse(
         path,
-        "has no table of numbers (two lines or more, two columns or more between commas, "
+        "has no table of numbers (at least two lines and two columns, separated by commas, "
         "semicolons, tabs or blanks)",
     )
 
 
-def _comma_example(fields: list[str]) -> str:
+def _find_decimal_comma(fields: list[str]) -> str:
     return next(field for field in fields if _DECIMAL_COMMA.match(field))
 
 
-def _delimiter(line: str) -> str:
+def _find_delimiter(line: str) -> str:
     for candidate in (";", "\t"):
         if candidate in line.strip():
             return candidate
-    # "1,5 2,25" is blanks with decimal commas; "1,2, 3" is commas
+    # "1,5 2,25" is separated by blanks and has decimal commas; "1,2, 3" is separated by commas
     blanks = line.split()
     if len(blanks) > 1 and all(_DECIMAL_COMMA.match(field) for field in blanks):
         return " "
@@ -152,9 +162,9 @@ def _is_data(fields: list[str]) -> bool:
     return numbers > 0 and 2 * sum(map(fits, fields)) >= len(fields)
 
 
-def _header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
-    """Names and units from the lines above the data; numbers from 1 where there are no names."""
-    rows = [split(line.lstrip("#!%").strip(), delimiter) for line in above if line.strip()]
+def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
+    """Names and units from the lines above the data; without names, columns are 1, 2, 3, ..."""
+    rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above if line.strip()]
     units = [""] * count
     if rows and len(rows[-1]) == count and all(_BRACKETED.match(f) or not f for f in rows[-1]):
         units = [field.strip("[]() ") for field in rows.pop()]
@@ -162,26 +172,26 @@ def _header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ..
         return tuple(str(number + 1) for number in range(count)), tuple(units)
     names = []
     for place, field in enumerate(rows[-1]):
-        found = _UNIT_AT_END.match(field)
-        if found and found[1] and not units[place]:
-            names.append(found[1])
-            units[place] = found[2].strip()
+        parts = _UNIT_AT_END.match(field)
+        if parts and parts[1] and not units[place]:
+            names.append(parts[1])
+            units[place] = parts[2].strip()
         else:
             names.append(field or str(place + 1))
-    return distinct(names), tuple("" if unit in ("-", "none") else unit for unit in units)
+    return number_repeats(names), tuple("" if unit in ("-", "none") else unit for unit in units)
 
 
 def _load_delimited(
     path: Path, layout: Layout, names: list[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """By pyarrow, block by block: only the wanted columns are ever held."""
+    """Load columns with pyarrow, block by block, so that only the wanted ones use memory."""
     import pyarrow as pa
     from pyarrow import csv
 
     columns: dict[str, Array] = {name: np.empty(0) for name in names}
     count = 0
     try:
-        with _opened(path) as file:
+        with _open(path) as file:
             reader = csv.open_csv(
                 pa.PythonFile(file, mode="r"),
                 read_options=csv.ReadOptions(
@@ -198,8 +208,8 @@ def _load_delimited(
                 stop = count + batch.num_rows
                 for name in names:
                     if stop > len(columns[name]):
-                        columns[name] = _longer(columns[name], count, stop)
-                    # a copy, so that Arrow can use its block again
+                        columns[name] = _lengthen(columns[name], count, stop)
+                    # a copy, so that Arrow can reuse its block
                     columns[name][count:stop] = batch.column(name).to_numpy(zero_copy_only=False)
                 count = stop
                 if rows is not None and count >= rows:
@@ -213,8 +223,11 @@ def _load_delimited(
     }
 
 
-def _longer(column: Array, count: int, least: int) -> Array:
-    """The first `count` values in an array of twice the length; untouched pages cost nothing."""
+def _lengthen(column: Array, count: int, least: int) -> Array:
+    """Copy the first `count` values to an array twice as long, of at least `least` values.
+
+    The unused part takes no memory until it is written to.
+    """
     result = np.empty(max(2 * len(column), least))
     result[:count] = column[:count]
     return result
@@ -223,12 +236,12 @@ def _longer(column: Array, count: int, least: int) -> Array:
 def _load_blanks(
     path: Path, layout: Layout, names: list[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """By pandas, because pyarrow knows no runs of blanks."""
+    """Load columns with pandas, because pyarrow cannot split at runs of blanks."""
     import pandas as pd
 
     options: dict[str, Any] = {"dtype": "float64", "na_values": list(MISSING)}
     try:
-        with _opened(path) as file:
+        with _open(path) as file:
             frame = pd.read_csv(
                 file,
                 sep=r"\s+",

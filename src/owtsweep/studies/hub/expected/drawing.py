@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from owtsweep.errors import InputError
+from owtsweep.figures.drawings import Drawing
+from owtsweep.results.status import FAILED, OK
 from owtsweep.studies.hub.expected import answers, engine
-from owtsweep.sweep.study import FAILED, OK
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,22 +24,13 @@ FINE = 200
 MOST_PERIODS = 12
 
 
-def draw_all(
+def drawings(
     config: HubConfig,
     tables: Mapping[str, pd.DataFrame],
     rows: pd.DataFrame,
-    folder: Path,
-    *,
-    only: str | None = None,
     metadata: Mapping[str, str] | None = None,
-) -> list[Path]:
-    """Draw the maps, MSE over amplitude and the error spectra, or the one called `only`.
-
-    Raises
-    ------
-    InputError
-        If there is no figure of that name.
-    """
+) -> dict[str, Drawing]:
+    """Name -> what draws it: the maps, MSE over amplitude and the error spectra."""
     from owtsweep.figures import style
     from owtsweep.studies.hub import criteria, scheme_names
     from owtsweep.studies.hub.figures import MAP, PAPER_FIGURES, error_spectra, mse_over_amplitude
@@ -53,7 +44,14 @@ def draw_all(
             tables["summary"], period, names, window=window, tuning=config.tuning, coinciding=same
         )
 
-    drawings: dict[str, Callable[[], Figure]] = {
+    def saving(draw: Callable[[], Figure]) -> Drawing:
+        def save(folder: Path, name: str) -> list[Path]:
+            with style.context():
+                return style.save(draw(), folder, name, metadata)
+
+        return save
+
+    figures: dict[str, Callable[[], Figure]] = {
         MAP: lambda: best(config, tables, rows, config.measures.criterion),
         "best_scheme_velocity": lambda: best(config, tables, rows, "velocity"),
         "error_spectra": lambda: error_spectra.draw(config, coinciding=same),
@@ -61,17 +59,8 @@ def draw_all(
     periods = sorted(set(rows["natural_period"]))
     for period in periods if len(periods) <= MOST_PERIODS else []:
         number = f"figure_{PAPER_FIGURES[period]}_" if period in PAPER_FIGURES else ""
-        drawings[f"{number}mse_{period:g}s"] = over_amplitude(period)
-    if only is not None and only not in drawings:
-        raise InputError(
-            f"only: an expected study has no figure {only!r}; use {', '.join(drawings)}"
-        )
-    files: list[Path] = []
-    for name, drawn in drawings.items():
-        if only in (None, name):
-            with style.context():
-                files += style.save(drawn(), folder, name, metadata)
-    return files
+        figures[f"{number}mse_{period:g}s"] = over_amplitude(period)
+    return {name: saving(draw) for name, draw in figures.items()}
 
 
 def best(
@@ -100,9 +89,9 @@ def best(
     amplitudes = np.geomspace(min(grid.amplitude), max(grid.amplitude), FINE)
     finished = [name for name in names if ((rows["scheme"] == name) & (rows["status"] == OK)).any()]
     fine = engine.rows_of(config, finished, [float(p) for p in periods])
-    known = answers.expected(fine, names, criterion, window)
+    expected = answers.expected(fine, names, criterion, window)
     return expected_map.draw(
-        known.at(amplitudes), known.schemes, periods, amplitudes,
+        expected.at(amplitudes), expected.schemes, periods, amplitudes,
         criterion=criterion, window=window, tuning=tuning, normalise=config.normalise,
         coinciding=same,
     )  # fmt: skip

@@ -1,6 +1,7 @@
 """`engine: expected`: the blocks of a study without records, and their rows.
 
-One block per scheme holds all natural periods: what takes time, the scheme's curves, knows none.
+One block per scheme holds all natural periods: the curves of a scheme take the time, and they do
+not depend on the period.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import pandas as pd
 from owtsweep.arrays import Array
 from owtsweep.config import as_mapping
 from owtsweep.motion.spectra import spectrum
+from owtsweep.results.status import FAILED, OK
 from owtsweep.studies.hub import blocks as sampled
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub import sensors as sensing
@@ -68,11 +70,11 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
 
 
 def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -> pd.DataFrame:
-    """`rows` of several schemes, whose curves are computed on all cores where they are not known.
+    """`rows` of several schemes; curves that are not in the cache are computed on all cores.
 
-    The kernels release the GIL, so threads share the work; what each computes is its own.
+    The kernels release the GIL, so threads share the work.
     """
-    # The schemes that take longest are commonly last; to begin with them keeps all cores busy.
+    # The schemes that take longest commonly stand last: begin with them, so that no core idles.
     work: list[Callable[[], object]] = [partial(curves_of, config, name) for name in names[::-1]]
     if config.normalise == "peak":
         work += [partial(factor_at, config, end) for end in ladder(config, periods)]
@@ -86,16 +88,16 @@ def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -
 def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame:
     """One row per natural period, measure and window: motion at 1 m, no cross term, noise.
 
-    Natural periods are expanded without any loop over schemes' steps.
+    A further natural period costs a sum over the scheme's curves, no loop over its steps.
     """
-    known = sensing.sensors(config.sensors)
+    sensors = sensing.sensors(config.sensors)
     curve = curves_of(config, name)
     motion = motion_of(config, curve, periods)
     noise = noise_of(config, curve)
     angle = np.deg2rad(config.wave_direction)
     along = (np.cos(angle) ** 2, np.sin(angle) ** 2)
-    steps = round(config.record.duration / known.step)
-    samples = (steps, steps - round(config.measures.settling_time / known.step))
+    steps = round(config.record.duration / sensors.step)
+    samples = (steps, steps - round(config.measures.settling_time / sensors.step))
     parts = []
     for m, measure in enumerate(MEASURES):
         for w, window in enumerate(measures.WINDOWS):
@@ -120,7 +122,7 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
         amplitude=np.nan,
         cross=0.0,
         value=np.nan,
-        status="ok" if finite else "failed",
+        status=OK if finite else FAILED,
         reason="" if finite else "the estimate is not finite",
     )
     if not finite:
@@ -130,16 +132,16 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
 
 def curves_of(config: HubConfig, name: str) -> Curves:
     """The curves of a scheme of the study, cached."""
-    known = sensing.sensors(config.sensors)
-    steps = round(config.record.duration / known.step)
-    settled = round(config.measures.settling_time / known.step)
+    sensors = sensing.sensors(config.sensors)
+    steps = round(config.record.duration / sensors.step)
+    settled = round(config.measures.settling_time / sensors.step)
     band = (config.band[0], config.band[1])
     by_name = {resolve(entry).name: entry for entry in config.schemes}
     scheme: Any = resolve(by_name[name])
     what = {
         "what": "curves",
         "version": EXPECTED_VERSION,
-        "sensors": as_mapping(known),
+        "sensors": as_mapping(sensors),
         "scheme": sampled.scheme_content(config, by_name[name], scheme),
         "steps": steps,
         "settled": settled,
@@ -147,30 +149,30 @@ def curves_of(config: HubConfig, name: str) -> Curves:
     }
 
     def compute() -> dict[str, Array]:
-        chain = scheme.kernel(known, config, steps)
-        found = curves(chain, known, steps=steps, settled=settled, band=band)
-        return {key: getattr(found, key) for key in Curves.__dataclass_fields__}
+        chain = scheme.kernel(sensors, config, steps)
+        computed = curves(chain, sensors, steps=steps, settled=settled, band=band)
+        return {key: getattr(computed, key) for key in Curves.__dataclass_fields__}
 
     return Curves(**cached(what, compute))
 
 
 def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Array:
     """Expected mean square error from motion of amplitude 1 m, (periods, measure, window)."""
-    known = lines_of((config.band[0], config.band[1]), config.record.duration)
-    at_lines = curve.at(known.frequency)
+    lines = lines_of((config.band[0], config.band[1]), config.record.duration)
+    at_lines = curve.at(lines.frequency)
     kind, bandwidth = config.spectrum.kind, config.spectrum.bandwidth
-    found = np.array(
-        [expected_ratio(spectrum(kind, period, bandwidth), at_lines, known) for period in periods]
+    expected = np.array(
+        [expected_ratio(spectrum(kind, period, bandwidth), at_lines, lines) for period in periods]
     )
     if config.normalise == "peak":
-        found *= peak_factors(config, list(periods))[:, None, None]
-    return found
+        expected *= peak_factors(config, list(periods))[:, None, None]
+    return expected
 
 
 def noise_of(config: HubConfig, curve: Curves) -> Array:
     """Expected mean square error from all that is not motion, (axis, measure, window)."""
-    known = sensing.sensors(config.sensors)
+    sensors = sensing.sensors(config.sensors)
     bias = np.full(2, config.sensors.imu.bias_initial)
-    constant = known.rotation @ bias - np.array(known.gravity)
+    constant = sensors.rotation @ bias - np.array(sensors.gravity)
     each = constant**2
     return np.asarray(curve.noise.sum(axis=0) + each[:, None, None] * curve.constant)

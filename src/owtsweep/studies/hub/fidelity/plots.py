@@ -11,12 +11,12 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullLocator
 
 from owtsweep.figures import style
-from owtsweep.figures.palette import FIXED
 from owtsweep.studies.hub.fidelity.boundaries import Boundary
 from owtsweep.studies.hub.fidelity.claims import BOUNDARY_TOLERANCE
 from owtsweep.studies.hub.fidelity.evidence import SCHEMES
 from owtsweep.studies.hub.fidelity.score import BOUNDARIES
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.studies.hub.looks import LOOKS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,7 +46,7 @@ def scatter(numbers: pd.DataFrame) -> Figure:
         _scatter_panel(axes, known[inside])
         axes.set_title(title)
     handles: list[Any] = [
-        Line2D([], [], color=FIXED[s].color, marker=FIXED[s].marker, linestyle="none", label=s)
+        Line2D([], [], color=LOOKS[s].color, marker=LOOKS[s].marker, linestyle="none", label=s)
         for s in SCHEMES
     ]
     handles += [
@@ -71,7 +71,7 @@ def _scatter_panel(axes: Axes, numbers: pd.DataFrame) -> None:
         axes.set_ylim(low, high)
     axes.set_aspect("equal")
     for scheme in SCHEMES:
-        rows, look = numbers[numbers["scheme"] == scheme], FIXED[scheme]
+        rows, look = numbers[numbers["scheme"] == scheme], LOOKS[scheme]
         axes.vlines(
             rows["published"], rows["record_low"], rows["record_high"], color=look.color, alpha=0.6
         )
@@ -98,7 +98,7 @@ def ratios(numbers: pd.DataFrame) -> Figure:
         axes.axhspan(-1.0, 1.0, **BAND)
         axes.axhline(0.0, color="0.3", linewidth=0.8, linestyle=":")
         for shift, scheme in zip(np.linspace(-0.3, 0.3, len(SCHEMES)), SCHEMES, strict=True):
-            look = FIXED[scheme]
+            look = LOOKS[scheme]
             rows = numbers[(numbers["table"] == number) & (numbers["scheme"] == scheme)]
             rows = rows.dropna(subset="reproduced")
             place = np.array([list(MEASURES).index(m) for m in rows["measure"]]) + shift
@@ -117,7 +117,7 @@ def ratios(numbers: pd.DataFrame) -> Figure:
             axes.text(1.5, 0.0, "not in this run", ha="center", va="center")
     figure.axes[0].set_ylabel("log$_2$(this run / published)")
     handles: list[Any] = [
-        Line2D([], [], color=FIXED[s].color, marker=FIXED[s].marker, linestyle="-", label=s)
+        Line2D([], [], color=LOOKS[s].color, marker=LOOKS[s].marker, linestyle="-", label=s)
         for s in SCHEMES
     ]
     handles.append(Patch(label="factor of 2", **BAND))

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.figures.drawings import Drawing, draw_each
+from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.sweep.study import FAILED
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
     from owtsweep.studies.hub.config import HubConfig
 
@@ -30,127 +31,111 @@ TIME_HISTORIES = {
 }
 
 
-def draw_all(
+def drawings(
     config: HubConfig,
     tables: Mapping[str, pd.DataFrame],
     rows: pd.DataFrame,
-    folder: Path,
-    *,
-    only: str | None = None,
     metadata: Mapping[str, str] | None = None,
-) -> list[Path]:
-    """Draw every figure of a run, or the one called `only`; returns the files.
-
-    A figure that this run cannot have (no scheme of it settles, say) is left out with a logged
-    warning, unless it is the one asked for.
-
-    Raises
-    ------
-    InputError
-        If there is no figure of that name, or the run cannot have it.
-    """
-    drawings = {
-        **_drawings(config, tables, rows, metadata),
-        **_illustrations(config, rows, metadata),
-    }
-    return draw_each(drawings, folder, only)
-
-
-def _drawings(
-    config: HubConfig,
-    tables: Mapping[str, pd.DataFrame],
-    rows: pd.DataFrame,
-    metadata: Mapping[str, str] | None,
 ) -> dict[str, Drawing]:
-    """Name -> what draws it from the run's results."""
-    from owtsweep.figures import best_scheme_map, style
-    from owtsweep.io.files import write_atomically
+    """Every figure of a run by name, from its results and from its configuration.
+
+    Parameters
+    ----------
+    tables
+        summary and best_scheme.
+    rows
+        The run's cases, failed ones too.
+    metadata
+        Stored inside the figures.
+    """
     from owtsweep.results import aggregate
     from owtsweep.results.cube import Cube
     from owtsweep.studies.hub import scheme_names
+
+    @cache
+    def coinciding() -> list[tuple[str, ...]]:
+        names = scheme_names(config)
+        return aggregate.coinciding(Cube.of_rows(rows, names, config.grid.amplitude), names)
+
+    of_results = _of_results(config, tables, rows, coinciding)
+    return {
+        **{name: save_figure(draw, metadata) for name, draw in of_results.items()},
+        "tables_6_to_9": _published(config, tables["summary"]),
+        **{
+            name: save_figure(draw, metadata)
+            for name, draw in _illustrations(config, coinciding).items()
+        },
+    }
+
+
+def _of_results(
+    config: HubConfig,
+    tables: Mapping[str, pd.DataFrame],
+    rows: pd.DataFrame,
+    coinciding: Callable[[], list[tuple[str, ...]]],
+) -> dict[str, Callable[[], Figure]]:
+    """Name -> what draws it from the run's results."""
+    from owtsweep.figures import best_scheme_map
+    from owtsweep.studies.hub import scheme_names
     from owtsweep.studies.hub.figures import mse_over_amplitude
-    from owtsweep.studies.hub.figures.tables import tables_6_to_9, to_markdown
 
     names = scheme_names(config)
     look: dict[str, Any] = {"window": config.measures.window, "tuning": config.tuning}
-    same = aggregate.coinciding(Cube.of_rows(rows, names, config.grid.amplitude), names)
     failures = int((rows["status"] == FAILED).sum())
 
-    def mse(period: float) -> Drawing:
-        def draw(folder: Path, name: str) -> list[Path]:
-            with style.context():
-                figure = mse_over_amplitude.draw(
-                    tables["summary"], period, names, coinciding=same, **look
-                )
-                return style.save(figure, folder, name, metadata)
+    def over_amplitude(period: float) -> Callable[[], Figure]:
+        return lambda: mse_over_amplitude.draw(
+            tables["summary"], period, names, coinciding=coinciding(), **look
+        )
 
-        return draw
+    def best(criterion: str) -> Callable[[], Figure]:
+        return lambda: best_scheme_map.draw(
+            tables["best_scheme"],
+            names,
+            criterion=criterion,
+            coinciding=coinciding(),
+            replicates=config.grid.replicates,
+            failures=failures,
+            **look,
+        )
 
-    def best(criterion: str) -> Drawing:
-        def draw(folder: Path, name: str) -> list[Path]:
-            with style.context():
-                figure = best_scheme_map.draw(
-                    tables["best_scheme"],
-                    names,
-                    criterion=criterion,
-                    coinciding=same,
-                    replicates=config.grid.replicates,
-                    failures=failures,
-                    **look,
-                )
-                return style.save(figure, folder, name, metadata)
-
-        return draw
-
-    def published(folder: Path, name: str) -> list[Path]:
-        table = tables_6_to_9(tables["summary"], window=config.measures.window)
-        files = [folder / f"{name}.csv", folder / f"{name}.md"]
-        write_atomically(files[0], table.to_csv(index=False, lineterminator="\n"))
-        write_atomically(files[1], to_markdown(table))
-        return files
-
-    drawings: dict[str, Drawing] = {}
-    drawings[MAP] = best(config.measures.criterion)
-    drawings["best_scheme_velocity"] = best("velocity")
+    figures = {MAP: best(config.measures.criterion), "best_scheme_velocity": best("velocity")}
     for period in sorted(set(tables["summary"].natural_period)):
         number = f"figure_{PAPER_FIGURES[period]}_" if period in PAPER_FIGURES else ""
-        drawings[f"{number}mse_{period:g}s"] = mse(period)
-    drawings["tables_6_to_9"] = published
-    return drawings
+        figures[f"{number}mse_{period:g}s"] = over_amplitude(period)
+    return figures
+
+
+def _published(config: HubConfig, summary: pd.DataFrame) -> Drawing:
+    """Tables 6-9 as files."""
+    from owtsweep.io.files import write_atomically
+    from owtsweep.io.tables import write_table
+    from owtsweep.studies.hub.figures.tables import tables_6_to_9, to_markdown
+
+    def write(folder: Path, name: str) -> list[Path]:
+        table = tables_6_to_9(summary, window=config.measures.window)
+        text = folder / f"{name}.md"
+        write_atomically(text, to_markdown(table))
+        return [write_table(folder, name, table), text]
+
+    return write
 
 
 def _illustrations(
-    config: HubConfig, rows: pd.DataFrame, metadata: Mapping[str, str] | None
-) -> dict[str, Drawing]:
+    config: HubConfig, coinciding: Callable[[], list[tuple[str, ...]]]
+) -> dict[str, Callable[[], Figure]]:
     """Name -> what draws it from the configuration: a record, its spectrum, time histories."""
-    from owtsweep.figures import style
-    from owtsweep.results import aggregate
-    from owtsweep.results.cube import Cube
-    from owtsweep.studies.hub import scheme_names
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import histories
 
     simulated = cache(lambda: histories(config))
 
-    def history(folder: Path, name: str) -> list[Path]:
-        quantity, zoom = TIME_HISTORIES[name]
-        figure = time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning)
-        return style.save(figure, folder, name, metadata)
-
-    def record(folder: Path, name: str) -> list[Path]:
-        return style.save(record_and_spectrum.draw_record(config), folder, name, metadata)
-
-    def spectrum(folder: Path, name: str) -> list[Path]:
-        return style.save(record_and_spectrum.draw_spectrum(config), folder, name, metadata)
-
-    def errors(folder: Path, name: str) -> list[Path]:
-        names = scheme_names(config)
-        same = aggregate.coinciding(Cube.of_rows(rows, names, config.grid.amplitude), names)
-        return style.save(error_spectra.draw(config, coinciding=same), folder, name, metadata)
+    def history(quantity: str, *, zoom: bool) -> Callable[[], Figure]:
+        return lambda: time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning)
 
     return {
-        "figure_03_record": record,
-        "figure_04_spectrum": spectrum,
-        **dict.fromkeys(TIME_HISTORIES, history),
-        "error_spectra": errors,
+        "figure_03_record": lambda: record_and_spectrum.draw_record(config),
+        "figure_04_spectrum": lambda: record_and_spectrum.draw_spectrum(config),
+        **{name: history(quantity, zoom=zoom) for name, (quantity, zoom) in TIME_HISTORIES.items()},
+        "error_spectra": lambda: error_spectra.draw(config, coinciding=coinciding()),
     }

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.io import markdown
 from owtsweep.studies.hub import published
 
 if TYPE_CHECKING:
@@ -77,12 +79,8 @@ def to_markdown(table: pd.DataFrame) -> str:
             "MSE, published → this run (ratio this run / published)"
             + (f"; {NO_VALUE}: {MISSING}" if rows["reproduced"].isna().any() else ""),
             "",
-            _line(["scheme", *header]),
-            _line(["---", *["---:"] * len(measures)]),
+            markdown.table(["scheme", *header], list(_by_scheme(rows, measures)), numbers=header),
         ]
-        for scheme in dict.fromkeys(rows["scheme"]):
-            cells = rows[rows["scheme"] == scheme].set_index("measure").to_dict("index")
-            lines.append(_line([scheme, *(_cell(cells[measure]) for measure in measures)]))
         notes = [
             f"{row['scheme']} {row['measure']}: {row['note']}."
             for row in rows.to_dict("records")
@@ -92,8 +90,10 @@ def to_markdown(table: pd.DataFrame) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _line(cells: list[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+def _by_scheme(rows: pd.DataFrame, measures: Sequence[str]) -> Iterator[list[str]]:
+    for scheme in dict.fromkeys(rows["scheme"]):
+        cells = rows[rows["scheme"] == scheme].set_index("measure").to_dict("index")
+        yield [scheme, *(_cell(cells[measure]) for measure in measures)]
 
 
 def _cell(row: dict[str, Any]) -> str:

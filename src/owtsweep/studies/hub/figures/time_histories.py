@@ -9,13 +9,13 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.figures import style
-from owtsweep.figures.decimate import decimate
-from owtsweep.figures.palette import style_of
+from owtsweep.figures import time_histories
+from owtsweep.figures.error_panels import show_accumulated, show_errors
+from owtsweep.figures.lines import Line, clip, make_line
+from owtsweep.figures.time_histories import UNITS, Curve, Panel
 from owtsweep.studies.hub.histories import Histories
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 #: The schemes of the paper's figures; others are drawn if the run has none of them.
@@ -25,23 +25,18 @@ SPAN = 120.0
 ZOOM = 15.0
 #: The same of the acceleration, whose noise hides all else in a longer one.
 ACCELERATION_ZOOM = 6.0
-#: Points of one line: four lines in two panels make an SVG of some 400 KiB.
-POINTS = 1200
 AXES = ("x", "y")
-TRUTH: dict[str, Any] = {"color": "black", "linewidth": 1.4, "label": "truth", "zorder": 2}
 ALONE: dict[str, Any] = {
     "color": "#D55E00", "linewidth": 1.1, "linestyle": (0, (1, 1)), "zorder": 1.9,
     "label": "IMU alone,\nintegrated",
 }  # fmt: skip
-FIXES: dict[str, Any] = {
-    "color": "0.45", "marker": "+", "linestyle": "none", "markersize": 7,
-    "label": "GNSS fixes\n(as they arrive)", "zorder": 3,
-}  # fmt: skip
 #: What the integrated IMU may show of its drift, in amplitudes of the motion.
 VIEW = 1.6
-UNITS = {"position": "m", "velocity": "m/s", "acceleration": "m/s²", "bias": "m/s²"}
 #: Bound of the velocity error that section 5.2 names, m/s.
 VELOCITY_BOUND = 0.05
+
+#: First and last time that a panel shows, s.
+View = tuple[float, float]
 
 
 def draw(
@@ -75,45 +70,21 @@ def draw(
     if quantity not in UNITS:
         raise InputError(f"quantity: {quantity!r} is none of {', '.join(UNITS)}")
     names = _names(histories, quantity, schemes)
-    start, end = _window(histories, quantity, zoom=zoom)
-    with style.context():
-        figure = style.new_figure(10.0, 7.2)
-        panels = figure.subplots(3, 1, height_ratios=[1.0, 1.0, 0.8])
-        for axis, axes in enumerate(panels[:2]):
-            _truth_and_sensors(axes, histories, quantity, axis, (start, end))
-            for name in names:
-                _line(
-                    axes,
-                    *_estimate(histories, name, quantity, axis),
-                    name,
-                    (start, end),
-                    names=list(histories.estimated),
-                )
-            axes.set_xlim(start, end)
-            axes.set_ylabel(f"{AXES[axis]} {quantity} ({UNITS[quantity]})")
-            _limit(axes, histories, quantity, axis, (start, end), names)
-        if zoom:
-            _errors(panels[2], histories, quantity, names, (start, end))
-        else:
-            _accumulated(panels[2], histories, quantity, names)
-        panels[2].set_xlabel("time (s)")
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside right upper", frameon=False)
-        figure.suptitle(
-            f"{_title(quantity, zoom=zoom)}, natural period {histories.natural_period:g} s, "
-            f"amplitude {histories.amplitude:g} m, tuning: {tuning}",
-            x=0.01,
-            ha="left",
-            fontsize=12,
-        )
-        style.footnote(figure, _explanations(histories, quantity, names))
-    return figure
+    view = _view(histories, quantity, zoom=zoom)
+    panels = [_values(histories, quantity, axis, names, view) for axis in range(2)]
+    return time_histories.draw(
+        [*panels, _errors(histories, quantity, names, view if zoom else None)],
+        title=f"{time_histories.describe(quantity)} estimate{', zoomed in' if zoom else ''}, "
+        f"natural period {histories.natural_period:g} s, amplitude {histories.amplitude:g} m, "
+        f"tuning: {tuning}",
+        footnote=_explanations(histories, quantity, names),
+    )
 
 
 def _names(histories: Histories, quantity: str, schemes: Sequence[str] | None) -> list[str]:
     if schemes is None:
-        known = [name for name in histories.estimated if name in SHOWN]
-        schemes = known or list(histories.estimated)
+        of_the_paper = [name for name in histories.estimated if name in SHOWN]
+        schemes = of_the_paper or list(histories.estimated)
     for name in schemes:
         if name not in histories.estimated:
             have = ", ".join(histories.estimated) or "none"
@@ -125,7 +96,7 @@ def _names(histories: Histories, quantity: str, schemes: Sequence[str] | None) -
     return list(schemes)
 
 
-def _window(histories: Histories, quantity: str, *, zoom: bool) -> tuple[float, float]:
+def _view(histories: Histories, quantity: str, *, zoom: bool) -> View:
     whole = float(histories.time[-1])
     if zoom or quantity == "acceleration":
         length = ACCELERATION_ZOOM if quantity == "acceleration" else ZOOM
@@ -134,145 +105,112 @@ def _window(histories: Histories, quantity: str, *, zoom: bool) -> tuple[float, 
     return 0.0, whole if quantity == "bias" else min(SPAN, whole)
 
 
-def _estimate(histories: Histories, name: str, quantity: str, axis: int) -> tuple[Array, Array]:
-    """Times and values of an estimate, each value at the moment that it is about."""
-    found = histories.estimated[name]
-    values = getattr(found, quantity)[:, axis]
+def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Array]:
+    """Times (n,) and values (n, 2) of an estimate, each value at the moment that it is about."""
+    estimated = histories.estimated[name]
+    values = getattr(estimated, quantity)
     if quantity in ("position", "velocity"):
         return histories.time, values
-    return histories.time[: len(values) - found.lag], values[found.lag :]
+    return histories.time[: len(values) - estimated.lag], values[estimated.lag :]
 
 
-def _error(histories: Histories, name: str, quantity: str, axis: int) -> tuple[Array, Array]:
-    time, values = _estimate(histories, name, quantity, axis)
-    return time, values - getattr(histories, quantity)[: len(values), axis]
+def _values(
+    histories: Histories, quantity: str, axis: int, names: Sequence[str], view: View
+) -> Panel:
+    """The panel of x or y: truth, what the sensors said, and the estimates."""
 
+    def inside(values: Array) -> Line:
+        return make_line(*clip(histories.time, values[:, axis], view))
 
-def _truth_and_sensors(
-    axes: Axes, histories: Histories, quantity: str, axis: int, window: tuple[float, float]
-) -> None:
+    marks: list[Curve] = []
     if quantity == "acceleration":
-        measured: dict[str, Any] = {"color": "0.75", "linewidth": 0.6, "label": "IMU"}
-        _plot(axes, histories.time, histories.measured[:, axis], window, **measured)
-    _plot(axes, histories.time, getattr(histories, quantity)[:, axis], window, **TRUTH)
-    if quantity in ("position", "velocity"):
-        alone = getattr(histories, f"integrated_{quantity}")[:, axis]
-        if _in_view(histories, quantity, axis, window):
-            _plot(axes, histories.time, alone, window, **ALONE)
+        marks.append(time_histories.show_measurement(inside(histories.measured)))
+    marks.append(time_histories.show_truth(inside(getattr(histories, quantity))))
+    if _drift_in_view(histories, quantity, axis, view):
+        marks.append(Curve(inside(_integrated(histories, quantity)), ALONE))
     if quantity == "position":
-        inside = (histories.fix_time >= window[0]) & (histories.fix_time <= window[1])
-        axes.plot(histories.fix_time[inside], histories.fixes[inside, axis], **FIXES)
-
-
-def _plot(axes: Axes, time: Array, values: Array, window: tuple[float, float], **look: Any) -> None:
-    inside = (time >= window[0]) & (time <= window[1])
-    axes.plot(*decimate(time[inside], values[inside], POINTS), **look)
-
-
-def _line(
-    axes: Axes,
-    time: Array,
-    values: Array,
-    name: str,
-    window: tuple[float, float],
-    *,
-    names: Sequence[str],
-) -> None:
-    look = style_of(name, names)
-    line: dict[str, Any] = {"color": look.color, "linestyle": look.line, "linewidth": 1.2}
-    _plot(axes, time, values, window, label=name, zorder=2.5, **line)
-
-
-def _limit(
-    axes: Axes,
-    histories: Histories,
-    quantity: str,
-    axis: int,
-    window: tuple[float, float],
-    names: Sequence[str],
-) -> None:
-    """Let the drift of the integrated IMU leave the panel, and say where to."""
-    if quantity == "bias":
-        settled = [_estimate(histories, name, quantity, axis)[1][_settled(histories) :]
-                   for name in names]  # fmt: skip
-        values = np.concatenate([histories.bias[:, axis], *settled])
-        margin = 0.3 * np.ptp(values)
-        axes.set_ylim(values.min() - margin, values.max() + margin)
-    if quantity not in ("position", "velocity"):
-        return
-    alone = getattr(histories, f"integrated_{quantity}")[:, axis]
-    limit = _view(histories, quantity, axis)
-    if _in_view(histories, quantity, axis, window):
-        axes.set_ylim(-limit, limit)
-    last = int(np.searchsorted(histories.time, window[1], side="right")) - 1
-    outside = np.abs(alone) > limit
-    if outside[last]:
-        gone = histories.time[int(np.argmax(outside))]
-        axes.set_title(
-            f"IMU alone, integrated: leaves ±{limit:.2g} {UNITS[quantity]} after {gone:.0f} s, "
-            f"is at {alone[last]:.3g} {UNITS[quantity]} after {histories.time[last]:.0f} s",
-            loc="left",
-            fontsize=9,
-            color=ALONE["color"],
+        fixes = clip(histories.fix_time, histories.fixes[:, axis], view)
+        marks.append(
+            time_histories.show_fixes(*fixes, label="GNSS fixes\n(as they arrive)", size=7)
         )
+    for name in names:
+        time, estimated = _estimate(histories, name, quantity)
+        line = make_line(*clip(time, estimated[:, axis], view))
+        marks.append(time_histories.show_estimate(name, list(histories.estimated), line))
+    return Panel(
+        label=f"{AXES[axis]} {quantity} ({UNITS[quantity]})",
+        marks=marks,
+        view=view,
+        limits=_limits(histories, quantity, axis, names, view),
+        note=_drift_note(histories, quantity, axis, view),
+        note_color=ALONE["color"],
+    )
 
 
-def _view(histories: Histories, quantity: str, axis: int) -> float:
+def _limits(
+    histories: Histories, quantity: str, axis: int, names: Sequence[str], view: View
+) -> tuple[float | None, float | None]:
+    """What the values reach: of a bias without its start, else without the IMU's drift."""
+    if quantity == "bias":
+        settled = len(histories.time) // 10  # the start would hide all that comes after
+        estimates = [_estimate(histories, name, quantity)[1][settled:, axis] for name in names]
+        values = np.concatenate([histories.bias[:, axis], *estimates])
+        margin = 0.3 * np.ptp(values)
+        return values.min() - margin, values.max() + margin
+    if _drift_in_view(histories, quantity, axis, view):
+        limit = _reach(histories, quantity, axis)
+        return -limit, limit
+    return None, None
+
+
+def _integrated(histories: Histories, quantity: str) -> Array:
+    """(steps, 2) position or velocity of the IMU alone."""
+    return np.asarray(getattr(histories, f"integrated_{quantity}"))
+
+
+def _reach(histories: Histories, quantity: str, axis: int) -> float:
+    """How far from zero a panel reaches that would show the IMU's drift."""
     return VIEW * float(np.max(np.abs(getattr(histories, quantity)[:, axis])))
 
 
-def _in_view(histories: Histories, quantity: str, axis: int, window: tuple[float, float]) -> bool:
-    """Whether the integrated IMU has not left the panel before the window begins."""
-    inside = (histories.time >= window[0]) & (histories.time <= window[1])
-    alone = getattr(histories, f"integrated_{quantity}")[inside, axis]
-    return bool(np.min(np.abs(alone)) <= _view(histories, quantity, axis))
+def _drift_in_view(histories: Histories, quantity: str, axis: int, view: View) -> bool:
+    """Whether the integrated IMU has not left the panel before the view begins."""
+    if quantity not in ("position", "velocity"):
+        return False
+    _, alone = clip(histories.time, _integrated(histories, quantity)[:, axis], view)
+    return bool(np.min(np.abs(alone)) <= _reach(histories, quantity, axis))
 
 
-def _settled(histories: Histories) -> int:
-    """The first step of what a bias panel is scaled to: after a tenth of the record."""
-    return len(histories.time) // 10
+def _drift_note(histories: Histories, quantity: str, axis: int, view: View) -> str:
+    """Where the drift of the integrated IMU leaves the panel, if it does."""
+    if quantity not in ("position", "velocity"):
+        return ""
+    alone = _integrated(histories, quantity)[:, axis]
+    limit, unit = _reach(histories, quantity, axis), UNITS[quantity]
+    last = int(np.searchsorted(histories.time, view[1], side="right")) - 1
+    outside = np.abs(alone) > limit
+    if not outside[last]:
+        return ""
+    return (
+        f"IMU alone, integrated: leaves ±{limit:.2g} {unit} after "
+        f"{histories.time[int(np.argmax(outside))]:.0f} s, is at {alone[last]:.3g} {unit} after "
+        f"{histories.time[last]:.0f} s"
+    )
 
 
-def _accumulated(axes: Axes, histories: Histories, quantity: str, names: Sequence[str]) -> None:
-    """The absolute error of both axes, summed over time."""
-    step = float(histories.time[1])
-    ends = []
-    for name in names:
-        parts = [_error(histories, name, quantity, axis) for axis in range(2)]
-        total = step * np.cumsum(np.sum([np.abs(error) for _, error in parts], axis=0))
-        whole = (0.0, float(histories.time[-1]))
-        _line(axes, parts[0][0], total, name, whole, names=list(histories.estimated))
-        ends.append(f"{name} {total[-1]:.3g}")
-    axes.set_ylabel(f"accumulated |error|,\nx + y ({_times_second(UNITS[quantity])})")
-    at_end = ", ".join(ends)
-    axes.set_title(f"over the whole record; at its end: {at_end}", loc="left", fontsize=9)
-    axes.set_xlim(0.0, histories.time[-1])
-    axes.set_ylim(bottom=0.0)
-
-
-def _times_second(unit: str) -> str:
-    return {"m": "m s", "m/s": "m", "m/s²": "m/s"}[unit]
-
-
-def _errors(
-    axes: Axes, histories: Histories, quantity: str, names: Sequence[str],
-    window: tuple[float, float],
-) -> None:  # fmt: skip
-    for name in names:
-        time, error = _error(histories, name, quantity, 0)
-        _line(axes, time, error, name, window, names=list(histories.estimated))
-    if quantity == "velocity":
-        for bound in (-VELOCITY_BOUND, VELOCITY_BOUND):
-            axes.axhline(bound, color="0.3", linewidth=1.0, linestyle=":")
-        axes.set_title(f"dotted: ±{VELOCITY_BOUND:g} m/s of section 5.2", loc="left", fontsize=9)
-    axes.axhline(0.0, color="0.3", linewidth=0.8)
-    axes.set_ylabel(f"error of x ({UNITS[quantity]})")
-    axes.set_xlim(*window)
-
-
-def _title(quantity: str, *, zoom: bool) -> str:
-    name = {"bias": "Accelerometer bias"}.get(quantity, quantity.capitalize())
-    return f"{name} estimate{', zoomed in' if zoom else ''}"
+def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
+    """The errors of x in a view, or what accumulates of x and y over the record."""
+    truth = getattr(histories, quantity)
+    estimates = {name: _estimate(histories, name, quantity) for name in names}
+    errors = {name: (time, values - truth[: len(values)])
+              for name, (time, values) in estimates.items()}  # fmt: skip
+    schemes = list(histories.estimated)
+    if view is None:
+        return show_accumulated(errors, schemes, quantity, float(histories.time[-1]))
+    if quantity != "velocity":
+        return show_errors(errors, schemes, quantity, view)
+    note = f"dotted: ±{VELOCITY_BOUND:g} m/s of section 5.2"
+    return show_errors(errors, schemes, quantity, view, bound=VELOCITY_BOUND, note=note)
 
 
 def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> str:
@@ -285,24 +223,30 @@ def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> 
     if quantity in ("position", "velocity"):
         sentences.append("The IMU alone is integrated from the true initial state.")
     else:
-        lags: dict[float, list[str]] = {}
-        for name in names:
-            lag = histories.estimated[name].lag * float(histories.time[1])
-            lags.setdefault(round(lag, 9), []).append(name)
-        known = "; ".join(
-            f"{' and '.join(group)} {f'{lag:g} s later' if lag else 'at once'}"
-            for lag, group in sorted(lags.items())
-        )
-        sentences.append(
-            f"Each value of the filter stands at the moment that it is about; it is known: {known}."
-        )
-        if any(histories.estimated[name].lag == 0 for name in names):
-            sentences.append(
-                "A filter without delay mixes fixes of the past with an IMU of the present."
-            )
+        sentences += _lags(histories, names)
     if quantity == "bias":
         sentences.append("Panels of x and y are scaled to what is left after the transient.")
     if quantity in ("acceleration", "bias") and len(names) > 1:
         sentences.append("Where one line shows, the others lie under it.")
     sentences += [f"{name} is left out: {why}." for name, why in histories.left_out.items()]
     return " ".join(sentences)
+
+
+def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
+    """How late each scheme's filter knows its states."""
+    lags: dict[float, list[str]] = {}
+    for name in names:
+        lag = histories.estimated[name].lag * float(histories.time[1])
+        lags.setdefault(round(lag, 9), []).append(name)
+    when = "; ".join(
+        f"{' and '.join(group)} {f'{lag:g} s later' if lag else 'at once'}"
+        for lag, group in sorted(lags.items())
+    )
+    sentences = [
+        f"Each value of the filter stands at the moment that it is about; it is known: {when}."
+    ]
+    if 0.0 in lags:
+        sentences.append(
+            "A filter without delay mixes fixes of the past with an IMU of the present."
+        )
+    return sentences

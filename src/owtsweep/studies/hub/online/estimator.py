@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
+from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
+from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import axis_filter, input_model
 from owtsweep.studies.hub.online.memory import (
     FilterSettings,
@@ -141,6 +143,16 @@ class OnlineEstimator:
                 self._lost = f"{error}, at step {step}; start a new estimator"
                 raise ArithmeticError(self._lost) from error
             resume = True
+
+    def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
+        """Take many samples at once, as `run` does; for `owtsweep.evaluation`."""
+        out = self.run(specific_force, positions)
+        return Trajectory(
+            out.state,
+            spread_to_both_axes(out.covariance),
+            out.innovation,
+            out.innovation_variance[:, None, None] * _EYE,
+        )
 
     def _check(self, force: Array, positions: Array) -> None:
         if self._lost:

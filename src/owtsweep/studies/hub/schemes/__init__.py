@@ -1,4 +1,4 @@
-"""The four schemes of the study, and how an entry of `schemes` becomes a scheme."""
+"""The four schemes of the hub study; turns entries of the key `schemes` into schemes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.contract import Scheme
 
-#: Name -> where it lives and what it is, in the order of tables and figures.
+#: Name -> module and description, in the order of tables and figures.
 REGISTERED = {
     "EKF": (
         "owtsweep.studies.hub.schemes.ekf",
@@ -22,7 +22,7 @@ REGISTERED = {
 
 
 def resolve(entry: Any) -> Scheme:
-    """The scheme that an entry of `schemes` means.
+    """Return the scheme that an entry of the key `schemes` stands for.
 
     Parameters
     ----------
@@ -33,13 +33,14 @@ def resolve(entry: Any) -> Scheme:
     Raises
     ------
     InputError
-        If it is unknown, does not import, or lacks part of the contract.
+        If the name is unknown, the class cannot be imported or made, or it lacks part of the
+        contract.
     """
     if isinstance(entry, str):
         if entry not in REGISTERED:
-            known = ", ".join(REGISTERED)
+            names = ", ".join(REGISTERED)
             raise InputError(
-                f"schemes: there is no scheme {entry!r}; use {known} or {{_target_: package.Class}}"
+                f"schemes: there is no scheme {entry!r}; use {names} or {{_target_: package.Class}}"
             )
         module = import_module(REGISTERED[entry][0])
         return module.SCHEME  # type: ignore[no-any-return]
@@ -51,14 +52,14 @@ def resolve(entry: Any) -> Scheme:
 
 
 def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
-    """All schemes of a run, with unique names, in the order given.
+    """Return all schemes of a run in the order given.
 
-    With a tuning, each as that tuning makes it: `under(tuning)` where a scheme has it.
+    If a tuning is given, each scheme is passed through `under` with it.
 
     Raises
     ------
     InputError
-        As `resolve`, and if two schemes have one name or there is none.
+        As `resolve` does; also if the list is empty or two schemes have the same name.
     """
     if not entries:
         raise InputError("schemes: the list is empty; use e.g. schemes=[MKF,HME1]")
@@ -71,7 +72,11 @@ def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
 
 
 def under(scheme: Scheme, tuning: Any) -> Scheme:
-    """The scheme as a tuning makes it: a constrained HME2, say, is not linear."""
+    """Return the form that a scheme takes under a tuning.
+
+    A scheme whose properties depend on the tuning has a method `under(tuning)`: with constraints,
+    for example, HME2 is not linear.
+    """
     if tuning is not None and hasattr(scheme, "under"):
         return scheme.under(tuning)  # type: ignore[no-any-return]
     return scheme
@@ -83,7 +88,7 @@ def _instantiate(entry: Mapping[str, Any]) -> Scheme:
     arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
     try:
         scheme = getattr(import_module(module_name), class_name)(**arguments)
-    except (Exception, SystemExit) as error:  # whatever a user's module does while it loads
+    except (Exception, SystemExit) as error:  # a user's module may raise anything while it loads
         text = as_text(error)
         raise InputError(
             f"schemes: {target} cannot be made ({text}); it must be importable from here "
@@ -94,7 +99,7 @@ def _instantiate(entry: Mapping[str, Any]) -> Scheme:
 
 
 def check_scheme(scheme: Any, target: str) -> None:
-    """Raise `InputError` naming what of the contract a scheme lacks."""
+    """Raise `InputError` with the parts of the contract that a scheme lacks."""
     lacks = []
     if not (isinstance(getattr(scheme, "name", None), str) and scheme.name):
         lacks.append("name (a non-empty str)")

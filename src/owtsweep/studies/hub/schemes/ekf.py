@@ -1,9 +1,9 @@
 """EKF: the filter on model (6) with the GNSS innovation set to zero between fixes (section 5.3).
 
-Model (6) is linear, so this "extended" filter is a Kalman filter. What the paper does not say is
-how the covariance is updated between fixes: `ekf.update_rule` offers `every_step` (as if there were
-a fix at every IMU step, which the published numbers point to) and the rules of the MKF; with
-`proper` the scheme is the MKF. Its IMU is not delayed.
+Model (6) is linear, so this "extended" filter is a Kalman filter. It uses the IMU without delay.
+The paper does not say how the covariance is updated between fixes; `ekf.update_rule` decides.
+`every_step` updates it as if there were a fix at every IMU step, which agrees best with the
+published numbers. The rules of the MKF are available too; with `proper` the scheme is the MKF.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ class EKF:
     sections = ("ekf",)
 
     def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
-        """A fresh estimator."""
+        """Start a fresh estimator."""
         return FilterEstimator(tuning.ekf, sensors)
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh compiled estimator."""
+        """Start a fresh compiled estimator."""
         return online_chain(tuning.ekf, sensors)
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """The scheme for the batch engine, for records of that many steps."""
+        """The scheme's form for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.ekf, sensors), sensors, rule=tuning.ekf.update_rule, steps=steps
         )

@@ -10,9 +10,10 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.predictor import predict
 from owtsweep.estimation.smoother import FixedLagSmoother
+from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.config import FilterTuning
-from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
+from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import axis_filter, input_model
 from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
@@ -20,10 +21,11 @@ from owtsweep.studies.hub.schemes.uncertainty import predicted_covariance
 
 
 class DelayedChain:
-    """What HME1 and HME2 share: everything behind the position that the filter is given.
+    """What HME1 and HME2 have in common: register 1, filter, smoother and predictor.
 
-    Covariances come from the schedule until a fix is missing or comes at another step than it
-    should (`on_schedule` goes False), and from the filter's own past from then on.
+    The two differ only in the position that they give to the filter. Covariances come from the
+    precomputed schedule while every fix arrives at the step at which it is due. Once one does not,
+    `on_schedule` is False, and covariances are computed from the filter's past.
     """
 
     def __init__(self, tuning: FilterTuning, window: int, sensors: Sensors, gains: Chain) -> None:
@@ -35,8 +37,8 @@ class DelayedChain:
         self.smoother = FixedLagSmoother(self.filter.kf.F, window)
         self.input_model = input_model(tuning, sensors)
         self.count = 0
-        # Register 1, printed with a delay of N_d - 1 steps; N_d is meant. Register u_s behind it
-        # keeps the N_s inputs that left it. Both start at zero.
+        # Register 1 delays by N_d steps; the paper prints N_d - 1. Register u_s, which follows it,
+        # keeps the N_s inputs that have left register 1. Both start with zeros.
         self.samples: deque[Array] = deque(
             [np.zeros(2)] * (sensors.delay + window + 1), maxlen=sensors.delay + window + 1
         )
@@ -44,14 +46,15 @@ class DelayedChain:
         self.gains = gains
 
     def push(self, specific_force: Array) -> Array:
-        """Register 1: take the newest sample, return the one of N_d steps ago (IMU frame)."""
-        self.samples.append(np.array(specific_force, dtype=float))  # callers may reuse theirs
+        """Register 1: store the newest sample and return that of N_d steps ago (IMU frame)."""
+        # a copy, because the caller may reuse its array
+        self.samples.append(np.array(specific_force, dtype=float))
         return self.samples[-1 - self.sensors.delay]
 
     def step(
         self, delayed: Array, fix: Array | None, held_fix: Array
     ) -> tuple[Estimate, FilterStep]:
-        """Filter, smooth and predict (Algorithms 6-9) with the delayed sample and a position."""
+        """Filter, smooth and predict (Algorithms 6-9) from the delayed sample and a position."""
         step = self.filter.step(delayed, fix, held_fix)
         smoothed = self.smoother.update(step.x, step.P, step.x_predicted, step.P_predicted)
         state: Array = np.zeros(8) if smoothed is None else smoothed[0]
@@ -104,18 +107,18 @@ class HME1:
     sections = ("hme1", "hme.smoother_window")
 
     def start(self, sensors: Sensors, tuning: Any) -> HME1Estimator:
-        """A fresh estimator."""
+        """Start a fresh estimator."""
         return HME1Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh compiled estimator."""
+        """Start a fresh compiled estimator."""
         return online_chain(
             tuning.hme1, sensors, window=tuning.hme.smoother_window, delay=sensors.delay
         )
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """The scheme for the batch engine, for records of that many steps."""
+        """The scheme's form for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.hme1, sensors),
             sensors,

@@ -1,4 +1,4 @@
-"""HME2, Algorithm 2: HME1 whose filter takes the moving horizon estimator's positions."""
+"""HME2, Algorithm 2: HME1 whose filter gets its positions from a moving horizon estimator."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise
 from owtsweep.estimation.predictor import predict
+from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub import window
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
-from owtsweep.studies.hub.contract import Estimate, Sensors
+from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon, horizon
 from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model, sigma_2
 from owtsweep.studies.hub.online.estimator import OFF_GRID, OnlineEstimator, online_chain
@@ -21,10 +22,11 @@ from owtsweep.studies.hub.schemes.multirate import FilterStep
 
 
 class MovingHorizonEstimator:
-    """Registers 2 and 3 and the optimisation (Algorithms 4 and 5, Eq. 11), two axes.
+    """Registers 2 and 3 and the optimisation (Algorithms 4 and 5, Eq. 11) on two axes.
 
-    Printed: both parts of register 2 are built from register 1; its own past is meant. A fix that
-    is missing leaves a node without one.
+    The paper prints that both parts of register 2 are built from register 1. Here they are built
+    from the past of register 2, which must be meant. A missing fix leaves its node without a
+    measurement.
     """
 
     def __init__(self, mhe: Horizon, sensors: Sensors, gains: Chain, solver: str) -> None:
@@ -32,15 +34,15 @@ class MovingHorizonEstimator:
         self.on_schedule = True
         self.model = discretise(sigma_2(0.0, 0.0), sensors.step)
         self.fixes: deque[Array | None] = deque(maxlen=mhe.length + 1)
-        self.effects: deque[Array] = deque(maxlen=mhe.length)  # of the inputs, per interval
+        self.effects: deque[Array] = deque(maxlen=mhe.length)  # B u, one per GNSS interval
         self.states: dict[int, FilterStep] = {}  # register 3, by the number of the node
-        self.inputs: list[Array] = []  # since the last node, as the MHE sees them
-        self.recent: list[Array] = []  # since the last tick of T_m
+        self.inputs: list[Array] = []  # since the last node, as the MHE uses them
+        self.recent: list[Array] = []  # samples since the last multiple of T_m
         self.held: Array = np.zeros(2)
         self.fix_number = -1
 
     def take_fix(self, fix: Array | None) -> None:
-        """Register 2, every T_g."""
+        """Register 2: take the fix of the next node, or None if it is missing; once per T_g."""
         self.fix_number += 1
         if self.fix_number > 0:
             self.effects.append(self._effect())
@@ -48,12 +50,15 @@ class MovingHorizonEstimator:
         self.fixes.append(fix)
 
     def determined(self) -> bool:
-        """Whether the window's fixes determine its states, or correct what arrived there."""
+        """Whether the window holds enough fixes: one with an arrival term, three without.
+
+        A fix that the arrival state contains already does not count.
+        """
         used = list(self.fixes)[1 if self.mhe.uses_filter(self.fix_number) else 0 :]
         return sum(fix is not None for fix in used) >= (1 if self.mhe.arrival else 3)
 
     def take_input(self, step: int, force: Array) -> None:
-        """Register 2: the input (NED) that is held over the step that now begins."""
+        """Register 2: take the input (NED) of the step that begins now."""
         self.recent.append(force)
         if step % self.mhe.interval == 0:
             averaged = np.sum(self.recent, axis=0) / self.mhe.interval
@@ -62,12 +67,12 @@ class MovingHorizonEstimator:
         self.inputs.append(force if self.mhe.inputs == "all" else self.held)
 
     def take_state(self, filtered: FilterStep) -> None:
-        """Register 3, at the nodes."""
+        """Register 3: take the filter's state, at a node."""
         self.states[self.fix_number] = filtered
         self.states.pop(self.fix_number - self.mhe.length - 1, None)
 
     def position(self, since_fix: int) -> Array:
-        """The position now (delayed time), `since_fix` steps after the newest node."""
+        """The MHE's position at the present of delayed time, `since_fix` steps after a node."""
         filled = self.mhe.uses_filter(self.fix_number)
         effects = [*self.effects] + ([self._effect()] if since_fix else [])
         M = self.sensors.fix_interval
@@ -105,7 +110,7 @@ class HME2Estimator:
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
         mhe = horizon(tuning.hme.mhe, sensors)
         self.sensors = sensors
-        self.chain = DelayedChain(tuning.hme2, window_of(tuning), sensors, gains)
+        self.chain = DelayedChain(tuning.hme2, choose_window(tuning), sensors, gains)
         self.mhe = MovingHorizonEstimator(mhe, sensors, gains, tuning.hme.mhe.solver)
         self.settings = mhe
         self.held_fix: Array = np.zeros(2)
@@ -117,7 +122,7 @@ class HME2Estimator:
         Raises
         ------
         ValueError
-            If a fix comes between the steps at which fixes are due: the MHE has no node there.
+            If a fix comes at a step at which none is due: the MHE has no node there.
         """
         since_fix = self.step % self.sensors.fix_interval
         if position is not None and since_fix:
@@ -129,7 +134,7 @@ class HME2Estimator:
             self.mhe.take_fix(None if position is None else np.array(position, dtype=float))
         fix = None
         if not self.mhe.determined():
-            fix = position  # too few fixes for a window: they pass through
+            fix = position  # too few fixes for a window: the filter gets the fix itself
         elif self.step % self.settings.interval == 0:
             fix = self.mhe.position(since_fix)
         if fix is not None:
@@ -142,10 +147,10 @@ class HME2Estimator:
         return estimate
 
 
-def window_of(tuning: Any) -> int:
-    """HME2's smoother window: its own, or the one that HME1 has."""
-    own = tuning.hme.mhe.smoother_window
-    return int(tuning.hme.smoother_window if own is None else own)
+def choose_window(tuning: Any) -> int:
+    """HME2's smoother window, IMU steps: `hme.mhe.smoother_window`, or HME1's if that is null."""
+    window = tuning.hme.mhe.smoother_window
+    return int(tuning.hme.smoother_window if window is None else window)
 
 
 class HME2:
@@ -156,33 +161,33 @@ class HME2:
     sections = ("hme2", "hme")
 
     def start(self, sensors: Sensors, tuning: Any) -> HME2Estimator:
-        """A fresh estimator."""
+        """Start a fresh estimator."""
         return HME2Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh compiled estimator."""
+        """Start a fresh compiled estimator."""
         return online_chain(
             tuning.hme2,
             sensors,
-            window=window_of(tuning),
+            window=choose_window(tuning),
             delay=sensors.delay,
             mhe=horizon(tuning.hme.mhe, sensors),
             solver=tuning.hme.mhe.solver,
         )
 
     def under(self, tuning: Any) -> HME2 | ConstrainedHME2:
-        """Itself, or with constraints what these make of it."""
+        """The scheme itself, or its constrained form if the tuning sets constraints."""
         return ConstrainedHME2() if np.any(np.isfinite(tuning.hme.mhe.bounds)) else self
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """The scheme for the batch engine, for records of that many steps."""
+        """The scheme's form for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.hme2, sensors),
             sensors,
             rule=tuning.hme2.update_rule,
             input_delay=sensors.delay,
-            window=window_of(tuning),
+            window=choose_window(tuning),
             predict=input_model(tuning.hme2, sensors),
             horizon=horizon(tuning.hme.mhe, sensors),
             steps=steps,
@@ -190,7 +195,7 @@ class HME2:
 
 
 class ConstrainedHME2:
-    """HME2 with constraints on the MHE's window: not linear, and without a kernel."""
+    """HME2 with constraints in the MHE's window. It is not linear and has no kernel."""
 
     name = "HME2"
     linear = False
@@ -198,11 +203,14 @@ class ConstrainedHME2:
     sections = HME2.sections
 
     def start(self, sensors: Sensors, tuning: Any) -> HME2Estimator:
-        """A fresh estimator that solves every window with its constraints."""
+        """Start a fresh estimator that solves every window with its constraints."""
         return SCHEME.start(sensors, tuning)
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh compiled estimator: CasADi where the unconstrained answer breaks a constraint."""
+        """Start a fresh compiled estimator.
+
+        It solves a window by CasADi only if the unconstrained solution breaks a constraint.
+        """
         return SCHEME.stream(sensors, tuning)
 
 

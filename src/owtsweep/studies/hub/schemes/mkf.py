@@ -1,7 +1,7 @@
 """MKF: Algorithm 6 alone, without register 1 (section 5.3).
 
-The delayed fixes meet the undelayed IMU; no smoother, no predictor. Its output is compared with
-the present and therefore lags.
+The filter combines delayed fixes with the undelayed IMU, without smoother or predictor. Its output
+is compared with the present motion, so the GNSS delay makes it lag.
 """
 
 from __future__ import annotations
@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.config import FilterTuning
-from owtsweep.studies.hub.contract import Estimate, Innovation, Sensors
+from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import axis_filter
 from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
@@ -47,16 +48,16 @@ class MKF:
     sections = ("mkf",)
 
     def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
-        """A fresh estimator."""
+        """Start a fresh estimator."""
         return FilterEstimator(tuning.mkf, sensors)
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh compiled estimator."""
+        """Start a fresh compiled estimator."""
         return online_chain(tuning.mkf, sensors)
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """The scheme for the batch engine, for records of that many steps."""
+        """The scheme's form for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.mkf, sensors), sensors, rule=tuning.mkf.update_rule, steps=steps
         )

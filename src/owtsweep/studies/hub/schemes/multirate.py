@@ -1,4 +1,4 @@
-"""The multirate Kalman filter as written (Algorithm 6), on filterpy: two axes, 8 states."""
+"""The multirate Kalman filter as in Algorithm 6, by filterpy: two axes, 8 states."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ _I = np.eye(2)
 
 
 class FilterStep(NamedTuple):
-    """What Algorithm 6 returns: states (8,), covariances (8, 8); and the position innovation."""
+    """What Algorithm 6 returns, and the innovation of the position.
+
+    States are (8,), covariances (8, 8); the innovation is (2,), its covariance (2, 2).
+    """
 
     x: Array
     P: Array
@@ -24,10 +27,11 @@ class FilterStep(NamedTuple):
 
 
 class MultirateKalmanFilter:
-    """Sigma_1 or Sigma_2 on (x, y, v_x, v_y, a_x, a_y, b_x, b_y), with the yaw in H.
+    """The filter on Sigma_1 or Sigma_2; states (x, y, v_x, v_y, a_x, a_y, b_x, b_y).
 
-    Printed: P_0 = I_6 and registers for 9 states; Sigma_1 has 8. Sigma_2 runs on 8 as well, its
-    acceleration being a white state that nothing observes and that drives nothing.
+    The yaw enters through H. The paper prints P_0 = I_6 and registers for 9 states, but Sigma_1 has
+    8. Sigma_2 runs on 8 states too: its acceleration is a white state that is not observed and does
+    not affect the other states.
     """
 
     def __init__(self, axis: AxisFilter, rotation: Array, rule: str) -> None:
@@ -50,7 +54,7 @@ class MultirateKalmanFilter:
     def step(self, force: Array, fix: Array | None, held_fix: Array | None = None) -> FilterStep:
         """Predict, then correct with this step's specific force (IMU frame) and fix.
 
-        `held_fix` is the last fix, which the literal `mask_rows` reading goes on using.
+        `held_fix` is the last fix. Only the rule `mask_rows` uses it, as Algorithm 6 is printed.
         """
         kf = self.kf
         kf.predict(u=self.previous_input)
@@ -72,7 +76,7 @@ class MultirateKalmanFilter:
         )
 
     def _correct(self, force: Array, fix: Array | None) -> None:
-        """filterpy's update (Joseph form) with the measurements that there are."""
+        """Correct with the available measurements by filterpy's update (Joseph form)."""
         rows, values, noise = [], [], []
         if fix is not None:
             rows.append(self.position_rows)
@@ -90,7 +94,7 @@ class MultirateKalmanFilter:
         self.kf.update(np.concatenate(values).reshape(-1, 1), R=R, H=np.vstack(rows))
 
     def _masked(self, force: Array, held_fix: Array | None) -> None:
-        """Algorithm 6, lines 5-10, between fixes: part of K is zeroed, P = (I - K H) P."""
+        """Correct between fixes by Algorithm 6, lines 5-10: part of K is zero, P = (I - K H) P."""
         kf = self.kf
         H = np.vstack([self.position_rows, self.force_rows])
         R = np.block([[self.R_position, np.zeros((2, 2))], [np.zeros((2, 2)), self.R_force]])
@@ -106,4 +110,4 @@ class MultirateKalmanFilter:
                 z[:2] = held_fix
         kf.x = kf.x + K @ (z.reshape(-1, 1) - H @ kf.x)
         P = (np.eye(8) - K @ H) @ kf.P
-        kf.P = 0.5 * (P + P.T)  # a covariance has no other part
+        kf.P = 0.5 * (P + P.T)  # a covariance is symmetric

@@ -1,7 +1,8 @@
-"""How uncertain a smoothed and predicted estimate is, from the covariances that a filter had.
+"""Computes the covariance of a smoothed and predicted estimate from the filter's covariances.
 
-For gains that follow a schedule `chain` knows this beforehand; where a fix is missing, it has to be
-worked out from the filter's own past. Nothing here is shared with the compiled form.
+While gains follow their schedule, `chain` has this covariance in advance. Once a fix is missing, it
+must be computed from the filter's past, which is done here. The compiled form shares no code with
+this file, so that each can test the other.
 """
 
 from __future__ import annotations
@@ -17,16 +18,16 @@ from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter
 def predicted_covariance(
     filtered: list[Array], predicted: list[Array], axis: AxisFilter, model: Discrete, steps: int
 ) -> Array:
-    """Covariance of (p, v) of one axis, `steps` steps after the oldest of a window, (2, 2).
+    """Covariance (2, 2) of (p, v) of one axis, `steps` steps after the oldest step of a window.
 
-    Written out as one sum: with L_i = C_s ... C_{s+i-1}, the error of the smoothed oldest state is
-    correlated with the noise of input i of the window through L_i P_{s+i|k}, and with that of later
-    inputs not at all.
+    It is written as one sum. With L_i = C_s ... C_{s+i-1}, the error of the smoothed oldest state
+    is correlated with the noise of input i of the window through L_i P_{s+i|k}. It is not
+    correlated with the noise of inputs after the window.
 
     Parameters
     ----------
     filtered, predicted
-        P_{k|k} and P_{k|k-1}, (4, 4) each, of the window's steps, oldest first.
+        P_{k|k} and P_{k|k-1} of the window's steps, (4, 4) each, oldest first.
     axis
         The filter's model.
     model

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.errors import InputError
-from owtsweep.figures import style
+from owtsweep.figures import time_histories
 from owtsweep.figures.decimate import decimate
+from owtsweep.figures.lines import POINTS
 from owtsweep.figures.palette import style_of
+from owtsweep.figures.time_histories import UNITS, Band, Curve, Level, Panel
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.envelope import POINTS
-from owtsweep.studies.replay.figures.traces import Line, Traces, traces
+from owtsweep.studies.replay.figures.traces import Traces, traces
 from owtsweep.studies.replay.measures import QUANTILE
 from owtsweep.studies.replay.session import Session
 from owtsweep.studies.replay.states import FilterStates
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-UNITS = {"position": "m", "velocity": "m/s", "acceleration": "m/s²", "bias": "m/s²"}
 
 
 def draw(
@@ -56,32 +54,19 @@ def draw(
     if not shown.lines:
         hint = "" if quantity in ("position", "velocity") else "; kernels give one with every fix"
         raise InputError(f"there is no estimate of {quantity} here{hint}")
-    with style.context():
-        panels_below = shown.truth is not None or quantity == "position"
-        figure = style.new_figure(10.0, 7.2 if panels_below else 5.4)
-        panels = figure.subplots(
-            3 if panels_below else 2, 1, height_ratios=[1, 1, 0.8][: 3 if panels_below else 2],
-            sharex=True,
-        )  # fmt: skip
-        for axis, axes in enumerate(panels[:2]):
-            _values(axes, session, quantity, axis, shown)
-            axes.set_ylabel(f"{'xy'[axis]} {quantity} ({UNITS[quantity]})")
-        if shown.truth is not None:
-            _errors(panels[2], session, quantity, shown, advised)
-        elif panels_below:
-            _innovations(panels[2], session, shown)
-        panels[-1].set_xlim(shown.start, shown.end)
-        panels[-1].set_xlabel("time on the file's clock (s)")
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside right upper", frameon=False)
-        name = {"bias": "Accelerometer bias"}.get(quantity, quantity.capitalize())
-        figure.suptitle(
-            f"{name}{_part(session, shown, zoom=zoom)}: {Path(session.record.file).name}, "
-            f"tuning: {config.tuning}",
-            x=0.01, ha="left", fontsize=12,
-        )  # fmt: skip
-        style.footnote(figure, _explanations(session, quantity, shown))
-    return figure
+    panels = [_values(session, quantity, axis, shown) for axis in range(2)]
+    if shown.truth is not None:
+        panels.append(_errors(session, quantity, shown, advised))
+    elif quantity == "position":
+        panels.append(_innovations(session, shown))
+    return time_histories.draw(
+        panels,
+        title=f"{time_histories.describe(quantity)}{_part(session, shown, zoom=zoom)}: "
+        f"{Path(session.record.file).name}, tuning: {config.tuning}",
+        footnote=_explanations(session, quantity, shown),
+        time_label="time on the file's clock (s)",
+        shared=True,
+    )
 
 
 def _part(session: Session, shown: Traces, *, zoom: bool) -> str:
@@ -89,7 +74,7 @@ def _part(session: Session, shown: Traces, *, zoom: bool) -> str:
     if zoom:
         return ", zoomed in"
     length = session.record.steps * session.record.step
-    part = shown.end - shown.start
+    part = shown.view[1] - shown.view[0]
     return f", the first {part:.3g} s of {_duration(length)}" if part < 0.99 * length else ""
 
 
@@ -100,71 +85,60 @@ def _duration(seconds: float) -> str:
     return f"{seconds:.3g} s"
 
 
-def _plot(axes: Axes, line: Line, **look: Any) -> None:
-    """A line in its pieces; a gap stays a gap."""
-    for time, values in line:
-        axes.plot(time, values, **look)
-        look = {key: item for key, item in look.items() if key != "label"}
-
-
-def _values(axes: Axes, session: Session, quantity: str, axis: int, shown: Traces) -> None:
+def _values(session: Session, quantity: str, axis: int, shown: Traces) -> Panel:
+    """The panel of x or y: truth, what the sensors said, and the estimates."""
+    marks: list[Curve] = []
     if shown.imu is not None:
-        _plot(axes, shown.imu[axis], color="0.75", linewidth=0.6, label="IMU")
+        marks.append(time_histories.show_measurement(shown.imu[axis]))
     if shown.truth is not None:
         label = session.record.truth if quantity != "bias" else "simulated bias"
-        _plot(axes, shown.truth[axis], color="black", linewidth=1.4, label=label)
-    for name, line in shown.lines.items():
-        look = style_of(name, session.names)
-        _plot(
-            axes, line[axis], color=look.color, linestyle=look.line, linewidth=1.2, label=name,
-            zorder=2.5,
-        )  # fmt: skip
+        marks.append(time_histories.show_truth(shown.truth[axis], label))
+    marks += [
+        time_histories.show_estimate(name, session.names, pair[axis])
+        for name, pair in shown.lines.items()
+    ]
     if shown.fixes is not None:
         time, fixes = shown.fixes
-        axes.plot(
-            time, fixes[:, axis], color="0.45", marker="+", linestyle="none", markersize=6,
-            label="fixes\n(as they arrive)", zorder=3,
-        )  # fmt: skip
+        label = "fixes\n(as they arrive)"
+        marks.append(time_histories.show_fixes(time, fixes[:, axis], label=label, size=6))
+    limits: tuple[float | None, float | None] = (None, None)
     if shown.limits is not None:  # the start, from an uncertain guess, would hide the rest
         low, high = shown.limits[axis]
-        axes.set_ylim(low - 0.3 * (high - low), high + 0.3 * (high - low))
+        limits = (low - 0.3 * (high - low), high + 0.3 * (high - low))
+    return Panel(f"{'xy'[axis]} {quantity} ({UNITS[quantity]})", marks, shown.view, limits)
 
 
-def _errors(
-    axes: Axes, session: Session, quantity: str, shown: Traces, advised: str | None
-) -> None:
-    title = ""
+def _errors(session: Session, quantity: str, shown: Traces, advised: str | None) -> Panel:
+    """The errors of x, and what the advised scheme says of its own."""
+    marks: list[Band | Curve | Level] = []
+    note = ""
     if advised is not None and advised in shown.deviations:
         time, deviation = shown.deviations[advised]
         if np.any(np.isfinite(deviation)):
-            color = style_of(advised, session.names).color
             at, low = decimate(time, -QUANTILE * deviation, POINTS)
             high = np.interp(at, time, QUANTILE * deviation)
-            axes.fill_between(at, low, high, color=color, alpha=0.15, linewidth=0)
-            title = f"shaded: ±1.96 standard deviations that {advised} states"
-    for name, line in shown.errors.items():
-        look = style_of(name, session.names)
-        _plot(axes, line, color=look.color, linestyle=look.line, linewidth=1.1)
-    axes.axhline(0.0, color="0.3", linewidth=0.8)
-    axes.set_ylim(-1.2 * shown.bound, 1.2 * shown.bound)
-    axes.set_ylabel(f"error of x ({UNITS[quantity]})")
-    if title:
-        axes.set_title(title, loc="left", fontsize=9)
+            marks.append(Band(at, low, high, style_of(advised, session.names).color))
+            note = f"shaded: ±1.96 standard deviations that {advised} states"
+    marks += [
+        time_histories.show_scheme(name, session.names, line, linewidth=1.1)
+        for name, line in shown.errors.items()
+    ]
+    reach = 1.2 * shown.bound
+    label = f"error of x ({UNITS[quantity]})"
+    return Panel(label, [*marks, Level(0.0)], shown.view, (-reach, reach), note)
 
 
-def _innovations(axes: Axes, session: Session, shown: Traces) -> None:
+def _innovations(session: Session, shown: Traces) -> Panel:
     """Without a truth: how far each fix was from what the filter had expected, in its sigma."""
+    marks: list[Curve | Level] = []
     for name, (time, scaled) in shown.innovations.items():
-        look = style_of(name, session.names)
-        axes.plot(
-            *decimate(time, scaled, POINTS), color=look.color, marker=look.marker, markersize=3,
-            linewidth=0.6,
-        )  # fmt: skip
-    for bound in (-QUANTILE, QUANTILE):
-        axes.axhline(bound, color="0.3", linewidth=1.0, linestyle=":")
-    axes.set_ylim(-6.0, 6.0)
-    axes.set_ylabel("innovation of x\n(standard deviations)")
-    axes.set_title("dotted: 95 % lie inside if the filter knows its noise", loc="left", fontsize=9)
+        scheme = style_of(name, session.names)
+        look = {"color": scheme.color, "marker": scheme.marker, "markersize": 3, "linewidth": 0.6}
+        marks.append(Curve([decimate(time, scaled, POINTS)], look))
+    marks += [Level(bound, bound=True) for bound in (-QUANTILE, QUANTILE)]
+    label = "innovation of x\n(standard deviations)"
+    note = "dotted: 95 % lie inside if the filter knows its noise"
+    return Panel(label, marks, shown.view, (-6.0, 6.0), note)
 
 
 def _explanations(session: Session, quantity: str, shown: Traces) -> str:

@@ -12,7 +12,7 @@ from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.place import expected_map, fitted, rms_in_band
+from owtsweep.studies.replay.place import compute_rms_in_band, expect_map, read_fit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,7 +31,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    shape, band = fitted(record), config.fit_band
+    shape, band = read_fit(record), config.fit_band
     if shape is None or not band[0] <= shape.peak_frequency <= band[1]:
         raise InputError("the record's spectrum has no peak inside band, so it has no place there")
     period, amplitude = 1.0 / shape.peak_frequency, float(record["peak"])
@@ -41,12 +41,12 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     small = min([*config.grid.amplitude, 0.7 * amplitude])
     large = max([*config.grid.amplitude, 1.5 * amplitude])
     amplitudes = np.geomspace(small, large, AMPLITUDES)
-    expected = expected_map(config, record, periods, amplitudes)
+    expected = expect_map(config, record, periods, amplitudes)
     names = _distinct(expected)
     values = np.array([expected[name] for name in names])
     order = np.sort(values, axis=0)
     best = np.argmin(values, axis=0)
-    ratio = float(record["peak"]) / rms_in_band(record)
+    ratio = float(record["peak"]) / compute_rms_in_band(record)
     with style.context():
         figure = style.new_figure(7.2, 5.6)
         axes = figure.add_subplot()

@@ -9,8 +9,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.seastates import axes as numeric_axes
-from owtsweep.studies.replay.seastates import sea_states
+from owtsweep.studies.replay.seastates import find_axes, read_sea_states
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -85,9 +84,9 @@ _LABELS = {"natural_period": "fitted natural period (s)", "peak": "amplitude (m)
 def _coordinates(
     config: ReplayConfig, records: pd.DataFrame
 ) -> tuple[pd.DataFrame, tuple[str, str]]:
-    states = sea_states(config)
+    states = read_sea_states(config)
     if states is not None:
-        names = numeric_axes(states)
+        names = find_axes(states)
         if len(names) >= 2:
             return states, (names[0], names[1])
         return records, (names[0], "peak")

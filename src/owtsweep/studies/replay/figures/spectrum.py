@@ -12,8 +12,8 @@ from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.decimate import decimate
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.facts import BEYOND, described
-from owtsweep.studies.replay.place import fitted
+from owtsweep.studies.replay.facts import BEYOND, describe_spectrum
+from owtsweep.studies.replay.place import read_fit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,7 +36,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     InputError
         If the record does not move.
     """
-    found = described(config, config.grid.files[0])
+    found = describe_spectrum(config, config.grid.files[0])
     if not found.moves:
         raise InputError("the record does not move, so it has no spectrum")
     frequency, power = found.frequency, found.power
@@ -53,7 +53,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             count = max(SMOOTHED, lines // SHARE // 2 * 2 + 1)
             smooth = decimate(frequency[shown], _smooth(power, count)[shown])
             axes.plot(*smooth, color="black", linewidth=1.2, label=f"mean of {count} lines")
-        shape = fitted(record)
+        shape = read_fit(record)
         if shape is not None:
             f = np.linspace(low, high, 2000)
             axes.plot(f, shape.density(f), color="#0072B2", linewidth=2.0, label="Eq. (1), fitted")

@@ -8,15 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.figures.decimate import decimate
-from owtsweep.studies.replay.envelope import POINTS, Envelope
-from owtsweep.studies.replay.estimating import north_east
+from owtsweep.figures.lines import Line, Pair, make_line, make_pair
+from owtsweep.studies.replay.envelope import Envelope
+from owtsweep.studies.replay.estimating import rotate_force
 from owtsweep.studies.replay.session import COLUMNS, Session
 from owtsweep.studies.replay.states import FilterStates
-
-#: Pieces without a gap: times (s) and values, few enough to be drawn.
-Line = list[tuple[Array, Array]]
-Pair = tuple[Line, Line]
 
 
 @dataclass(frozen=True)
@@ -25,8 +21,8 @@ class Traces:
 
     Attributes
     ----------
-    start, end
-        Of the view, s.
+    view
+        First and last time shown, s.
     lines, errors
         Scheme -> its x and y; scheme -> the error of its x. Schemes that repeat another are left
         out.
@@ -42,8 +38,7 @@ class Traces:
         What the axes of x and of y have to hold, where that is not all there is.
     """
 
-    start: float
-    end: float
+    view: tuple[float, float]
     lines: Mapping[str, Pair]
     errors: Mapping[str, Line]
     bound: float
@@ -77,20 +72,23 @@ def _of_state(session: Session, quantity: str, name: str) -> Traces:
     errors, deviations = {}, {}
     for scheme, estimated in seen.items():
         if truth is not None:
-            errors[scheme] = line(time, estimated.state[:, columns.start] - truth[:, 0])
+            errors[scheme] = make_line(time, estimated.state[:, columns.start] - truth[:, 0])
             deviations[scheme] = time, estimated.deviation[:, columns.start]
     innovations = {}
     for scheme, estimated in session.seen[name].items():
-        scaled = estimated.innovation[:, 0] / np.sqrt(estimated.innovation_variance[:, 0])
+        scaled = estimated.scaled_innovation[:, 0]
         there = np.isfinite(scaled)
         if np.any(there):
             innovations[scheme] = time[there], scaled[there]
     return Traces(
-        *_view(time),
-        {scheme: pair(time, estimated.state[:, columns]) for scheme, estimated in seen.items()},
+        (float(time[0]), float(time[-1])),
+        {
+            scheme: make_pair(time, estimated.state[:, columns])
+            for scheme, estimated in seen.items()
+        },
         errors,
         max((session.bounds[quantity][scheme] for scheme in seen), default=0.0),
-        truth=None if truth is None else pair(time, truth),
+        truth=None if truth is None else make_pair(time, truth),
         fixes=_fixes(session, window) if quantity == "position" else None,
         deviations=deviations,
         innovations=innovations,
@@ -107,33 +105,33 @@ def _fixes(session: Session, window: slice) -> tuple[Array, Array]:
 def _of_acceleration(session: Session, states: FilterStates) -> Traces:
     record, window = session.record, session.windows["acceleration"]
     time = record.time_at(window)
-    found = {
+    filters = {
         name: state
         for name, state in states.of.items()
         if state.acceleration is not None and name not in states.repeated["acceleration"]
     }
     truth = None if record.acceleration is None else record.acceleration[window]
     lines, errors = {}, {}
-    for name, state in found.items():
+    for name, state in filters.items():
         if state.acceleration is not None:
-            lines[name] = pair(time, state.acceleration)
+            lines[name] = make_pair(time, state.acceleration)
             if truth is not None:
-                errors[name] = line(time, state.acceleration[:, 0] - truth[:, 0])
+                errors[name] = make_line(time, state.acceleration[:, 0] - truth[:, 0])
     measured = _force(session, window) + np.array(session.sensors.gravity)
     return Traces(
-        *_view(time),
+        (float(time[0]), float(time[-1])),
         lines,
         errors,
-        max((state.acceleration_bound for state in found.values()), default=0.0),
-        truth=None if truth is None else pair(time, truth),
-        imu=pair(time, measured),
+        max((state.acceleration_bound for state in filters.values()), default=0.0),
+        truth=None if truth is None else make_pair(time, truth),
+        imu=make_pair(time, measured),
     )
 
 
 def _force(session: Session, window: slice) -> Array:
     """(n, 2) the specific force in NED in a window."""
     parts, begin = [], 0
-    for piece in north_east(session.signals, session.sensors):
+    for piece in rotate_force(session.signals, session.sensors):
         parts.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0)])
         begin += len(piece)
         if begin >= window.stop:
@@ -143,8 +141,8 @@ def _force(session: Session, window: slice) -> Array:
 
 def _of_bias(session: Session, states: FilterStates) -> Traces:
     record = session.record
-    found = {n: state for n, state in states.of.items() if n not in states.repeated["bias"]}
-    limits = np.array([state.bias_range for state in found.values()] + [states.true_range])
+    filters = {n: state for n, state in states.of.items() if n not in states.repeated["bias"]}
+    limits = np.array([state.bias_range for state in filters.values()] + [states.true_range])
 
     def drawn(envelope: Envelope) -> Line:
         steps, values = envelope.points()
@@ -153,33 +151,10 @@ def _of_bias(session: Session, states: FilterStates) -> Traces:
     truth = states.true_bias
     last = record.time_at(slice(record.steps - 1, record.steps))[0]
     return Traces(
-        record.begin,
-        float(last),
-        {name: (drawn(state.bias[0]), drawn(state.bias[1])) for name, state in found.items()},
-        {} if truth is None else {n: drawn(state.bias_error) for n, state in found.items()},
-        max((state.bias_bound for state in found.values()), default=0.0),
+        (record.begin, float(last)),
+        {name: (drawn(state.bias[0]), drawn(state.bias[1])) for name, state in filters.items()},
+        {} if truth is None else {n: drawn(state.bias_error) for n, state in filters.items()},
+        max((state.bias_bound for state in filters.values()), default=0.0),
         truth=None if truth is None else (drawn(truth[0]), drawn(truth[1])),
         limits=np.stack([limits[..., 0].min(axis=0), limits[..., 1].max(axis=0)], axis=1),
     )
-
-
-def _view(time: Array) -> tuple[float, float]:
-    return float(time[0]), float(time[-1])
-
-
-def pair(time: Array, values: Array) -> Pair:
-    """Lines of the two columns of (n, 2) values."""
-    return line(time, values[:, 0]), line(time, values[:, 1])
-
-
-def line(time: Array, values: Array) -> Line:
-    """A line, decimated, in as many pieces as its gaps leave."""
-    there = np.isfinite(values)
-    if np.all(there):
-        return [decimate(time, values, POINTS)]
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
-    pieces = []
-    for begin, end in zip(edges[::2], edges[1::2], strict=True):
-        share = max(int(POINTS * (end - begin) / len(values)), 8)
-        pieces.append(decimate(time[begin:end], values[begin:end], share))
-    return pieces

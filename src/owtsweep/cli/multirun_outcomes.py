@@ -1,7 +1,7 @@
-"""What a multirun leaves in its folder: `multirun.json`, and one outcome per run.
+"""What became of the runs of a multirun: one small file per run in the multirun folder.
 
-Jobs may run in other processes or on other machines (joblib, submitit), so what became of them is
-read from files, never from a list of this process.
+Jobs may run in other processes or on other machines (joblib, submitit), so their outcomes are read
+from files, never from a list of this process.
 """
 
 from __future__ import annotations
@@ -13,12 +13,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli import BAD_INPUT, DONE, FAILED
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED
 from owtsweep.io.files import write_atomically
-from owtsweep.sweep.compare import MULTIRUN as RECORD
 
 OUTCOMES = ".outcomes"
-VERSION = 1
 
 
 @dataclass(frozen=True)
@@ -43,25 +41,6 @@ class JobOutcome:
     reason: str = ""
 
 
-@dataclass(frozen=True)
-class PlannedRun:
-    """A run of a multirun: the name of its folder, all its overrides and its swept values."""
-
-    folder: str
-    overrides: list[str]
-    values: dict[str, str]
-
-
-def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedRun]) -> None:
-    """Write `multirun.json`: the overrides as given and the runs in their order."""
-    content = {
-        "multirun_version": VERSION,
-        "overrides": list(overrides),
-        "runs": [asdict(run) for run in runs],
-    }
-    write_atomically(folder / RECORD, json.dumps(content, indent=2) + "\n")
-
-
 def forget_outcomes(folder: Path) -> None:
     """Clear what earlier multiruns in this folder noted, so that only this one speaks."""
     shutil.rmtree(folder / OUTCOMES, ignore_errors=True)
@@ -80,7 +59,7 @@ def read_outcomes(folder: Path) -> list[JobOutcome]:
     return [JobOutcome(**json.loads(path.read_text())) for path in paths]
 
 
-def failed_cases(run_folder: Path) -> str:
+def describe_failures(run_folder: Path) -> str:
     """How many cases failed, as the run's own manifest says."""
     try:
         manifest: dict[str, Any] = json.loads((run_folder / "manifest.json").read_text())
@@ -90,7 +69,7 @@ def failed_cases(run_folder: Path) -> str:
     return f"{failed} case{'s' * (failed != 1)} failed"
 
 
-def exit_code(outcomes: Sequence[JobOutcome]) -> int:
+def common_exit_code(outcomes: Sequence[JobOutcome]) -> int:
     """2 if a run was refused, else 1 if anything failed, else 0."""
     codes = {outcome.code for outcome in outcomes}
     return BAD_INPUT if BAD_INPUT in codes else FAILED if codes - {DONE} else DONE

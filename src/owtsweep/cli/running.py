@@ -1,0 +1,126 @@
+"""What `sweep`, each run of a multirun, and `replay` share: before a run starts, and at its end."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from owtsweep.cli.program import DONE, FAILED, same_command
+from owtsweep.config import Config
+from owtsweep.errors import InputError
+from owtsweep.memory import keep_freed_memory
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from owtsweep.sweep.run import Outcome
+    from owtsweep.sweep.runs import Run
+    from owtsweep.sweep.setback import Setback
+
+#: What the end of a sweep lists; run.log has all.
+MOST_REASONS = 10
+MOST_LABELS = 3
+
+
+def may_start(options: argparse.Namespace, config: Config) -> bool:
+    """Whether to run: `--fresh` deletes stored cases, so it needs a yes, or `--yes`.
+
+    Raises
+    ------
+    InputError
+        If there are cases to delete and nobody at a terminal to be asked.
+    """
+    from owtsweep.sweep.keys import run_folder
+
+    folder = run_folder(config)
+    if not options.fresh or options.yes or not (folder / "cases").is_dir():
+        return True
+    if not sys.stdin.isatty():
+        raise InputError(f"--fresh: this would delete the cases in {folder}; add --yes")
+    answer = input(f"Delete the cases in {folder} and start over? [y/N] ")
+    if answer.strip().lower() in ("y", "yes"):
+        return True
+    print("owtsweep: nothing was deleted, nothing was run", file=sys.stderr)
+    return False
+
+
+def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
+    """Run one study, draw its overview and tell the result; returns the exit code."""
+    from owtsweep.studies import get_study
+    from owtsweep.sweep.progress import make_progress
+    from owtsweep.sweep.run import sweep
+
+    keep_freed_memory()
+    study = get_study(config.study)
+    progress = make_progress(quiet=False)
+    outcome = sweep(study, config, fresh=fresh, progress=progress, argv=list(argv))
+    tables = written_tables(outcome)
+    drawn = _draw_overview(outcome) if tables else True
+    if tables and sys.stdout.isatty():
+        print_answer(outcome.run, tables)
+    code = tell_end(outcome, argv, f"{outcome.run.folder}/")
+    return code if drawn else FAILED
+
+
+def written_tables(outcome: Outcome) -> dict[str, pd.DataFrame]:
+    """The tables of a run as its files have them; empty if no case has succeeded."""
+    return {} if outcome.results is None else outcome.run.tables()
+
+
+def _draw_overview(outcome: Outcome) -> bool:
+    """Draw the figure that tells the result; False if its files cannot be written."""
+    run = outcome.run
+    try:
+        run.draw(run.engine.overview(run.config), outcome.results)
+    except OSError as error:
+        reason = error.strerror or str(error)
+        print(f"failed: the map could not be drawn: {reason}", file=sys.stderr)
+        return False
+    return True
+
+
+def print_answer(run: Run, tables: dict[str, pd.DataFrame], width: int | None = None) -> None:
+    """Print the study's answer in a few lines."""
+    from rich.console import Console
+
+    Console(width=width).print(run.engine.terminal(run.config, tables))
+
+
+def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
+    """Tell which cases have no number and why, and where the results lie; the exit code."""
+    for line in setback_lines("unable", outcome.unable):
+        print(line, file=sys.stderr)
+    if outcome.failed:
+        for line in setback_lines("failed", outcome.failed):
+            print(line, file=sys.stderr)
+        cases = sum(setback.cases for setback in outcome.failed)
+        told = f"{_count(cases)} failed; " if cases else ""
+        print(f"{told}the same command tries again:", file=sys.stderr)
+        print(f"  {same_command(argv)}", file=sys.stderr)
+    reused = f", {outcome.reused} were there" if outcome.reused else ""
+    print(f"{outcome.computed} cases computed{reused} in {outcome.seconds:.1f} s: {place}")
+    return FAILED if outcome.failed else DONE
+
+
+def setback_lines(word: str, setbacks: Sequence[Setback]) -> list[str]:
+    """One line per reason, the commonest first: `word`, its cases and its first labels."""
+    by_reason: dict[str, list[Setback]] = {}
+    for setback in setbacks:
+        by_reason.setdefault(setback.reason, []).append(setback)
+    groups = sorted(by_reason.items(), key=lambda item: (-sum(s.cases for s in item[1]), item[0]))
+    lines = []
+    for reason, group in groups[:MOST_REASONS]:
+        labels = list(dict.fromkeys(setback.label for setback in group))
+        more = f" and {len(labels) - MOST_LABELS} more" if len(labels) > MOST_LABELS else ""
+        cases = sum(setback.cases for setback in group)
+        count = f"{_count(cases)}: " if cases else ""
+        lines.append(f"{word}: {count}{reason}: {'; '.join(labels[:MOST_LABELS])}{more}")
+    if len(groups) > MOST_REASONS:
+        lines.append(f"{word}: {len(groups) - MOST_REASONS} more reasons: see run.log")
+    return lines
+
+
+def _count(cases: int) -> str:
+    return f"{cases} case" if cases == 1 else f"{cases} cases"

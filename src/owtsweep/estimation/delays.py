@@ -1,0 +1,198 @@
+"""The Kalman filter where measurements arrive late, each by a delay of its own.
+
+At every step the filter goes back to the earliest instant that something new is about and filters
+again from there, with all that has arrived by now. That is exact whatever the delays are, and costs
+as many steps as the delay is long; nothing is done where nothing is late. (The other exact way
+keeps a copy of the state for every step of the longest delay in one large state.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.estimation.filter_data import (
+    check_measurements,
+    check_prior,
+    find_patterns,
+    input_effects,
+    share_out,
+    spread_state,
+)
+from owtsweep.estimation.kalman_step import (
+    compute_nis,
+    correct_covariance,
+    correct_state,
+    multiply,
+    predict_covariance,
+    transpose,
+)
+from owtsweep.estimation.linear import LinearModel
+from owtsweep.estimation.smoothing import smoother_gain
+
+
+@dataclass(frozen=True)
+class Delayed:
+    """What a filter knows at each step of what has arrived by then.
+
+    Attributes
+    ----------
+    state
+        (series, steps, n): row k is the state of step k given all that has arrived by step
+        k + lag, or by the record's end.
+    covariance
+        (series, steps, n, n) of it.
+    nis
+        (series, steps): of all that arrived at the step, given all that had arrived before. Its
+        expectation is the number of components that arrived.
+    arrived
+        (series, steps): that number.
+    """
+
+    state: Array
+    covariance: Array
+    nis: Array
+    arrived: NDArray[np.int64]
+
+
+def filter_delayed(
+    model: LinearModel,
+    measurements: Array,
+    delay: NDArray[np.int64] | int,
+    *,
+    state: Array,
+    covariance: Array,
+    inputs: Array | None = None,
+    lag: int = 0,
+) -> Delayed:
+    """Filter (or, with a lag, smooth) some series whose measurements arrive late.
+
+    Parameters
+    ----------
+    measurements
+        (series, steps, m); row k is about step k, whenever it arrives. NaN where it never does.
+    delay
+        Steps from that instant to the arrival, from 0: one number, or any shape that broadcasts
+        to (series, steps, m). What arrives after the record's end is not used.
+    state, covariance, inputs
+        As for `kalman.run_filter`.
+    lag
+        Steps by which the estimate may wait for further measurements.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit, or a delay or the lag is negative.
+    """
+    z = check_measurements(model, measurements)
+    if lag < 0:
+        raise InputError(f"lag: {lag} steps; give 0 or more")
+    arrival, pattern = find_patterns(_arrivals(z, np.asarray(delay)))
+    series, steps, _ = z.shape
+    chain = _Chain(model, z, arrival, pattern, input_effects(model, inputs, series, steps))
+    chain.begin(spread_state(model, state, series), check_prior(model, covariance))
+    smoothed, spread = np.empty_like(chain.filtered), np.empty_like(chain.filtered_P)
+    nis = np.empty((series, steps))
+    for now, first in enumerate(_earliest(arrival)):
+        before = chain.nis[:, first:now].sum(axis=1)
+        chain.filter_again(first, now)
+        nis[:, now] = chain.nis[:, first : now + 1].sum(axis=1) - before
+        oldest = max(now - lag, 0)
+        if now >= lag or now == steps - 1:
+            states, covariances = chain.smooth_back(now, oldest)
+            due = slice(oldest, now + 1 if now == steps - 1 else oldest + 1)
+            count = due.stop - due.start
+            smoothed[:, due], spread[:, due] = states[:, :count], covariances[:, :count]
+    counts = [np.bincount(np.minimum(a.ravel(), steps), minlength=steps + 1) for a in arrival]
+    arrived = np.stack(counts)[pattern, :steps]
+    P = share_out(spread, pattern)
+    return Delayed(smoothed, np.broadcast_to(P, (series, *P.shape[1:])), nis, arrived)
+
+
+def _arrivals(z: Array, delay: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(series, steps, m): the step at which each component arrives; never: the largest integer.
+
+    Raises
+    ------
+    InputError
+        If delays are no whole numbers from 0, or do not fit the measurements.
+    """
+    if not np.issubdtype(delay.dtype, np.integer) or np.any(delay < 0):
+        raise InputError("delay: give whole numbers of steps, 0 or more")
+    try:
+        late = np.broadcast_to(delay, z.shape)
+    except ValueError:
+        raise InputError(
+            f"delay: the shape {delay.shape} does not fit measurements of {z.shape}"
+        ) from None
+    step = np.arange(z.shape[1])[:, None]
+    return np.where(np.isfinite(z), step + late, np.iinfo(np.int64).max)
+
+
+def _earliest(arrival: NDArray[np.int64]) -> list[int]:
+    """For every step the earliest instant that something is about that arrives at it."""
+    steps = arrival.shape[1]
+    earliest = np.arange(steps)
+    _, about, _ = np.nonzero(arrival < steps)
+    np.minimum.at(earliest, arrival[arrival < steps], about)
+    return [int(step) for step in earliest]
+
+
+class _Chain:
+    """The filter's states from the record's start to now, with what has arrived by now.
+
+    predicted, filtered (series, steps, n) with their covariances (patterns, steps, n, n); nis
+    (series, steps) of what is about each step.
+    """
+
+    def __init__(
+        self,
+        model: LinearModel,
+        z: Array,
+        arrival: NDArray[np.int64],
+        pattern: NDArray[np.int64],
+        driven: Array,
+    ) -> None:
+        self.model, self.z, self.driven = model, z, driven
+        self.arrival, self.pattern = arrival, pattern
+        series, steps, _ = z.shape
+        n = model.states
+        self.predicted, self.filtered = np.empty((2, series, steps, n))
+        self.predicted_P, self.filtered_P = np.empty((2, len(arrival), steps, n, n))
+        self.nis = np.zeros((series, steps))
+
+    def begin(self, state: Array, covariance: Array) -> None:
+        """Set the prior of step 0."""
+        self.predicted[:, 0], self.predicted_P[:, 0] = state, covariance
+
+    def filter_again(self, first: int, now: int) -> None:
+        """Filter steps first ... now with what has arrived by `now`."""
+        for k in range(first, now + 1):
+            if k > 0:
+                F, Q, _, _, _ = self.model.at(k - 1)
+                self.predicted[:, k] = self.filtered[:, k - 1] @ F.T + self.driven[:, k - 1]
+                self.predicted_P[:, k] = predict_covariance(self.filtered_P[:, k - 1], F, Q)
+            _, _, H, R, _ = self.model.at(k)
+            there = self.arrival[:, k] <= now
+            K, S, self.filtered_P[:, k] = correct_covariance(self.predicted_P[:, k], H, R, there)
+            e = np.where(
+                share_out(there, self.pattern), self.z[:, k] - self.predicted[:, k] @ H.T, 0.0
+            )
+            self.filtered[:, k] = correct_state(self.predicted[:, k], share_out(K, self.pattern), e)
+            self.nis[:, k] = compute_nis(e, share_out(S, self.pattern))
+
+    def smooth_back(self, now: int, oldest: int) -> tuple[Array, Array]:
+        """States (series, steps, n) and covariances of steps oldest ... now, given what is here."""
+        window = slice(oldest, now + 1)
+        x, P = self.filtered[:, window].copy(), self.filtered_P[:, window].copy()
+        for k in range(now - 1, oldest - 1, -1):
+            C = smoother_gain(self.filtered_P[:, k], self.model.at(k).F, self.predicted_P[:, k + 1])
+            ahead = x[:, k + 1 - oldest] - self.predicted[:, k + 1]
+            x[:, k - oldest] += multiply(share_out(C, self.pattern), ahead)
+            wider = P[:, k + 1 - oldest] - self.predicted_P[:, k + 1]
+            P[:, k - oldest] += C @ wider @ transpose(C)
+        return x, P

@@ -1,0 +1,221 @@
+"""The Kalman filter for any number of states and any pattern of lost measurements.
+
+Gains and covariances depend on the model and on which measurements there are, never on their
+values. They are computed once for each pattern of losses (`compute_gains`) and applied to all
+series that share it (`apply_gains`). The formulas are in `kalman_step`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.estimation.filter_data import (
+    check_measurements,
+    check_prior,
+    check_steps,
+    find_patterns,
+    input_effects,
+    share_out,
+    spread_state,
+)
+from owtsweep.estimation.kalman_step import (
+    compute_nis,
+    correct_covariance,
+    correct_state,
+    predict_covariance,
+)
+from owtsweep.estimation.linear import LinearModel
+
+
+@dataclass(frozen=True)
+class Gains:
+    """What does not depend on data, for each pattern of losses.
+
+    Attributes
+    ----------
+    available
+        (patterns, rows, m): whether a component of the measurement is there.
+    K
+        (patterns, rows, n, m), zero in the columns of lost components.
+    innovation_covariance
+        (patterns, rows, m, m), the identity in the rows and columns of lost components.
+    predicted, filtered
+        (patterns, rows, n, n): covariances of the state before and after the measurement.
+    cycle
+        The last `cycle` rows repeat for ever; with 0 each step has a row of its own.
+    """
+
+    available: NDArray[np.bool_]
+    K: Array
+    innovation_covariance: Array
+    predicted: Array
+    filtered: Array
+    cycle: int = 0
+
+    def rows_of(self, steps: int) -> NDArray[np.int64]:
+        """(steps,): the row that serves each step of a record.
+
+        Raises
+        ------
+        InputError
+            If the record is longer than gains that do not repeat.
+        """
+        rows, step = self.K.shape[1], np.arange(steps)
+        if self.cycle:
+            settled = rows - self.cycle
+            return np.where(step < rows, step, settled + (step - settled) % self.cycle)
+        if steps > rows:
+            raise InputError(f"measurements: {steps} steps are more than the {rows} of the gains")
+        return step
+
+
+@dataclass(frozen=True)
+class Filtered:
+    """A filter's run over some series.
+
+    Attributes
+    ----------
+    model
+        The model that it ran with.
+    gains
+        Gains and covariances of each pattern of losses.
+    pattern
+        (series,): which of these patterns a series has.
+    predicted, filtered
+        (series, steps, n): the state given the measurements before the step, and with the step's.
+    innovation
+        (series, steps, m): z - H x, NaN where the component was lost.
+    """
+
+    model: LinearModel
+    gains: Gains
+    pattern: NDArray[np.int64]
+    predicted: Array
+    filtered: Array
+    innovation: Array
+
+    @property
+    def covariance(self) -> Array:
+        """(series, steps, n, n) of the filtered states."""
+        return self._of_series(self.gains.filtered)
+
+    @property
+    def innovation_covariance(self) -> Array:
+        """(series, steps, m, m), the identity in the rows and columns of lost components."""
+        return self._of_series(self.gains.innovation_covariance)
+
+    @property
+    def nis(self) -> Array:
+        """(series, steps): innovations squared in the metric of S^-1, zero where there is none.
+
+        The expectation is the number of components that are there, if the model is right
+        (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+        """
+        return compute_nis(self.innovation, self.innovation_covariance)
+
+    def _of_series(self, values: Array) -> Array:
+        series, steps, _ = self.filtered.shape
+        shared = share_out(values[:, self.gains.rows_of(steps)], self.pattern)
+        return np.broadcast_to(shared, (series, *shared.shape[1:]))
+
+
+def run_filter(
+    model: LinearModel,
+    measurements: Array,
+    *,
+    state: Array,
+    covariance: Array,
+    inputs: Array | None = None,
+) -> Filtered:
+    """Filter some series.
+
+    Parameters
+    ----------
+    measurements
+        (series, steps, m), NaN where a component was lost.
+    state
+        (n,) or (series, n): the expected state of step 0 before its measurement.
+    covariance
+        (n, n): its covariance.
+    inputs
+        (steps, p) or (series, steps, p) if the model has B; input k acts between steps k and k + 1.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit, or the covariance is none.
+    """
+    z = check_measurements(model, measurements)
+    patterns, pattern = find_patterns(np.isfinite(z))
+    gains = compute_gains(model, covariance, patterns)
+    return apply_gains(model, gains, z, state=state, inputs=inputs, pattern=pattern)
+
+
+def compute_gains(model: LinearModel, covariance: Array, available: NDArray[np.bool_]) -> Gains:
+    """Gains and covariances of some patterns of losses.
+
+    Parameters
+    ----------
+    covariance
+        (n, n) of the state of step 0 before its measurement.
+    available
+        (patterns, steps, m): whether a component of the measurement is there.
+    """
+    patterns, steps, m = available.shape
+    n = model.states
+    check_steps(model, steps)
+    K, S = np.empty((patterns, steps, n, m)), np.empty((patterns, steps, m, m))
+    predicted, filtered = np.empty((2, patterns, steps, n, n))
+    P = np.broadcast_to(check_prior(model, covariance), (patterns, n, n))
+    for k in range(steps):
+        F, Q, H, R, _ = model.at(k)
+        predicted[:, k] = P
+        K[:, k], S[:, k], filtered[:, k] = correct_covariance(P, H, R, available[:, k])
+        P = predict_covariance(filtered[:, k], F, Q)
+    return Gains(available, K, S, predicted, filtered)
+
+
+def apply_gains(
+    model: LinearModel,
+    gains: Gains,
+    measurements: Array,
+    *,
+    state: Array,
+    inputs: Array | None = None,
+    pattern: NDArray[np.int64] | None = None,
+) -> Filtered:
+    """Filter some series with given gains; all else is as for `run_filter`.
+
+    Parameters
+    ----------
+    pattern
+        (series,): which of the gains' patterns a series has; None for the first.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit, or a series has lost other components than its pattern says.
+    """
+    z = check_measurements(model, measurements)
+    series, steps, _ = z.shape
+    if pattern is None:
+        pattern = np.zeros(series, dtype=np.int64)
+    rows = gains.rows_of(steps)
+    if np.any(np.isfinite(z) != share_out(gains.available[:, rows], pattern)):
+        raise InputError("measurements: other components are lost than the gains are made for")
+    driven = input_effects(model, inputs, series, steps)
+    predicted, filtered = np.empty((2, series, steps, model.states))
+    innovation = np.empty(z.shape)
+    x = spread_state(model, state, series)
+    for k, row in enumerate(rows):
+        F, _, H, _, _ = model.at(k)
+        predicted[:, k] = x
+        innovation[:, k] = z[:, k] - x @ H.T
+        filtered[:, k] = correct_state(x, share_out(gains.K[:, row], pattern), innovation[:, k])
+        x = filtered[:, k] @ F.T + driven[:, k]
+    return Filtered(model, gains, pattern, predicted, filtered, innovation)

@@ -1,0 +1,135 @@
+"""A linear Gaussian model in discrete time, the common language of filters and smoothers.
+
+    x[k+1] = F[k] x[k] + B[k] u[k] + w[k],  E[w w'] = Q[k]
+    z[k]   = H[k] x[k] + v[k],              E[v v'] = R[k]
+
+w and v are white and independent of each other (Kalman 1960; Anderson and Moore 1979, section 3.1).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+
+#: Largest asymmetry and most negative eigenvalue of a covariance that still count as round-off,
+#: relative to its largest entry.
+ROUND_OFF = 1e-9
+
+
+class Step(NamedTuple):
+    """The matrices of one step; B is None where there is no input."""
+
+    F: Array
+    Q: Array
+    H: Array
+    R: Array
+    B: Array | None
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """A model of n states, m measurements and perhaps p inputs.
+
+    Each matrix may carry a leading axis of time, (steps, ...); one without it serves all steps.
+
+    Attributes
+    ----------
+    F
+        (n, n) transition from step k to step k + 1.
+    Q
+        (n, n) covariance of the process noise of that transition.
+    H
+        (m, n) measurement matrix.
+    R
+        (m, m) covariance of the measurement noise.
+    B
+        (n, p) input matrix of that transition, or None.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit, a number is not finite, or Q or R is no covariance.
+    """
+
+    F: Array
+    Q: Array
+    H: Array
+    R: Array
+    B: Array | None = None
+
+    def __post_init__(self) -> None:
+        given = {"F": self.F, "Q": self.Q, "H": self.H, "R": self.R}
+        if self.B is not None:
+            given["B"] = self.B
+        matrices = {name: np.array(value, dtype=float) for name, value in given.items()}
+        for name, matrix in matrices.items():
+            if matrix.ndim not in (2, 3):
+                raise InputError(
+                    f"{name}: has {matrix.ndim} axes; give a matrix, or (steps, rows, columns)"
+                )
+            matrix.setflags(write=False)
+            object.__setattr__(self, name, matrix)
+        for name, shape in self._shapes().items():
+            if matrices[name].shape[-2:] != shape:
+                raise InputError(
+                    f"{name}: has the shape {matrices[name].shape[-2:]}; {self.states} states and "
+                    f"{self.measurements} measurements need {shape}"
+                )
+        lengths = {name: len(matrix) for name, matrix in matrices.items() if matrix.ndim == 3}
+        if len(set(lengths.values())) > 1:
+            said = ", ".join(f"{name} for {length}" for name, length in lengths.items())
+            raise InputError(f"{next(iter(lengths))}: matrices differ in their steps ({said})")
+        for name, matrix in matrices.items():
+            if not np.all(np.isfinite(matrix)):
+                raise InputError(f"{name}: not all of its numbers are finite")
+        check_covariance("Q", self.Q)
+        check_covariance("R", self.R)
+
+    def _shapes(self) -> dict[str, tuple[int, int]]:
+        n, m = self.states, self.measurements
+        shapes = {"F": (n, n), "Q": (n, n), "H": (m, n), "R": (m, m)}
+        return shapes if self.B is None else {**shapes, "B": (n, self.B.shape[-1])}
+
+    @property
+    def states(self) -> int:
+        """n."""
+        return int(self.F.shape[-1])
+
+    @property
+    def measurements(self) -> int:
+        """m."""
+        return int(self.H.shape[-2])
+
+    @property
+    def steps(self) -> int | None:
+        """How many steps the model is given for; None if it serves any number."""
+        matrices = (self.F, self.Q, self.H, self.R, self.B)
+        return next((len(a) for a in matrices if a is not None and a.ndim == 3), None)
+
+    def at(self, step: int) -> Step:
+        """The matrices of a step."""
+        F, Q, H, R = (a if a.ndim == 2 else a[step] for a in (self.F, self.Q, self.H, self.R))
+        B = self.B if self.B is None or self.B.ndim == 2 else self.B[step]
+        return Step(F, Q, H, R, B)
+
+
+def check_covariance(name: str, matrix: Array) -> None:
+    """Refuse what is not symmetric and positive semidefinite, (..., n, n).
+
+    Raises
+    ------
+    InputError
+        Naming the matrix.
+    """
+    transposed = np.swapaxes(matrix, -1, -2)
+    largest = np.max(np.abs(matrix), initial=0.0)
+    if np.any(np.abs(matrix - transposed) > ROUND_OFF * largest):
+        raise InputError(f"{name}: is not symmetric; a covariance is")
+    least = np.min(np.linalg.eigvalsh(matrix), initial=0.0)
+    if least < -ROUND_OFF * largest:
+        raise InputError(f"{name}: has the negative eigenvalue {least:.3g}; a covariance has none")

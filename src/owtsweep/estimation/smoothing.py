@@ -1,0 +1,106 @@
+"""Smoothing: the state of each step given later measurements too.
+
+Rauch, Tung and Striebel (1965): with C[k] = P[k|k] F' P[k+1|k]^-1,
+
+    x[k|N] = x[k|k] + C[k] (x[k+1|N] - x[k+1|k])
+    P[k|N] = P[k|k] + C[k] (P[k+1|N] - P[k+1|k]) C[k]'
+
+(Anderson and Moore 1979, section 7.4). What was lost, or arrived in whatever order, is already in
+the filter's run that a smoother goes back over.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.estimation.filter_data import share_out
+from owtsweep.estimation.kalman import Filtered, Gains
+from owtsweep.estimation.kalman_step import multiply, transpose
+from owtsweep.estimation.linear import LinearModel
+
+#: Eigenvalues of a correlation matrix below this are round-off: directions that are known exactly.
+KNOWN_EXACTLY = 1e-14
+
+
+class Smoothed(NamedTuple):
+    """state (series, steps, n) and its covariance (series, steps, n, n)."""
+
+    state: Array
+    covariance: Array
+
+
+def smooth(run: Filtered) -> Smoothed:
+    """The state of every step given the whole record."""
+    gains, (series, steps, n) = run.gains, run.filtered.shape
+    rows = gains.rows_of(steps)
+    C_of_rows = compute_smoother_gains(run.model, gains)
+    x, P = run.filtered.copy(), gains.filtered[:, rows]
+    for k in range(steps - 2, -1, -1):
+        C = C_of_rows[:, rows[k]]
+        x[:, k] += multiply(share_out(C, run.pattern), x[:, k + 1] - run.predicted[:, k + 1])
+        P[:, k] += C @ (P[:, k + 1] - gains.predicted[:, rows[k + 1]]) @ transpose(C)
+    return Smoothed(x, np.broadcast_to(share_out(P, run.pattern), (series, steps, n, n)))
+
+
+def smooth_fixed_lag(run: Filtered, lag: int) -> Smoothed:
+    """The state of step k given the measurements up to step k + lag, or to the record's end.
+
+    The pass of Rauch, Tung and Striebel over the window k ... k + lag, of all windows side by side.
+    It is optimal for that lag, while filters that correct a state several times by gains of their
+    own (as filterpy's FixedLagSmoother) are not.
+
+    Parameters
+    ----------
+    lag
+        In steps, from 0 (which gives the filter's estimates).
+
+    Raises
+    ------
+    InputError
+        If the lag is negative.
+    """
+    if lag < 0:
+        raise InputError(f"lag: {lag} steps; give 0 or more")
+    gains, (series, steps, n) = run.gains, run.filtered.shape
+    rows, last = gains.rows_of(steps), steps - 1
+    C_of_rows = compute_smoother_gains(run.model, gains)
+    newest = np.minimum(np.arange(steps) + lag, last)
+    x, P = run.filtered[:, newest], gains.filtered[:, rows[newest]]
+    for back in range(min(lag, last) - 1, -1, -1):  # from step k + back + 1 to step k + back
+        windows = slice(last - back)  # the others end with the record, later in this loop
+        at = np.arange(last - back) + back
+        C = C_of_rows[:, rows[at]]
+        ahead = x[:, windows] - run.predicted[:, at + 1]
+        x[:, windows] = run.filtered[:, at] + multiply(share_out(C, run.pattern), ahead)
+        wider = P[:, windows] - gains.predicted[:, rows[at + 1]]
+        P[:, windows] = gains.filtered[:, rows[at]] + C @ wider @ transpose(C)
+    return Smoothed(x, np.broadcast_to(share_out(P, run.pattern), (series, steps, n, n)))
+
+
+def compute_smoother_gains(model: LinearModel, gains: Gains) -> Array:
+    """C of every row, (patterns, rows, n, n); without a cycle the last row is left out."""
+    rows = gains.K.shape[1]
+    count = rows if gains.cycle else rows - 1
+    following = gains.predicted[:, gains.rows_of(count + 1)[1:]]
+    F = model.F if model.F.ndim == 2 else model.F[:count]
+    return smoother_gain(gains.filtered[:, :count], F, following)
+
+
+def smoother_gain(filtered: Array, F: Array, following: Array) -> Array:
+    """C = P[k|k] F' P[k+1|k]^-1 of (..., n, n) covariances.
+
+    The inverse is a pseudo-inverse, since a state may be known exactly (no noise drives it, and no
+    doubt stands at the start). It is taken of the correlation matrix, so that units do not decide
+    what counts as exact.
+    """
+    scale = np.sqrt(np.diagonal(following, axis1=-2, axis2=-1))
+    scale = np.where(scale > 0.0, scale, 1.0)
+    correlation = following / (scale[..., :, None] * scale[..., None, :])
+    inverse = np.linalg.pinv(correlation, rcond=KNOWN_EXACTLY, hermitian=True)
+    return np.asarray(
+        (filtered @ transpose(F) / scale[..., None, :]) @ inverse / scale[..., None, :]
+    )

@@ -1,0 +1,94 @@
+"""What an estimator gives at one step: named quantities of any dimension."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from owtsweep.arrays import Array
+
+
+class Quantity(NamedTuple):
+    """A quantity that a study judges, such as position with the components x and y.
+
+    Attributes
+    ----------
+    name
+        As estimates and tables call it.
+    components
+        What tables call its components; an estimate of it has as many numbers.
+    """
+
+    name: str
+    components: tuple[str, ...]
+
+
+#: Position and velocity in the plane, as the hub study and its companions judge them.
+PLANAR_MOTION = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "vy")))
+
+
+class Innovation(NamedTuple):
+    """value (m,): a measurement minus its prediction; covariance (m, m) of that difference."""
+
+    value: Array
+    covariance: Array
+
+
+class Estimate:
+    """The estimate of the present state.
+
+    A study says which quantities it judges, their dimensions and units. The hub study judges
+    position and velocity, (2,) each, in NED, in m and m/s: `Estimate(position, velocity)`. Others
+    are given by name, `Estimate(angle=..., strain=...)`, and are attributes of that name.
+
+    Parameters
+    ----------
+    position, velocity
+        Two quantities that most studies judge.
+    covariance
+        (n, n) of all judged quantities, one after the other in the study's order, or None. With it
+        the study reports NEES.
+    innovation
+        The innovation of this step's measurement, or None. With it the study reports NIS.
+    quantities
+        Further quantities by name.
+
+    Attributes
+    ----------
+    quantities
+        All quantities that were given, by name.
+    """
+
+    __slots__ = ("covariance", "innovation", "quantities")
+    quantities: Mapping[str, Array]
+
+    def __init__(
+        self,
+        position: Array | None = None,
+        velocity: Array | None = None,
+        covariance: Array | None = None,
+        innovation: Innovation | None = None,
+        **quantities: Array,
+    ) -> None:
+        if velocity is not None:
+            quantities = {"velocity": velocity, **quantities}
+        if position is not None:
+            quantities = {"position": position, **quantities}
+        self.quantities = quantities
+        self.covariance = covariance
+        self.innovation = innovation
+
+    def __getattr__(self, name: str) -> Array:
+        if name != "quantities" and name in self.quantities:  # the first while it is unpickled
+            return self.quantities[name]
+        raise AttributeError(f"the estimate has no {name}")
+
+    def __repr__(self) -> str:
+        further = {"covariance": self.covariance, "innovation": self.innovation}
+        said = ", ".join(f"{k}={v!r}" for k, v in {**self.quantities, **further}.items())
+        return f"Estimate({said})"
+
+    def _replace(self, **changes: Any) -> Estimate:
+        """A copy with other quantities, another covariance or another innovation."""
+        kept = {"covariance": self.covariance, "innovation": self.innovation}
+        return Estimate(**{**self.quantities, **kept, **changes})

@@ -1,0 +1,173 @@
+"""Quantities of a record over time: one panel per axis, and below them a panel of errors.
+
+A study says what each panel shows (`Panel`); layout, legend and looks are decided here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.arrays import Array
+from owtsweep.figures import style
+from owtsweep.figures.lines import Line, plot
+from owtsweep.figures.palette import style_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+#: Inches, and the heights of the panels relative to each other.
+WIDTH, HEIGHT = 10.0, {2: 5.4, 3: 7.2}
+RATIOS = (1.0, 1.0, 0.8)
+UNITS = {"position": "m", "velocity": "m/s", "acceleration": "m/s²", "bias": "m/s²"}
+NAMES = {"bias": "Accelerometer bias"}
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A line and how matplotlib draws it; a `label` in its look makes an entry of the legend."""
+
+    line: Line
+    look: Mapping[str, Any]
+
+    def draw(self, axes: Axes) -> None:
+        """Draw it."""
+        plot(axes, self.line, **self.look)
+
+
+@dataclass(frozen=True)
+class Level:
+    """A horizontal line at a value, dotted where it bounds something."""
+
+    value: float
+    bound: bool = False
+
+    def draw(self, axes: Axes) -> None:
+        """Draw it."""
+        width, dashes = (1.0, ":") if self.bound else (0.8, "-")
+        axes.axhline(self.value, color="0.3", linewidth=width, linestyle=dashes)
+
+
+@dataclass(frozen=True)
+class Band:
+    """The area between two series, (n,) each."""
+
+    time: Array
+    low: Array
+    high: Array
+    color: str
+
+    def draw(self, axes: Axes) -> None:
+        """Draw it."""
+        axes.fill_between(self.time, self.low, self.high, color=self.color, alpha=0.15, linewidth=0)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One of the panels that stand below each other.
+
+    Attributes
+    ----------
+    label
+        Of the vertical axis.
+    marks
+        What is drawn, in this order.
+    view
+        First and last time shown, s.
+    limits
+        Of the vertical axis, None for an end that the values decide.
+    note
+        What stands above it.
+    note_color
+        The note's colour.
+    """
+
+    label: str
+    marks: Sequence[Curve | Level | Band]
+    view: tuple[float, float]
+    limits: tuple[float | None, float | None] = (None, None)
+    note: str = ""
+    note_color: str = "black"
+
+
+def draw(
+    panels: Sequence[Panel],
+    *,
+    title: str,
+    footnote: str,
+    time_label: str = "time (s)",
+    shared: bool = False,
+) -> Figure:
+    """Draw two or three panels below each other; the first one makes the legend.
+
+    Parameters
+    ----------
+    time_label
+        Of the lowest panel's horizontal axis.
+    shared
+        Whether all panels show the same time, which is then written once.
+    """
+    with style.context():
+        figure = style.new_figure(WIDTH, HEIGHT[len(panels)])
+        grid = figure.subplots(
+            len(panels), 1, height_ratios=RATIOS[: len(panels)], sharex=shared, squeeze=False
+        )[:, 0]
+        for axes, panel in zip(grid, panels, strict=True):
+            _draw_panel(axes, panel)
+        grid[-1].set_xlabel(time_label)
+        handles, labels = grid[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside right upper", frameon=False)
+        figure.suptitle(title, x=0.01, ha="left", fontsize=12)
+        style.footnote(figure, footnote)
+    return figure
+
+
+def _draw_panel(axes: Axes, panel: Panel) -> None:
+    for mark in panel.marks:
+        mark.draw(axes)
+    axes.set_xlim(*panel.view)
+    if panel.limits != (None, None):
+        axes.set_ylim(*panel.limits)
+    axes.set_ylabel(panel.label)
+    if panel.note:
+        axes.set_title(panel.note, loc="left", fontsize=9, color=panel.note_color)
+
+
+def describe(quantity: str) -> str:
+    """A quantity as it begins a title."""
+    return NAMES.get(quantity, quantity.capitalize())
+
+
+def show_truth(line: Line, label: str = "truth") -> Curve:
+    """What a quantity really was."""
+    return Curve(line, {"color": "black", "linewidth": 1.4, "label": label})
+
+
+def show_measurement(line: Line, label: str = "IMU") -> Curve:
+    """What a sensor said at every step."""
+    return Curve(line, {"color": "0.75", "linewidth": 0.6, "label": label})
+
+
+def show_fixes(time: Array, values: Array, *, label: str, size: float) -> Curve:
+    """What a slow sensor said, when it arrived; (n,) each."""
+    look = {"color": "0.45", "marker": "+", "linestyle": "none", "markersize": size}
+    return Curve([(time, values)], {**look, "label": label, "zorder": 3})
+
+
+def show_scheme(name: str, names: Sequence[str], line: Line, **look: Any) -> Curve:
+    """A scheme's line in its own colour and dashes.
+
+    Parameters
+    ----------
+    names
+        All schemes of the study, which decide the look of those that are not the study's own.
+    """
+    scheme = style_of(name, names)
+    return Curve(line, {"color": scheme.color, "linestyle": scheme.line, **look})
+
+
+def show_estimate(name: str, names: Sequence[str], line: Line) -> Curve:
+    """A scheme's estimate, above the truth."""
+    return show_scheme(name, names, line, linewidth=1.2, label=name, zorder=2.5)

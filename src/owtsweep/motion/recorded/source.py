@@ -1,0 +1,69 @@
+"""A recorded motion as a source of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.deriving import to_motion
+from owtsweep.motion.recorded.recording import Recording
+from owtsweep.motion.source import Motion
+
+
+@dataclass(frozen=True)
+class RecordedSource:
+    """The motion that a file holds along x and y; nothing about it is random.
+
+    Attributes
+    ----------
+    recording
+        A checked recording with positions.
+    cutoff
+        Up to where the motion is kept, Hz; None for the default of `deriving.to_motion`.
+    """
+
+    recording: Recording
+    cutoff: float | None = None
+    streams: ClassVar[tuple[str, ...]] = ()
+
+    @property
+    def duration(self) -> float:
+        """The time that its positions cover, s; 0 without positions."""
+        roles = [f"position_{axis}" for axis in "xy"]
+        times = [self.recording.series(r)[0] for r in roles if r in self.recording.channels]
+        if not times:
+            return 0.0
+        return float(min(time[-1] for time in times) - max(time[0] for time in times))
+
+    def realise(
+        self,
+        stream: Callable[[str], np.random.Generator],
+        *,
+        steps: int,
+        step: float,
+        history: int = 0,
+    ) -> Motion:
+        """Give the recorded motion on the steps that are asked for, from its beginning.
+
+        Raises
+        ------
+        InputError
+            If the file has no positions or is too short.
+        """
+        gridded = to_motion(self.recording, 1.0 / step, cutoff=self.cutoff)
+        available = gridded.grid.steps - history
+        if steps > available:
+            raise InputError(
+                f"{self.recording.path}: holds {max(available, 0) * step:g} s of motion after the "
+                f"{history * step:g} s that delayed sensors need, not {steps * step:g} s; ask for "
+                "a shorter record or use a longer file"
+            )
+        position, velocity, acceleration = (
+            gridded.pairs[name] for name in ("position", "velocity", "acceleration")
+        )
+        part = slice(history, history + steps)
+        return Motion(step, position[part], velocity[part], acceleration[part], position[:history])

@@ -1,0 +1,100 @@
+"""The conditions of a study: the named axes of its grid."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from owtsweep.errors import InputError
+
+#: A value of a condition: a number, or a text for a category.
+Value = float | str
+#: Condition -> its values. Texts are shown in the order in which they are listed here.
+Grid = Mapping[str, Sequence[Value]]
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One axis of a study's grid.
+
+    Attributes
+    ----------
+    name
+        The column of tables and the key below `grid`.
+    label, unit
+        How figures name it, e.g. "motion amplitude" and "m"; "" for what has no unit.
+    scale
+        How its numbers are spaced: "linear" or "log".
+    in_streams
+        Whether its value enters the keys of random streams, so that each value sees draws of its
+        own.
+    expands
+        Whether results are expanded over it without running: a row whose value of it is NaN
+        stands for all values (`results.superposition`). Only the last condition may.
+    plural
+        How sentences name several of its values; by default the label with an s.
+    """
+
+    name: str
+    label: str
+    unit: str = ""
+    scale: Literal["linear", "log"] = "linear"
+    in_streams: bool = False
+    expands: bool = False
+    plural: str = ""
+
+    @property
+    def title(self) -> str:
+        """What stands at an axis or above a column, e.g. "motion amplitude (m)"."""
+        return f"{self.label} ({self.unit})" if self.unit else self.label
+
+    @property
+    def word(self) -> str:
+        """The name as a word of a sentence."""
+        return self.name.replace("_", " ")
+
+    @property
+    def values_word(self) -> str:
+        """How sentences name several of its values."""
+        return self.plural or f"{self.label}s"
+
+    def show(self, value: Value) -> str:
+        """A value with its unit, e.g. "0.2 m"."""
+        shown = show_value(value)
+        return f"{shown} {self.unit}" if self.unit and not isinstance(value, str) else shown
+
+
+def show_value(value: Value) -> str:
+    """A value without its unit."""
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+def require_usable(conditions: Sequence[Condition]) -> None:
+    """Refuse conditions that no table can be made of.
+
+    Raises
+    ------
+    InputError
+        If there is none, if two have one name, or if one expands that is not the last.
+    """
+    names = [condition.name for condition in conditions]
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"conditions: {names}; a study has one or more, each with its own name")
+    for condition in conditions[:-1]:
+        if condition.expands:
+            raise InputError(
+                f"conditions: {condition.name} expands and is not the last; put it at the end, "
+                "and let no other expand"
+            )
+
+
+def order_values(column: Any, listed: Sequence[Value] = ()) -> list[Value]:
+    """The distinct values of a column: numbers by size, texts as listed, others alphabetically."""
+    distinct: list[Value] = np.unique(np.asarray(column)).tolist()
+    place = {value: number for number, value in enumerate(listed)}
+    if distinct and isinstance(distinct[0], str):
+        distinct.sort(key=lambda value: (place.get(value, len(place)), value))
+    return distinct

@@ -1,0 +1,10 @@
+"""What became of a case: the `status` of its row."""
+
+from __future__ import annotations
+
+#: It has a result.
+OK = "ok"
+#: Something went wrong; it is run again when the sweep is resumed.
+FAILED = "failed"
+#: The scheme cannot work under these conditions, for the reason given; this is its result.
+UNABLE = "unable"

@@ -1,0 +1,76 @@
+"""Samples that are lost: one by one, or in outages of a given length."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.errors import InputError
+
+
+@dataclass
+class Losses:
+    """Which samples of a sensor are lost, drawn piece by piece.
+
+    At each sample an outage begins with the same probability, independently of all others, also
+    inside another outage. With a length of 1 the losses are independent. No outage begins before
+    the first sample. The same stream with a higher probability or a greater length loses all that
+    it lost before, and more.
+
+    Attributes
+    ----------
+    generator
+        The stream: one uniform number per sample.
+    probability
+        That an outage begins at a sample.
+    length
+        Samples that an outage lasts.
+    remaining
+        Samples for which an outage that has begun goes on.
+
+    Raises
+    ------
+    InputError
+        If the probability is none, or the length is less than 1.
+    """
+
+    generator: np.random.Generator
+    probability: float
+    length: int = 1
+    remaining: int = 0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.probability <= 1.0:
+            raise InputError(f"probability: {self.probability:g} is not between 0 and 1")
+        if self.length < 1:
+            raise InputError(f"length: an outage of {self.length} samples; give 1 or more")
+
+    @property
+    def share(self) -> float:
+        """The share of samples that is lost in the long run: 1 - (1 - probability)^length."""
+        return float(1.0 - (1.0 - self.probability) ** self.length)
+
+    def draw(self, count: int) -> NDArray[np.bool_]:
+        """The next samples, (count,): True where one is lost."""
+        begins = self.generator.random(count) < self.probability
+        sample = np.arange(count)
+        last = np.maximum.accumulate(np.where(begins, sample, -self.length))
+        lost = (sample - last < self.length) | (sample < self.remaining)
+        newest = last[-1] + self.length - count if count else 0
+        self.remaining = max(self.remaining - count, int(newest), 0)
+        return lost
+
+
+def begin_probability(share: float, length: int) -> float:
+    """The probability with which outages of a length begin, so that a share of samples is lost.
+
+    Raises
+    ------
+    InputError
+        If the share is not from 0 to below 1.
+    """
+    if not 0.0 <= share < 1.0:
+        raise InputError(f"share: {share:g} is not from 0 to below 1")
+    return float(-np.expm1(np.log1p(-share) / length))

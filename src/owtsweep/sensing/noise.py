@@ -1,0 +1,100 @@
+"""White noise and a wandering bias, drawn piece by piece.
+
+Both take unit normals from a stream in order and scale them afterwards. So the pieces are those of
+one draw, bit for bit, and the same stream gives the same noise whatever its intensity is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+
+
+@dataclass
+class WhiteNoise:
+    """Independent normal errors of one channel.
+
+    Attributes
+    ----------
+    generator
+        The stream of the unit normals.
+    sigma
+        Standard deviation of each sample, in the unit of what is measured.
+
+    Raises
+    ------
+    InputError
+        If sigma is negative.
+    """
+
+    generator: np.random.Generator
+    sigma: float
+
+    def __post_init__(self) -> None:
+        if not self.sigma >= 0.0:
+            raise InputError(f"sigma: {self.sigma:g} is no standard deviation; give 0 or more")
+
+    def draw(self, *shape: int) -> Array:
+        """The next samples."""
+        noise = self.generator.standard_normal(shape)
+        noise *= self.sigma
+        return noise
+
+
+@dataclass
+class WienerBias:
+    """A bias that begins at a given value and wanders: a Wiener process, sampled.
+
+    Its variance after the time t is walk^2 t.
+
+    Attributes
+    ----------
+    generator
+        The stream of the unit normals. The first of them is drawn and not used, so that a step has
+        the same normal whatever the record began with.
+    walk
+        Intensity, in the unit of what is measured per sqrt(s).
+    step
+        Sampling interval, s.
+    initial
+        The bias of the first sample.
+    last
+        The bias of the last sample that was drawn; None before the first.
+
+    Raises
+    ------
+    InputError
+        If the intensity is negative or the step is not positive.
+    """
+
+    generator: np.random.Generator
+    walk: float
+    step: float
+    initial: float = 0.0
+    last: float | None = None
+
+    def __post_init__(self) -> None:
+        if not self.walk >= 0.0:
+            raise InputError(f"walk: {self.walk:g} is no intensity; give 0 or more")
+        if not self.step > 0.0:
+            raise InputError(f"step: {self.step:g} s is no interval; give more than 0")
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation of the change from one sample to the next."""
+        return float(self.walk * np.sqrt(self.step))
+
+    def draw(self, steps: int) -> Array:
+        """The next samples, (steps,)."""
+        bias = self.generator.standard_normal(steps)
+        if steps == 0:
+            return bias
+        bias *= self.deviation
+        bias[0] = self.initial if self.last is None else self.last + bias[0]
+        np.cumsum(bias, out=bias)
+        self.last = float(bias[-1])
+        return bias

@@ -1,0 +1,60 @@
+"""`multirun.json`: the runs of a multirun in their order, and what was swept."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from owtsweep.errors import InputError
+from owtsweep.io.files import write_atomically
+
+RECORD = "multirun.json"
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """A run of a multirun: the name of its folder, all its overrides and its swept values."""
+
+    folder: str
+    overrides: list[str]
+    values: dict[str, str]
+
+
+@dataclass(frozen=True)
+class Planned:
+    """What a record says: the names of the run folders in order, and the keys that were swept."""
+
+    folders: list[str]
+    keys: list[str]
+
+
+def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedRun]) -> None:
+    """Write the record of a multirun: the overrides as given, and the runs in their order."""
+    content = {
+        "multirun_version": VERSION,
+        "overrides": list(overrides),
+        "runs": [asdict(run) for run in runs],
+    }
+    write_atomically(folder / RECORD, json.dumps(content, indent=2) + "\n")
+
+
+def read_record(folder: Path) -> Planned | None:
+    """What was planned in a folder, or None if no multirun has left a record there.
+
+    Raises
+    ------
+    InputError
+        If the file is no record of a multirun.
+    """
+    path = folder / RECORD
+    if not path.is_file():
+        return None
+    try:
+        runs = json.loads(path.read_text())["runs"]
+        keys = [str(key) for run in runs for key in run["values"]]
+        return Planned([str(run["folder"]) for run in runs], keys)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: this is no record of a multirun ({error})") from error

@@ -1,0 +1,123 @@
+"""What a user's code is, for the key of a block: the sources that its results depend on."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import inspect
+import sys
+import sysconfig
+from collections.abc import Iterator
+from hashlib import blake2b
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+#: Stands for a source that cannot be read, e.g. of a class that was typed into a notebook.
+UNKNOWN = "unknown"
+
+
+def describe_source(code: type) -> dict[str, Any]:
+    """What identifies a user's class: part of the content of its blocks.
+
+    Returns
+    -------
+    dict
+        `source`: the hash of its module's source, or `UNKNOWN`. `modules`: name -> hash of each
+        other module of the user's that this one imports, directly or not; absent if there is none.
+        `version`: what the class says of itself, as text; absent if it says nothing.
+    """
+    module = inspect.getmodule(code)
+    entry: dict[str, Any] = {"source": _read_source(module or code)}
+    others = dict(sorted(_hash_imports(module).items())) if module is not None else {}
+    if others:
+        entry["modules"] = others
+    version = getattr(code, "version", None)
+    if version is not None:
+        entry["version"] = str(version)
+    return entry
+
+
+def explain_doubt(code: type) -> str:
+    """Why stored results of a user's class may be stale, in one line; empty if they are not."""
+    entry = describe_source(code)
+    if "version" in entry:
+        return ""
+    unread = [name for name, digest in entry.get("modules", {}).items() if digest == UNKNOWN]
+    if entry["source"] == UNKNOWN:
+        unread.insert(0, code.__name__)
+    if not unread:
+        return ""
+    return (
+        f"the source of {', '.join(unread)} cannot be read, so stored results may be those of "
+        f"another version; give {code.__name__} a class attribute version = ... to keep them"
+    )
+
+
+def _read_source(code: ModuleType | type) -> str:
+    try:
+        source = inspect.getsource(code)
+    except (OSError, TypeError):
+        return UNKNOWN
+    return blake2b(source.encode(), digest_size=8).hexdigest()
+
+
+def _hash_imports(module: ModuleType) -> dict[str, str]:
+    """Name -> hash of the user's modules that a module imports, whatever imports them."""
+    hashes: dict[str, str] = {}
+    waiting = [(module.__name__, _file_of(module.__name__))]
+    package = module.__name__.partition(".")[0]
+    while waiting:
+        importer, file = waiting.pop()
+        for name in _find_imports(importer, file):
+            imported = _file_of(name)
+            if name in hashes or name == module.__name__ or not _is_users(name, imported, package):
+                continue
+            hashes[name] = _hash_file(imported)
+            waiting.append((name, imported))
+    return hashes
+
+
+def _find_imports(name: str, file: Path | None) -> Iterator[str]:
+    """The modules that a file names in its import statements, those inside functions too."""
+    if file is None or file.suffix != ".py":
+        return
+    try:
+        tree = ast.parse(file.read_bytes())
+    except (OSError, SyntaxError, ValueError):
+        return
+    package = name if file.name == "__init__.py" else name.rpartition(".")[0]
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            parts = package.split(".")[: 1 - node.level or None] if node.level else []
+            base = ".".join([*parts, *([node.module] if node.module else [])])
+            yield base
+            # `from package import name`: the name may be a module
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+def _file_of(name: str) -> Path | None:
+    """The file of a module, or None for what is no module or has no file."""
+    try:
+        spec = importlib.util.find_spec(name)
+    except (ImportError, AttributeError, ValueError):
+        return None
+    return Path(spec.origin) if spec is not None and spec.has_location and spec.origin else None
+
+
+def _is_users(name: str, file: Path | None, package: str) -> bool:
+    """Whether a module is the user's: of the same package, or neither Python's nor installed."""
+    top = name.partition(".")[0]
+    if file is None or top in sys.stdlib_module_names or top == "owtsweep":
+        return False
+    installed = [Path(sysconfig.get_path(kind)) for kind in ("purelib", "platlib")]
+    return top == package or not any(file.is_relative_to(folder) for folder in installed)
+
+
+def _hash_file(file: Path | None) -> str:
+    try:
+        return blake2b(file.read_bytes(), digest_size=8).hexdigest() if file else UNKNOWN
+    except OSError:
+        return UNKNOWN

@@ -1,0 +1,97 @@
+"""Every source of motion keeps the protocol."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.recording import Recording
+from owtsweep.motion.recorded.source import RecordedSource
+from owtsweep.motion.source import Source
+from owtsweep.motion.spectra import translated
+from owtsweep.motion.spectral import SpectralSource
+from owtsweep.motion.synthesis import synthesise
+
+TIME = np.arange(0.0, 60.0, 0.02)
+
+
+def recording() -> Recording:
+    channels = {
+        "position_x": np.sin(2 * np.pi * 0.25 * TIME),
+        "position_y": 0.3 * np.cos(2 * np.pi * 0.4 * TIME),
+    }
+    names = {"time": "t", **{role: role for role in channels}}
+    return Recording(Path("tower.csv"), TIME, channels, names, ())
+
+
+SPECTRAL = SpectralSource(translated(4.0), (0.05, 0.6))
+SOURCES = [pytest.param(SPECTRAL, id="spectrum"), RecordedSource(recording())]
+
+
+def streams(replicate: int):
+    def stream(name: str) -> np.random.Generator:
+        return np.random.default_rng([replicate, *name.encode()])
+
+    return stream
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_a_source_keeps_the_protocol(source: Source) -> None:
+    assert isinstance(source, Source)
+    steps, step, history = 500, 0.05, 7
+    realise = partial(source.realise, steps=steps, step=step, history=history)
+    asked: list[str] = []
+
+    def listening(name: str) -> np.random.Generator:
+        asked.append(name)
+        return streams(0)(name)
+
+    motion = realise(listening)
+    assert sorted(asked) == sorted(source.streams)
+    again, other = realise(streams(0)), realise(streams(1))
+    for name in ("position", "velocity", "acceleration"):
+        series = getattr(motion, name)
+        assert len(series) == steps
+        np.testing.assert_array_equal(series, getattr(again, name))
+        assert np.array_equal(series, getattr(other, name)) == (not source.streams)
+    # history and record are one motion, and derivatives are its own
+    assert len(motion.before) == history
+    whole = np.concatenate([motion.before, motion.position])
+    slope = (whole[history + 1 :] - whole[history - 1 : -2]) / (2 * step)
+    np.testing.assert_allclose(slope, motion.velocity[:-1], atol=0.02)
+    bend = np.diff(whole, 2, axis=0)[history - 1 :] / step**2
+    inner = slice(40, -40)
+    np.testing.assert_allclose(bend[inner], motion.acceleration[:-1][inner], atol=0.1)
+    np.testing.assert_array_equal(motion.position_at(-history, 3, 100), whole[: 3 * 100 : 3])
+
+
+def test_a_spectrum_gives_what_synthesis_draws() -> None:
+    ours = SPECTRAL.realise(streams(3), steps=600, step=0.1, history=5)
+    theirs = synthesise(
+        translated(4.0), streams(3)("phase"), steps=600, step=0.1, band=(0.05, 0.6), history=5
+    )
+    np.testing.assert_array_equal(ours.acceleration, theirs.acceleration)
+    np.testing.assert_array_equal(ours.before, theirs.before)
+    assert SPECTRAL.duration is None
+
+
+def test_a_file_gives_its_two_axes_and_no_more_than_it_holds() -> None:
+    source = RecordedSource(recording())
+    assert source.duration == pytest.approx(TIME[-1])
+    motion = source.realise(streams(0), steps=2990, step=0.02, history=10)
+    assert motion.position.shape == (2990, 2)
+    expected = 2 * np.pi * 0.25 * np.cos(2 * np.pi * 0.25 * TIME[10:])
+    np.testing.assert_allclose(motion.velocity[200:-200, 0], expected[200:-200], atol=1e-3)
+    with pytest.raises(InputError, match=r"tower.csv: holds 59.8 s .* not 60 s; ask for a shorter"):
+        source.realise(streams(0), steps=3000, step=0.02, history=10)
+
+
+def test_a_file_without_positions() -> None:
+    empty = Recording(Path("force.csv"), TIME, {"specific_force_x": TIME}, {"time": "t"}, ())
+    assert RecordedSource(empty).duration == 0.0
+    with pytest.raises(InputError, match=r"force\.csv: no position"):
+        RecordedSource(empty).realise(streams(0), steps=10, step=0.1)

@@ -1,0 +1,63 @@
+"""Losses: how many and how long, against theory."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from owtsweep.errors import InputError
+from owtsweep.sensing.losses import Losses, begin_probability
+from owtsweep.streams import stream
+
+COUNT = 200_000
+
+
+def uniforms() -> np.random.Generator:
+    return stream(2019, "hub", 4.0, 0, "loss")
+
+
+@pytest.mark.parametrize("length", [1, 5, 40])
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.6])
+def test_the_share_that_is_lost(share: float, length: int) -> None:
+    losses = Losses(uniforms(), begin_probability(share, length), length)
+    assert losses.share == pytest.approx(share)
+    # samples `length` apart are independent, so the mean has at least COUNT / length of them
+    spread = np.sqrt(share * (1 - share) * 2 * length / COUNT)
+    assert losses.draw(COUNT).mean() == pytest.approx(share, abs=5 * spread + 1e-12)
+
+
+def test_single_losses_are_independent() -> None:
+    lost = Losses(uniforms(), 0.3).draw(COUNT)
+    both = np.mean(lost[1:] & lost[:-1])
+    assert both == pytest.approx(0.09, abs=5 * np.sqrt(0.09 / COUNT))
+
+
+def test_outages_last_their_length() -> None:
+    lost = Losses(uniforms(), 1e-4, 25).draw(COUNT)  # rare: hardly any two meet
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], lost, [0]]).astype(int)))
+    lengths = edges[1::2] - edges[::2]
+    assert np.all(lengths[:-1] >= 25)
+    assert np.median(lengths) == 25
+
+
+@pytest.mark.parametrize("pieces", [[500], [1, 499], [3, 0, 2, 10, 4, 481]])
+@pytest.mark.parametrize("length", [1, 7, 100])
+def test_pieces_are_those_of_one_draw(pieces: list[int], length: int) -> None:
+    whole = Losses(uniforms(), 0.02, length).draw(500)
+    losses = Losses(uniforms(), 0.02, length)
+    np.testing.assert_array_equal(np.concatenate([losses.draw(n) for n in pieces]), whole)
+
+
+def test_more_losses_keep_those_that_were() -> None:
+    few = Losses(uniforms(), 0.05, 3).draw(1000)
+    assert np.all(Losses(uniforms(), 0.1, 3).draw(1000)[few])
+    assert np.all(Losses(uniforms(), 0.05, 9).draw(1000)[few])
+
+
+def test_losses_that_cannot_be() -> None:
+    with pytest.raises(InputError, match=r"probability: 1.5 is not between 0 and 1"):
+        Losses(uniforms(), 1.5)
+    with pytest.raises(InputError, match="length: an outage of 0 samples; give 1 or more"):
+        Losses(uniforms(), 0.5, 0)
+    with pytest.raises(InputError, match="share: 1 is not from 0 to below 1"):
+        begin_probability(1.0, 3)

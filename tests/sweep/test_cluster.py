@@ -1,0 +1,49 @@
+"""A small cluster inside this process: what of joblib's private dask backend we lean on.
+
+`tests/faults/test_dask.py` does the same, and worse, to processes of their own.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from owtsweep.sweep.progress import SilentProgress
+from owtsweep.sweep.run import sweep
+
+distributed = pytest.importorskip("distributed", reason="the extra `dask` is not installed")
+
+
+@pytest.fixture(scope="module")
+def address():
+    """The scheduler of a cluster of two threads."""
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=2, processes=False, protocol="tcp", dashboard_address=None
+    ) as cluster:
+        yield cluster.scheduler_address
+
+
+def files(outcome):
+    paths = [*outcome.run.store.cases.glob("part-*"), *outcome.run.folder.glob("*.csv")]
+    return {path.name: path.read_bytes() for path in paths}
+
+
+def test_a_cluster_gives_the_same_bits_and_tells_what_failed(faulty, config, address, tmp_path):
+    faults = {"A1.0": "case", "B2.0": "raise"}
+    here = sweep(faulty(**faults), config(results=tmp_path / "here"))
+    there = sweep(faulty(**faults), config(backend="dask", scheduler=address))
+    assert {failure.label for failure in there.failed} == {"A1.0", "B2.0"}
+    assert there.computed == here.computed == 9
+    assert files(there) == files(here)
+    again = sweep(faulty(), config(backend="dask", scheduler=address))
+    assert (again.computed, again.reused, again.failed) == (4, 8, [])
+
+
+def test_an_interrupt_reaches_through(study, config, address):
+    class Interrupts(SilentProgress):
+        def advance(self, cases):
+            raise KeyboardInterrupt
+
+    c = config(backend="dask", scheduler=address)
+    with pytest.raises(KeyboardInterrupt):
+        sweep(study, c, progress=Interrupts())
+    assert sweep(study, c).failed == []

@@ -1,0 +1,63 @@
+"""What `make reproduce` says of results/reference: equal, nearly equal, other."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+KEPT = ROOT / "results" / "reference" / "default"
+
+
+@pytest.fixture
+def compare(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
+    sys.modules.pop("agreement", None)
+    from agreement import compare_folders
+
+    return compare_folders
+
+
+@pytest.fixture
+def made(tmp_path) -> Path:
+    return Path(shutil.copytree(KEPT, tmp_path / "made"))
+
+
+def test_a_copy_agrees(compare, made):
+    (made / "manifest.json").write_text("{}")  # another day, another machine
+    assert compare(made, KEPT) == {}
+
+
+@pytest.mark.parametrize(("factor", "agrees"), [(1.0 + 1e-9, True), (1.001, False)])
+def test_numbers_agree_to_a_tolerance(compare, made, factor, agrees):
+    table = made / "best_scheme.csv"
+    lines = table.read_text().splitlines()
+    cells = lines[1].split(",")
+    place = next(i for i, cell in enumerate(cells) if "." in cell and "e-0" not in cell and i > 5)
+    cells[place] = repr(float(cells[place]) * factor)
+    table.write_text("\n".join([lines[0], ",".join(cells), *lines[2:]]) + "\n")
+    assert (compare(made, KEPT) == {}) == agrees
+
+
+def test_what_differs_is_named(compare, made):
+    table = made / "best_scheme.csv"
+    table.write_text(table.read_text().replace("HME2", "MKF", 1))
+    (made / "fidelity.csv").unlink()
+    (made / "more.md").write_text("text")
+    shutil.copy(KEPT.parent / "two_maps.png", made / "figure_18_best_scheme.png")
+    config = made / "config.yaml"
+    config.write_text(config.read_text().replace("seed: 2019", "seed: 7"))
+    differences = compare(made, KEPT)
+    assert set(differences) == {
+        "best_scheme.csv", "fidelity.csv", "more.md", "figure_18_best_scheme.png", "config.yaml",
+    }  # fmt: skip
+    assert "MKF instead of HME2" in differences["best_scheme.csv"]
+
+
+def test_a_shorter_table_differs(compare, made):
+    table = made / "best_scheme.csv"
+    table.write_text("\n".join(table.read_text().splitlines()[:-1]) + "\n")
+    assert "best_scheme.csv" in compare(made, KEPT)
