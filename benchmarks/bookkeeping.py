@@ -24,8 +24,7 @@ from benchmarks.bulk_study import BulkStudy, bulk_config
 from benchmarks.page import put
 from benchmarks.scale import made_up_rows
 from benchmarks.timing import REPEATS, median_time, timed
-from owtsweep.config import compose
-from owtsweep.studies import get_study
+from owtsweep.studies import compose, get_study
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import REPEATS, median_time, samples
-from owtsweep.config import compose
+from owtsweep.studies import compose
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.feed import Feed

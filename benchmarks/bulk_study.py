@@ -3,34 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from owtsweep.config import Compute, Config
+from owtsweep.config import Compute, Config, Section, key
 from owtsweep.sweep.study import OK, Block
 
 SCHEMES = ("A", "B", "C", "D")
 
 
-@dataclass(frozen=True)
-class BulkGrid:
-    """`cases` in all, `per_block` of them in a block; four schemes share the cases evenly."""
+class BulkGrid(Section):
+    """How many cases; four schemes share them evenly."""
 
-    cases: int = 0
-    per_block: int = 80
+    cases: int = key("in all", default=0)
+    per_block: int = key("in a block", default=80)
 
 
-@dataclass(frozen=True)
 class BulkConfig(Config):
     """The keys of the study."""
 
-    study: str = "bulk"
-    experiment: str = "bulk"
-    grid: BulkGrid = field(default_factory=BulkGrid)
+    study: str = key("which study it is", default="bulk")
+    experiment: str = key("begins the name of the run folder", default="bulk")
+    grid: BulkGrid = key("how many cases", default=BulkGrid())
 
 
 class BulkStudy:
@@ -114,6 +111,6 @@ def bulk_config(results: Path, cases: int, per_block: int, workers: int = 2) -> 
     """A study of so many cases below `results`."""
     return BulkConfig(
         results=str(results),
-        grid=BulkGrid(cases, per_block),
+        grid=BulkGrid(cases=cases, per_block=per_block),
         compute=Compute(workers=workers),
     )

@@ -27,7 +27,7 @@ from scipy.stats import t as student
 
 import owtsweep
 from benchmarks.timing import REPEATS, seconds, timed
-from owtsweep.config import compose
+from owtsweep.studies import compose
 from owtsweep.studies.hub.expected import answers, cache, engine
 
 KEYS = ["scheme", "natural_period", "amplitude", "measure", "window"]

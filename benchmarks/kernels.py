@@ -81,7 +81,7 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
     with a tile for every eight series; before the first step there are rows of zeros.
     """
     from owtsweep.arrays import aligned
-    from owtsweep.config import compose
+    from owtsweep.studies import compose
     from owtsweep.studies.hub import sensors as sensing
     from owtsweep.studies.hub.batch import arrays_of, chunk_of, weights_of
     from owtsweep.studies.hub.schemes import resolve

@@ -13,9 +13,8 @@ import tempfile
 
 from benchmarks.scale import peak_megabytes
 from benchmarks.timing import timed
-from owtsweep.config import compose
 from owtsweep.memory import keep_freed_memory
-from owtsweep.studies import get_study
+from owtsweep.studies import compose, get_study
 from owtsweep.sweep.run import sweep
 
 

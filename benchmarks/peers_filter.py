@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import REPEATS, seconds
-from owtsweep.config import compose
+from owtsweep.studies import compose
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import REPEATS, seconds
-from owtsweep.config import compose
 from owtsweep.estimation.mhe import CasadiWindow, WindowWeights, square_root_information, window_map
+from owtsweep.studies import compose
 from owtsweep.studies.hub.horizon import horizon
 from owtsweep.studies.hub.sensors import sensors
 

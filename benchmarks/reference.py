@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.timing import REPEATS, median_time, timed
-from owtsweep.config import compose
+from owtsweep.studies import compose
 from owtsweep.studies.hub import blocks
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve

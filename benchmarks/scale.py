@@ -23,8 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from owtsweep.config import compose
-from owtsweep.studies import get_study
+from owtsweep.studies import compose, get_study
 from owtsweep.sweep.plan import count_cases, make_plan
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep

@@ -20,8 +20,7 @@ from typing import Any
 from benchmarks import reference as stepwise
 from benchmarks.page import put
 from benchmarks.timing import REPEATS, median_time, timed
-from owtsweep.config import compose
-from owtsweep.studies import get_study
+from owtsweep.studies import compose, get_study
 from owtsweep.sweep.run import sweep
 
 BOOKKEEPING = Path(__file__).with_name("bookkeeping.csv")

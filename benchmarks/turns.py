@@ -19,9 +19,8 @@ from statistics import fmean
 from typing import Any
 
 from benchmarks.timing import Time, timed
-from owtsweep.config import compose
 from owtsweep.memory import keep_freed_memory
-from owtsweep.studies import get_study
+from owtsweep.studies import compose, get_study
 from owtsweep.studies.hub import blocks, chain
 from owtsweep.sweep.run import sweep
 

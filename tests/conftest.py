@@ -8,7 +8,7 @@ import pytest
 @pytest.fixture(scope="session")
 def kernels() -> None:
     """Compile the hub study's kernels (or load them from numba's cache) once per session."""
-    from owtsweep.config import compose
+    from owtsweep.studies import compose
     from owtsweep.studies.hub import blocks
 
     small = [

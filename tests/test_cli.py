@@ -221,7 +221,7 @@ def test_users_schemes_linear_or_not_stand_beside_ours():
 def test_an_edited_scheme_is_a_new_scheme(monkeypatch):
     import inspect
 
-    from owtsweep.config import compose
+    from owtsweep.studies import compose
     from owtsweep.studies.hub.blocks import plan
 
     config = compose([*SMALL, "schemes=[{_target_:user_schemes.HoldLastFix}]"])

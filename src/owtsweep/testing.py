@@ -62,7 +62,7 @@ def check_scheme(
     """
     check_declaration(scheme)
     if tuning is None:
-        from owtsweep.config import compose
+        from owtsweep.studies import compose
 
         tuning = compose([])
     for known in example_sensors() if sensors is None else sensors:

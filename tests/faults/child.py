@@ -14,6 +14,7 @@ from dummy_study import DummyStudy, make_config
 from owtsweep import studies
 from owtsweep.cli import program
 from owtsweep.cli import running as command
+from owtsweep.config import changed
 from owtsweep.sweep import progress
 
 if __name__ == "__main__":
@@ -24,9 +25,7 @@ if __name__ == "__main__":
         results, backend=backend, workers=2, level=[float(i + 1) for i in range(int(levels))]
     )
     if scheduler:
-        from dataclasses import replace
-
-        c = replace(c, compute=replace(c.compute, scheduler=scheduler[0]))
+        c = changed(c, compute=changed(c.compute, scheduler=scheduler[0]))
     study = DummyStudy(pause=float(seconds))
     studies.get_study = lambda name: study
     program.import_module = lambda name: SimpleNamespace(

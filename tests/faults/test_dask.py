@@ -7,12 +7,11 @@ import os
 import signal
 import threading
 import time
-from dataclasses import replace
 
 import pytest
 from fault_tools import content
 
-from owtsweep.config import Compute
+from owtsweep.config import Compute, changed
 from owtsweep.errors import InputError
 from owtsweep.sweep import execute
 from owtsweep.sweep.progress import SilentProgress
@@ -35,7 +34,7 @@ def on(config, two_workers):
 
     def make(**changes):
         compute = Compute(backend="dask", scheduler=two_workers.address)
-        return replace(config(**changes), compute=compute)
+        return changed(config(**changes), compute=compute)
 
     return make
 
@@ -68,7 +67,7 @@ def test_the_only_worker_does_the_work(faulty, config, cluster, monkeypatch):
     monkeypatch.setattr("owtsweep.sweep.cluster.PATIENCE", 2.0)
     (worker,) = cluster.start_workers(1)
     on_cluster = Compute(backend="dask", scheduler=cluster.address)
-    broken = sweep(faulty(**{"A3.0": "kill"}), replace(config(level=LEVELS), compute=on_cluster))
+    broken = sweep(faulty(**{"A3.0": "kill"}), changed(config(level=LEVELS), compute=on_cluster))
     assert worker.wait(timeout=10) == -signal.SIGKILL
     assert "A3.0" in {failure.label for failure in broken.failed}
 
@@ -146,7 +145,7 @@ def test_workers_limit(faulty, on, tmp_path):
     slow = {f"{scheme}{level}": "slow" for scheme in "AB" for level in LEVELS}
 
     def seconds(workers, name):
-        limited = replace(c, compute=replace(c.compute, workers=workers), name=name)
+        limited = changed(c, compute=changed(c.compute, workers=workers), name=name)
         return sweep(faulty(**slow), limited).seconds
 
     assert seconds(0, "all") < 0.8 <= seconds(1, "one")  # 8 blocks of 0.1 s
@@ -163,7 +162,7 @@ def test_worker_of_another_version_is_refused(study, on, monkeypatch, tmp_path):
 
 def test_scheduler_that_does_not_answer_is_refused(study, config, tmp_path, monkeypatch):
     monkeypatch.setattr("owtsweep.sweep.cluster.PATIENCE_AT_START", 0.5)
-    c = replace(config(), compute=Compute(backend="dask", scheduler="tcp://127.0.0.1:9"))
+    c = changed(config(), compute=Compute(backend="dask", scheduler="tcp://127.0.0.1:9"))
     with pytest.raises(InputError, match=r"^compute.scheduler: no scheduler answers at tcp://127"):
         sweep(study, c)
     assert list(tmp_path.iterdir()) == []
@@ -175,7 +174,7 @@ def test_study_that_workers_cannot_load_is_refused(config, two_workers, tmp_path
     monkeypatch.syspath_prepend(str(tmp_path))
     import only_here
 
-    c = replace(config(), compute=Compute(backend="dask", scheduler=two_workers.address))
+    c = changed(config(), compute=Compute(backend="dask", scheduler=two_workers.address))
     with pytest.raises(InputError, match=r"cannot load the study \(.*only_here"):
         sweep(only_here.Mine(), c)
     assert not (tmp_path / "results").exists()

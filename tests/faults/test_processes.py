@@ -121,6 +121,7 @@ def test_killed_run_is_shown_as_such(tmp_path, capsys, monkeypatch):
 
     from owtsweep import studies
     from owtsweep.cli import main
+    from owtsweep.studies import registry
 
     results = tmp_path / "results"
     process = child(results, "threading", 0.1, LEVELS)
@@ -128,7 +129,8 @@ def test_killed_run_is_shown_as_such(tmp_path, capsys, monkeypatch):
     process.kill()
     process.communicate()
     study = DummyStudy()
-    monkeypatch.setattr(studies, "get_study", lambda name: study)
+    for module in (studies, registry):
+        monkeypatch.setattr(module, "get_study", lambda name: study)
     assert main(["show", str(only_run(results))]) == 0
     shown = capsys.readouterr().out
     assert "running, or killed" in shown

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
@@ -11,8 +10,9 @@ from hypothesis import strategies as st
 from omegaconf import OmegaConf
 from tools import configure
 
-from owtsweep.config import as_mapping, compose, from_mapping
+from owtsweep.config import as_mapping, changed
 from owtsweep.errors import InputError
+from owtsweep.studies import compose, from_mapping
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.sensors import sensors
 
@@ -175,10 +175,10 @@ def test_no_arrival_term_needs_three_fixes() -> None:
 
 def with_gnss(config: HubConfig, **changes: float) -> HubConfig:
     """A checked copy, without OmegaConf: some hundred are made."""
-    gnss = replace(config.sensors.gnss, **changes)
-    changed = replace(config, sensors=replace(config.sensors, gnss=gnss))
-    changed.check()
-    return changed
+    gnss = changed(config.sensors.gnss, **changes)
+    copy = changed(config, sensors=changed(config.sensors, gnss=gnss))
+    copy.check()
+    return copy
 
 
 def suggested(message: str) -> list[float]:

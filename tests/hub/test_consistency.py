@@ -15,8 +15,8 @@ import pytest
 from scipy import stats
 from tools import Array
 
-from owtsweep.config import compose
 from owtsweep.streams import stream
+from owtsweep.studies import compose
 from owtsweep.studies.hub import batch, measures
 from owtsweep.studies.hub.batch import Lanes, superposed_sums
 from owtsweep.studies.hub.chain import Chain

@@ -13,9 +13,10 @@ from scipy.optimize import lsq_linear
 from tools import Array, assert_same, configure, measured, rows_of
 
 from dense import whitener
-from owtsweep.config import as_mapping, compose, load
+from owtsweep.config import as_mapping
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
+from owtsweep.studies import compose, load_config
 from owtsweep.studies.hub import HubStudy, window
 from owtsweep.studies.hub.blocks import plan
 from owtsweep.studies.hub.config import HubConfig
@@ -209,7 +210,7 @@ def test_without_constraints_all_keys_are_as_before() -> None:
     assert run_hash(bound) != run_hash(config)
     for folder in sorted(REFERENCE.glob("*/manifest.json")):
         stored = json.loads(folder.read_text(encoding="utf-8"))["config_hash"]
-        assert run_hash(load(folder.parent / "config.yaml")) == stored, folder
+        assert run_hash(load_config(folder.parent / "config.yaml")) == stored, folder
 
 
 @pytest.mark.parametrize(("override", "message"), [

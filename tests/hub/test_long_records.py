@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from owtsweep import paging
-from owtsweep.config import compose
+from owtsweep.studies import compose
 from owtsweep.studies.hub import batch, blocks, chain, feed, records
 
 pytestmark = pytest.mark.usefixtures("kernels")

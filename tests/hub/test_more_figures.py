@@ -11,6 +11,7 @@ import pytest
 from tools import SMALL, assert_same, configure, filtered_states, measured, ned
 
 import owtsweep
+from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.estimation.predictor import predict
 from owtsweep.figures import style
@@ -281,7 +282,7 @@ def test_two_maps_show_both_runs(runs: dict[str, Run], monkeypatch, tmp_path: Pa
 
 def test_two_maps_say_what_else_differs() -> None:
     one = configure(*SENSORS)
-    other = dataclasses.replace(configure(*SENSORS, "sensors.yaw=1"), seed=7)
+    other = changed(configure(*SENSORS, "sensors.yaw=1"), seed=7)
     assert two_maps._differences([one, one]) == []
     assert two_maps._differences([one, other]) == [
         "The two runs differ not only in their tuning: seed, sensors."

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tempfile
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from unittest.mock import patch
 
@@ -13,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tools import configure
 
+from owtsweep.config import changed
 from owtsweep.studies import get_study
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
@@ -50,12 +50,12 @@ SWEEPS = st.tuples(GRIDS, SCHEMES, st.integers(0, 3), st.integers(1, 2))
 
 def configured(results, grid, schemes, workers=1):
     config = configure("record.duration=10", "measures.settling_time=2")
-    return replace(
+    return changed(
         config,
         results=str(results),
-        grid=replace(config.grid, **grid),
+        grid=changed(config.grid, **grid),
         schemes=schemes,
-        compute=replace(config.compute, workers=workers),
+        compute=changed(config.compute, workers=workers),
     )
 
 

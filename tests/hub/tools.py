@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from omegaconf import OmegaConf
 
-from owtsweep.config import as_mapping, compose, from_mapping
+from owtsweep.config import as_mapping
+from owtsweep.studies import compose, from_mapping
 from owtsweep.studies.hub import batch, blocks
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig

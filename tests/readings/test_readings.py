@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import yaml
 
-from owtsweep.config import compose, conf_directory, with_values
+from owtsweep.config import conf_directory, with_values
 from owtsweep.errors import InputError
-from owtsweep.studies import get_study
+from owtsweep.studies import compose, get_study
 from owtsweep.studies.hub.fidelity import score as scoring
 from owtsweep.studies.readings import results, searches
 from owtsweep.sweep.run import sweep

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from owtsweep.config import compose
+from owtsweep.config import changed
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.synthesis import synthesise
+from owtsweep.studies import compose
 from owtsweep.studies.replay.config import ReplayConfig
 
 ROOT = Path(__file__).parents[2]
@@ -29,7 +29,7 @@ def config_of(files: Sequence[Path], *overrides: str) -> ReplayConfig:
     """The configuration of a replay of some files."""
     config = compose(list(overrides), primary="replay")
     assert isinstance(config, ReplayConfig)
-    return replace(config, grid=replace(config.grid, files=[str(file) for file in files]))
+    return changed(config, grid=changed(config.grid, files=[str(file) for file in files]))
 
 
 def motion(

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from replay_tools import config_of, motion_file, sensor_file
 
+from owtsweep.config import changed
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.replay import measures
@@ -30,7 +29,7 @@ def test_all_engines_agree(tmp_path, name, missing):
     record = load_record(config, str(path))
     measured = measure(config, sensors, record, 0)
     fast = estimate(config, resolve(name), sensors, measured)
-    slow = estimate(replace(config, engine="reference"), resolve(name), sensors, measured)
+    slow = estimate(changed(config, engine="reference"), resolve(name), sensors, measured)
     for part in ("state", "innovation", "innovation_covariance"):
         one, other = getattr(fast, part), getattr(slow, part)
         if part == "innovation_covariance":

@@ -9,6 +9,7 @@ import pytest
 from dummy_study import DummyConfig, DummyStudy, make_config
 
 from owtsweep import studies
+from owtsweep.studies import registry
 
 
 @pytest.fixture
@@ -31,5 +32,6 @@ def config(tmp_path: Path) -> Callable[..., DummyConfig]:
 @pytest.fixture
 def known_study(monkeypatch: pytest.MonkeyPatch, study: DummyStudy) -> DummyStudy:
     """The study, found by `get_study` too."""
-    monkeypatch.setattr(studies, "get_study", lambda name: study)
+    for module in (studies, registry):
+        monkeypatch.setattr(module, "get_study", lambda name: study)
     return study

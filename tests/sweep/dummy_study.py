@@ -13,14 +13,14 @@ import sys
 import time
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from owtsweep.config import Compute, Config
+from owtsweep.config import Axis, Compute, Config, Section, changed, key, typed
 from owtsweep.figures.drawings import Drawing
 from owtsweep.io.tables import write_table
 from owtsweep.results.conditions import Condition
@@ -28,18 +28,16 @@ from owtsweep.results.status import FAILED, OK, UNABLE
 from owtsweep.sweep.study import Block
 
 
-@dataclass(frozen=True)
-class DummyGrid:
-    level: list[float] = field(default_factory=lambda: [1.0, 2.0, 0.3])
+class DummyGrid(Section):
+    level: Axis[float] = key("a level", default=[1.0, 2.0, 0.3])
 
 
-@dataclass(frozen=True)
 class DummyConfig(Config):
-    study: str = "dummy"
-    experiment: str = "test"
-    sigma: float = 0.1
-    grid: DummyGrid = field(default_factory=DummyGrid)
-    schemes: list[str] = field(default_factory=lambda: ["A", "B"])
+    study: str = key("which study it is", default="dummy")
+    experiment: str = key("begins the name of the run folder", default="test")
+    sigma: float = key("factor of the values", default=0.1)
+    grid: DummyGrid = key("the axis", default=DummyGrid())
+    schemes: list[str] = key("letters", default=["A", "B"])
 
 
 #: Fault -> status and reason of its two rows.
@@ -178,14 +176,9 @@ class DummyStudy:
 
 def make_config(results: Path, **changes: Any) -> DummyConfig:
     """A configuration on one worker; `level`, `workers` and `backend` are short for their keys."""
-    config = DummyConfig(
-        results=str(results),
-        compute=Compute(
-            backend=changes.pop("backend", "auto"),
-            workers=changes.pop("workers", 1),
-            scheduler=changes.pop("scheduler", None),
-        ),
-    )
+    compute = {"workers": 1}
+    compute |= {name: changes.pop(name) for name in [*Compute.model_fields] if name in changes}
+    config = typed(DummyConfig, {"results": str(results), "compute": compute})
     if "level" in changes:
-        changes["grid"] = DummyGrid(changes.pop("level"))
-    return replace(config, **changes)
+        changes["grid"] = changed(config.grid, level=changes.pop("level"))
+    return changed(config, **changes)

@@ -17,6 +17,7 @@ from owtsweep.cli import main
 from owtsweep.comparing.comparison import Comparison, Findings, Pair
 from owtsweep.comparing.values import rank_values, show
 from owtsweep.errors import InputError
+from owtsweep.studies import registry
 from owtsweep.sweep import compare as comparing
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.swept import FIRST, flatten, make_pairs, swept_keys
@@ -39,7 +40,8 @@ class ComparableStudy(DummyStudy):
 @pytest.fixture
 def comparable(monkeypatch):
     study = ComparableStudy()
-    monkeypatch.setattr(studies, "get_study", lambda name: study)
+    for module in (studies, registry):
+        monkeypatch.setattr(module, "get_study", lambda name: study)
     return study
 
 
@@ -183,7 +185,8 @@ def test_bad_input_is_one_line_and_writes_nothing(words, says, run, tmp_path, mo
 
 def test_a_study_without_a_comparison_says_so(run, monkeypatch):
     folders = [run(sigma=0.1), run(sigma=0.2)]
-    monkeypatch.setattr(studies, "get_study", lambda name: DummyStudy())
+    for module in (studies, registry):
+        monkeypatch.setattr(module, "get_study", lambda name: DummyStudy())
     with pytest.raises(InputError, match="has no comparison"):
         compare(folders)
 

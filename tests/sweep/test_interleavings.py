@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import tempfile
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 from unittest.mock import patch
@@ -19,6 +19,7 @@ from dummy_study import DummyStudy, make_config
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from owtsweep.config import Section, changed, key
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.progress import SilentProgress
 from owtsweep.sweep.run import sweep
@@ -26,13 +27,12 @@ from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import OK, Block
 
 
-@dataclass(frozen=True)
-class Grid:
+class Grid(Section):
     """What a life may change: `amplitude` stands in no block, like those of a linear scheme."""
 
-    level: list[float]
-    amplitude: list[float]
-    replicates: int
+    level: list[float] = key("a level")
+    amplitude: list[float] = key("an amplitude")
+    replicates: int = key("how many")
 
 
 @dataclass
@@ -122,10 +122,10 @@ def some(pool: list[Any]) -> st.SearchStrategy[list[Any]]:
 
 
 CONFIGS = st.builds(
-    lambda schemes, level, amplitude, replicates: replace(
+    lambda schemes, level, amplitude, replicates: changed(
         make_config(Path("unset")),
         schemes=schemes,
-        grid=Grid(level, amplitude, replicates),  # type: ignore[arg-type]
+        grid=Grid(level=level, amplitude=amplitude, replicates=replicates),
     ),
     some([*"AB"]),
     some([1.0, 0.3]),
@@ -158,7 +158,7 @@ def live(step: Step, results: Path) -> None:
 
 
 def located(config: Any, results: Path, workers: int = 1) -> Any:
-    return replace(config, results=str(results), compute=replace(config.compute, workers=workers))
+    return changed(config, results=str(results), compute=changed(config.compute, workers=workers))
 
 
 def content(run: Run) -> dict[str, bytes]:

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import pytest
 
-from owtsweep.config import Compute
+from owtsweep.config import Compute, changed
 from owtsweep.errors import InputError
 from owtsweep.sweep.keys import block_key, run_folder, run_hash
 from owtsweep.sweep.plan import count_cases, make_plan, make_tasks
@@ -72,7 +72,7 @@ def test_run_hash_ignores_grid_schemes_compute_results_and_name(config):
     assert run_hash(config(schemes=["C"])) == base
     assert run_hash(config(results="elsewhere")) == base
     assert run_hash(config(name="x")) == base
-    assert run_hash(replace(config(), compute=Compute(backend="loky", workers=7))) == base
+    assert run_hash(changed(config(), compute=Compute(backend="loky", workers=7))) == base
 
 
 def test_run_hash_heeds_everything_else(config):

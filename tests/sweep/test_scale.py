@@ -13,8 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from owtsweep.config import compose
-from owtsweep.studies import get_study
+from owtsweep.studies import compose, get_study
 from owtsweep.sweep.plan import count_cases, make_plan
 
 ROOT = Path(__file__).parents[2]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ import pandas as pd
 import pytest
 
 from owtsweep.api import load
+from owtsweep.config import changed
 from owtsweep.studies import get_study
 from owtsweep.sweep.gather import sort_rows
 from owtsweep.sweep.plan import make_plan
@@ -69,7 +69,7 @@ def test_one_fixture_is_of_this_version() -> None:
 
 
 def test_keys_are_stable_and_nothing_is_computed_again(run: Run) -> None:
-    study, config = run.study, replace(run.config, results=str(run.folder.parent))
+    study, config = run.study, changed(run.config, results=str(run.folder.parent))
     if versions(run) != versions_of(study):
         pytest.skip("its numbers are of another version, so its blocks are computed again")
     before = shards(run)
@@ -89,7 +89,7 @@ def test_keys_are_stable_and_nothing_is_computed_again(run: Run) -> None:
 
 def test_numbers_are_those_of_the_fixture(run: Run, tmp_path: Path) -> None:
     """Computed anew, of any numerics_version: a version stands for last digits, not for more."""
-    outcome = sweep(run.study, replace(run.config, results=str(tmp_path / "anew")))
+    outcome = sweep(run.study, changed(run.config, results=str(tmp_path / "anew")))
     before, after = (
         frame.sort_values(["scheme", "replicate", "measure", "window"], ignore_index=True)
         for frame in (run.store.read_all(shards(run))[0], outcome.run.cases())

@@ -24,17 +24,12 @@ from owtsweep.cli.multirun_outcomes import (
 )
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM
 from owtsweep.cli.running import run_one
-from owtsweep.config import (
-    Config,
-    conf_directory,
-    dump,
-    from_mapping,
-    one_line,
-    require,
-)
+from owtsweep.config import Config, Tree, dump, require
+from owtsweep.config.hydra_errors import in_one_line
 from owtsweep.errors import InputError, as_text
 from owtsweep.io.files import check_writable
-from owtsweep.studies import compose
+from owtsweep.studies import compose, from_mapping, locate
+from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.multirun_record import PlannedRun, write_record
 
@@ -52,7 +47,8 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     if options.fresh:
         raise InputError("--fresh: this works on one run; name it without --multirun")
-    combinations = _combinations(options.overrides)
+    located = locate(options.overrides)
+    combinations = _combinations(options.overrides, located.tree)
     configs = [compose(words, options.config_dir) for words, _ in combinations]
     _check_folders(configs, [words for words, _ in combinations])
     if options.cfg:
@@ -66,12 +62,12 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         for config, (words, values) in zip(configs, combinations, strict=True)
     ]
     check_writable(folder)
-    _check_hydra(options.overrides)
+    _check_hydra(options.overrides, located.tree)
     forget_outcomes(folder)
     write_record(folder, options.overrides, planned)
     began = time.monotonic()
     try:
-        _through_hydra(Job(str(folder), tuple(argv)), options, folder)
+        _through_hydra(Job(str(folder), tuple(argv), located.study), options, folder, located)
     except KeyboardInterrupt:
         _tell(folder, planned, options, stopped=True)
         raise
@@ -90,14 +86,17 @@ class Job:
 
     folder: str
     argv: tuple[str, ...]
+    study: str | None
 
     def __call__(self, composed: Any) -> None:
         from hydra.core.hydra_config import HydraConfig
 
         task = [str(o) for o in HydraConfig.get().overrides.task if not _is_results(str(o))]
+        if self.study:
+            task.insert(0, f"study={self.study}")
         name = "refused-" + hashlib.blake2b("\n".join(task).encode(), digest_size=5).hexdigest()
         try:
-            config = from_mapping(composed)
+            config = from_mapping(composed, self.study)
             name = run_folder(config).name
             code = run_one(config, self.argv)
             reason = describe_failures(run_folder(config)) if code else ""
@@ -149,7 +148,7 @@ def _results(overrides: Sequence[str]) -> str:
     return given[-1] if given else "results"
 
 
-def _check_hydra(overrides: Sequence[str]) -> None:
+def _check_hydra(overrides: Sequence[str], tree: Tree) -> None:
     """Refuse launchers and sweepers that are not there before anything is written."""
     from hydra import compose as hydra_compose
     from hydra import initialize_config_dir
@@ -160,10 +159,10 @@ def _check_hydra(overrides: Sequence[str]) -> None:
     if not settings:
         return
     try:
-        with initialize_config_dir(config_dir=str(conf_directory()), version_base="1.3"):
-            hydra_compose("sweep", overrides=settings, return_hydra_config=True)
+        with initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"):
+            hydra_compose(tree.primary, overrides=settings, return_hydra_config=True)
     except (HydraException, OmegaConfBaseException) as error:
-        raise InputError(one_line(error)) from error
+        raise InputError(in_one_line(error, tree)) from error
 
 
 def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[str]]) -> None:
@@ -184,7 +183,7 @@ def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[st
         seen[folder] = overrides
 
 
-def _combinations(overrides: Sequence[str]) -> list[tuple[list[str], dict[str, str]]]:
+def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str], dict[str, str]]]:
     """What Hydra's basic sweeper will make of the overrides, and the swept values of each.
 
     Nothing for another sweeper: only it knows its combinations.
@@ -200,7 +199,7 @@ def _combinations(overrides: Sequence[str]) -> list[tuple[list[str], dict[str, s
         keys = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
         batches = BasicSweeper.split_arguments(keys, max_batch_size=None)
     except HydraException as error:
-        raise InputError(one_line(error)) from error
+        raise InputError(in_one_line(error, tree)) from error
     swept = {o.get_key_element() for o in keys if o.is_sweep_override()}
     combinations = []
     for words in (list(job) for batch in batches for job in batch):
@@ -209,13 +208,13 @@ def _combinations(overrides: Sequence[str]) -> list[tuple[list[str], dict[str, s
     return combinations
 
 
-def _through_hydra(job: Job, options: argparse.Namespace, folder: Path) -> None:
+def _through_hydra(job: Job, options: argparse.Namespace, folder: Path, located: Located) -> None:
     import hydra
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
     settings = [
-        f"results={folder}",
+        f"++results={folder}",
         f"hydra.sweep.dir={folder}",
         "hydra.sweep.subdir=.",
         f"hydra.run.dir={folder}",
@@ -223,18 +222,19 @@ def _through_hydra(job: Job, options: argparse.Namespace, folder: Path) -> None:
         "hydra/job_logging=none",
         "hydra/hydra_logging=none",
     ]
-    overrides = [o for o in options.overrides if not _is_results(o)]
+    overrides = [o for o in located.overrides if not _is_results(o)]
+    tree = located.tree
     extra = ["--config-dir", options.config_dir] if options.config_dir else []
     before = sys.argv
     sys.argv = [before[0], "--multirun", *extra, *overrides, *settings]
     full_error = os.environ.get("HYDRA_FULL_ERROR")
     os.environ["HYDRA_FULL_ERROR"] = "1"  # let errors reach us instead of ending in sys.exit
     try:
-        hydra.main(version_base="1.3", config_path=str(conf_directory()), config_name="sweep")(
+        hydra.main(version_base="1.3", config_path=str(tree.folder), config_name=tree.primary)(
             job
         )()
     except (HydraException, OmegaConfBaseException) as error:
-        raise InputError(one_line(error)) from error
+        raise InputError(in_one_line(error, tree)) from error
     finally:
         sys.argv = before
         if full_error is None:

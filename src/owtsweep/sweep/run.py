@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep import paging
-from owtsweep.config import Config, dump, load, require
+from owtsweep.config import Config, dump, require
+from owtsweep.config.stored import load
 from owtsweep.io.files import check_writable, remove_stale, unwritable, write_atomically
 from owtsweep.io.tables import write_tables
 from owtsweep.sweep.execute import Executor
@@ -149,7 +150,7 @@ def _require_same_run(run: Run) -> None:
     """A folder named by the user must not mix two runs' tables."""
     path = run.folder / "config.yaml"
     if path.is_file():
-        other = run_hash(load(path))
+        other = run_hash(load(path, type(run.config)))
         require(
             other == run.hash,
             f"name: {run.folder} holds a run with other settings; choose another name, or add "

@@ -30,6 +30,12 @@ class HubStudy:
     schema_version = 1
     numerics_version = 4
 
+    def schemes(self) -> dict[str, str]:
+        """Its schemes and what each is."""
+        from owtsweep.studies.hub.schemes import REGISTERED
+
+        return {name: purpose for name, (_, purpose) in REGISTERED.items()}
+
     def config_type(self) -> type[HubConfig]:
         """The study's configuration."""
         from owtsweep.studies.hub.config import HubConfig

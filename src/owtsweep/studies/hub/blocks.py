@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from owtsweep.config import as_mapping
+from owtsweep.config import Section, as_mapping
 from owtsweep.errors import as_text
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub import measures
@@ -95,7 +95,7 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
 
 
 def _plain(section: Any) -> Any:
-    return as_mapping(section) if hasattr(section, "__dataclass_fields__") else section
+    return as_mapping(section) if isinstance(section, Section) else section
 
 
 def _source_hash(scheme: Scheme) -> str:

@@ -1,116 +1,130 @@
-"""The configuration of the hub-motion study: its keys, types and what can work.
+"""The configuration of the hub-motion study: its keys, types, bounds and meanings.
 
 Units are SI; angles are in degrees, as users state a yaw or a wave direction.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
-from owtsweep.config import YOUNGER, Config
-
-
-@dataclass(frozen=True, kw_only=True)
-class Grid:
-    """The axes of the sweep: natural period (s), amplitude (m), number of replicates."""
-
-    natural_period: list[float]
-    amplitude: list[float]
-    replicates: int
+from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
 
 
-@dataclass(frozen=True, kw_only=True)
-class Record:
-    """`duration` of a record, s."""
+class Grid(Section):
+    """The axes of the sweep."""
 
-    duration: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class SpectrumConfig:
-    """`kind` translated or printed; `bandwidth` k in s^-2 (translated only)."""
-
-    kind: str
-    bandwidth: float
+    natural_period: Axis[Positive] = key("natural periods of the turbine", unit="s")
+    amplitude: Axis[Positive] = key("largest displacement of a record (normalise: peak)", unit="m")
+    replicates: int = key("records per cell of the grid", ge=1, le=1_000_000)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Gnss:
-    """`sigma` m per fix and axis, `rate` Hz, `delay` s."""
+class Record(Section):
+    """A record of motion and measurements."""
 
-    sigma: float
-    rate: float
-    delay: float
+    duration: Positive = key("length of a record", unit="s")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Imu:
-    """`sigma` m/s^2 per sample and axis, `rate` Hz, bias: initial m/s^2, walk m/s^2/sqrt(s)."""
+class SpectrumConfig(Section):
+    """The spectrum of the motion."""
 
-    sigma: float
-    rate: float
-    bias_initial: float
-    bias_walk: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class SensorConfig:
-    """GNSS, IMU, the fixed `yaw` of the IMU (deg), horizontal gravity in NED (m/s^2).
-
-    `accuracy`: whether gnss.sigma and imu.sigma are standard deviations ("sigma") or, as the
-    plus-minus signs of Table 5 may mean, bounds of three standard deviations ("bound").
-    """
-
-    gnss: Gnss
-    imu: Imu
-    accuracy: str
-    yaw: float
-    gravity: list[float]
+    kind: Literal["translated", "printed"] = key(
+        "translated: one peak moved along the frequency axis; printed: Table 4 as it stands"
+    )
+    bandwidth: Positive = key(
+        "k, the squared half-bandwidth of the peak (translated only)", unit="s^-2"
+    )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Variance:
-    """A measurement variance by its rule from the sensor's sigma, times `scale`.
+class Gnss(Section):
+    """The position sensor."""
 
-    `sigma2`: sigma^2. `sigma2_over_step`: sigma^2 / T_a, Eq. (10f) on a per-sample variance.
-    `sigma2_times_ratio`: sigma^2 M with M = T_g / T_a.
-    """
-
-    rule: str
-    scale: float
+    sigma: Positive = key("standard deviation of a fix, per axis", unit="m")
+    rate: Positive = key("fixes per second; divides the IMU's rate", unit="Hz")
+    delay: NotNegative = key("age of a fix when it arrives; whole IMU steps", unit="s")
 
 
-@dataclass(frozen=True, kw_only=True)
-class FilterTuning:
-    """One Kalman filter: model, discretisation, update rule and covariances.
+class Imu(Section):
+    """The accelerometers."""
 
-    `q_a`: density of the white noise that drives the acceleration of Sigma_1, (m/s^3)^2/Hz (not
-    used by Sigma_2). `q_b`: density of the bias walk, (m/s^2)^2/s; null takes the sensor's own
-    bias_walk^2. `p0`: initial variances of position, velocity, acceleration, bias.
-    """
-
-    model: str
-    discretisation: str
-    update_rule: str
-    q_a: float
-    q_b: float | None
-    r_gnss: Variance
-    r_imu: Variance
-    p0: list[float]
+    sigma: Positive = key("standard deviation of a sample, per axis", unit="m/s^2")
+    rate: Positive = key("samples per second", unit="Hz")
+    bias_initial: Finite = key("bias at the start of a record, per axis", unit="m/s^2")
+    bias_walk: NotNegative = key("intensity of the bias' random walk", unit="m/s^2/sqrt(s)")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Constraints:
-    """Bounds on the states of the MHE's window, each component's magnitude; null for none.
+class SensorConfig(Section):
+    """GNSS and IMU, and how the IMU lies."""
 
-    `position` (m) and `velocity` (m/s) in NED, as the hub may move. `bias` (m/s^2) of the IMU in
-    its own frame, as its data sheet states it: b^b = R' (g - x4), since x4 = -R b^b + g in Eq. (6).
-    """
+    gnss: Gnss = key("the position sensor")
+    imu: Imu = key("the accelerometers")
+    accuracy: Literal["sigma", "bound"] = key(
+        "what gnss.sigma and imu.sigma are: standard deviations (sigma) or, as the plus-minus "
+        "signs of Table 5 may mean, bounds of three standard deviations (bound)"
+    )
+    yaw: Finite = key("fixed yaw of the IMU", unit="deg")
+    gravity: list[Finite] = key(
+        "horizontal part of gravity, north and east",
+        unit="m/s^2",
+        form="two numbers, north and east, in m/s^2",
+        min_length=2,
+        max_length=2,
+    )
 
-    position: float | None = field(default=None, metadata=YOUNGER)
-    velocity: float | None = field(default=None, metadata=YOUNGER)
-    bias: float | None = field(default=None, metadata=YOUNGER)
+
+class Variance(Section):
+    """A measurement variance by its rule from the sensor's sigma, times `scale`."""
+
+    rule: Literal["sigma2", "sigma2_over_step", "sigma2_times_ratio"] = key(
+        "sigma2: sigma^2; sigma2_over_step: sigma^2 / T_a, Eq. (10f) on a per-sample variance; "
+        "sigma2_times_ratio: sigma^2 M with M = T_g / T_a"
+    )
+    scale: Positive = key("factor on the rule's variance")
+
+
+class FilterTuning(Section):
+    """One Kalman filter: model, discretisation, update rule and covariances."""
+
+    model: Literal["sigma1", "sigma2"] = key(
+        "Sigma_1 estimates the acceleration; Sigma_2 takes it as an input"
+    )
+    discretisation: Literal["exact", "first_order"] = key("exact, or first order as Eq. (10c-e)")
+    update_rule: Literal["proper", "mask_columns", "mask_rows", "every_step"] = key(
+        "between fixes: proper updates by the IMU alone; mask_columns and mask_rows zero columns "
+        "or rows of the gain; every_step updates the covariance as if there were a fix"
+    )
+    q_a: NotNegative = key(
+        "density of the white noise that drives the acceleration of Sigma_1; not used by Sigma_2",
+        unit="(m/s^3)^2/Hz",
+    )
+    q_b: NotNegative | None = key(
+        "density of the bias walk; null: the sensor's own bias_walk^2", unit="(m/s^2)^2/s"
+    )
+    r_gnss: Variance = key("variance of a fix")
+    r_imu: Variance = key("variance of a sample")
+    p0: list[Positive] = key(
+        "initial variances of position, velocity, acceleration, bias",
+        form="four finite variances above zero (position, velocity, acceleration, bias)",
+        min_length=4,
+        max_length=4,
+    )
+
+
+class Constraints(Section):
+    """Bounds on the states of the MHE's window: the largest magnitude of each component."""
+
+    position: Positive | None = key(
+        "of the hub, north and east; null: none", unit="m", default=None, younger=True
+    )
+    velocity: Positive | None = key(
+        "of the hub, north and east; null: none", unit="m/s", default=None, younger=True
+    )
+    #: b^b = R' (g - x4), since x4 = -R b^b + g in Eq. (6).
+    bias: Positive | None = key(
+        "of the IMU in its own frame, as its data sheet states it; null: none",
+        unit="m/s^2",
+        default=None,
+        younger=True,
+    )
 
     @property
     def bounds(self) -> tuple[float, float, float]:
@@ -120,33 +134,47 @@ class Constraints:
         return p, v, b
 
 
-@dataclass(frozen=True, kw_only=True)
-class Mhe:
-    """The moving horizon estimator of HME2.
+class Mhe(Section):
+    """The moving horizon estimator of HME2."""
 
-    `interval`: T_m, s. `horizon`: N_m, GNSS intervals. `arrival`: x_m0 as a prior (mkf), as the
-    oldest state itself (fixed) or ignored (none). `inputs`: every
-    IMU sample ("all"), the mean of the last T_m held for the next ("averaged"), or one sample per
-    T_m held ("sampled"). `weights`: "diagonal" as printed or "full". `q_a`, `q_b`: densities of
-    accelerometer noise and bias walk behind the link weights; null takes the sensor's own.
-    `r_fix`: variance of a fix. `p0`: initial variances of position, velocity, bias.
-    `smoother_window`: HME2's own N_s; null takes hme.smoother_window. `solver`: qrqp or ipopt
-    (reference engine). `constraints`: bounds on the window's states; with any of them HME2 is not
-    linear.
-    """
-
-    interval: float
-    horizon: int
-    arrival: str
-    inputs: str
-    weights: str
-    q_a: float | None
-    q_b: float | None
-    r_fix: Variance
-    p0: list[float]
-    smoother_window: int | None
-    solver: str
-    constraints: Constraints | None = field(default=None, metadata=YOUNGER)
+    interval: Positive = key(
+        "T_m; whole IMU steps whose number divides the GNSS interval", unit="s"
+    )
+    horizon: int = key("N_m, length of the window", unit="GNSS interval", ge=1)
+    arrival: Literal["mkf", "fixed", "none"] = key(
+        "x_m0: a prior from the scheme's own past (mkf), the oldest state itself (fixed), or none"
+    )
+    inputs: Literal["all", "averaged", "sampled"] = key(
+        "every IMU sample, the mean of the last T_m held for the next, or one sample per T_m held"
+    )
+    weights: Literal["diagonal", "full"] = key("diagonal as printed, or full")
+    q_a: Positive | None = key(
+        "density of the accelerometer's noise behind the link weights; null: the sensor's own",
+        unit="(m/s^2)^2/Hz",
+    )
+    q_b: Positive | None = key(
+        "density of the bias walk behind the link weights; null: the sensor's own",
+        unit="(m/s^2)^2/s",
+    )
+    r_fix: Variance = key("variance of a fix")
+    p0: list[Positive] = key(
+        "initial variances of position, velocity, bias",
+        form="three finite variances above zero (position, velocity, bias)",
+        min_length=3,
+        max_length=3,
+    )
+    smoother_window: int | None = key(
+        "HME2's own N_s; null: hme.smoother_window",
+        unit="IMU steps",
+        ge=0,
+        advice="use 0 for no smoother",
+    )
+    solver: Literal["qrqp", "ipopt"] = key("of each MHE problem in the reference engine")
+    constraints: Constraints | None = key(
+        "bounds on the window's states; with any of them HME2 is not linear",
+        default=None,
+        younger=True,
+    )
 
     @property
     def bounds(self) -> tuple[float, float, float]:
@@ -154,49 +182,66 @@ class Mhe:
         return (self.constraints or Constraints()).bounds
 
 
-@dataclass(frozen=True, kw_only=True)
-class Hme:
-    """What HME1 and HME2 share: `smoother_window` N_s in IMU steps; `mhe`."""
+class Hme(Section):
+    """What HME1 and HME2 share, and the MHE of HME2."""
 
-    smoother_window: int
-    mhe: Mhe
-
-
-@dataclass(frozen=True, kw_only=True)
-class Measures:
-    """`settling_time` s; `window` (full or settled) and `criterion` for the map; `extremes`.
-
-    `criterion`: the MSE that the map judges: position (x + y), velocity (vx + vy), x or y.
-    """
-
-    settling_time: float
-    window: str
-    criterion: str
-    extremes: bool
+    smoother_window: int = key(
+        "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
+    )
+    mhe: Mhe = key("the moving horizon estimator of HME2")
 
 
-@dataclass(frozen=True, kw_only=True)
+class Measures(Section):
+    """What is measured, and what the map judges."""
+
+    settling_time: NotNegative = key("left out of the window settled", unit="s")
+    window: Literal["full", "settled"] = key("the window that the map judges")
+    criterion: Literal["position", "velocity", "x", "y"] = key(
+        "the MSE that the map judges: position is x + y, velocity is vx + vy"
+    )
+    extremes: bool = key(
+        "also the largest and the 95th percentile position error; needs evaluation=direct"
+    )
+
+
 class HubConfig(Config):
     """All keys of the hub-motion study."""
 
-    evaluation: str
-    grid: Grid
-    record: Record
-    spectrum: SpectrumConfig
-    normalise: str
-    band: list[float]
-    wave_direction: float
-    sensors: SensorConfig
-    tuning: str
-    schemes: list[Any]
-    ekf: FilterTuning
-    mkf: FilterTuning
-    hme1: FilterTuning
-    hme2: FilterTuning
-    hme: Hme
-    measures: Measures
+    engine: Literal["batch", "reference", "expected"] = key(
+        "batch: compiled; reference: the algorithms as written, slow; expected: the mean over all "
+        "records, without one",
+        default="batch",
+    )
+    evaluation: Literal["superposed", "direct"] = key(
+        "superposed: linear schemes run once for all amplitudes; direct: each amplitude is run"
+    )
+    grid: Grid = key("the axes of the sweep")
+    record: Record = key("a record of motion and measurements")
+    spectrum: SpectrumConfig = key("the spectrum of the motion")
+    normalise: Literal["peak", "rms"] = key(
+        "what is 1 m before the amplitude is applied: the largest displacement or its standard "
+        "deviation"
+    )
+    band: list[Positive] = key(
+        "edges of the synthesised motion",
+        unit="Hz",
+        form="two edges in Hz, e.g. band=[0.05,0.6]",
+        min_length=2,
+        max_length=2,
+    )
+    wave_direction: Finite = key("of the motion, from north towards east", unit="deg")
+    sensors: SensorConfig = key("GNSS and IMU")
+    tuning: str = key("name of the file that sets the keys of the schemes")
+    schemes: list[Any] = key("names, or {_target_: package.Class, ...} for a scheme of your own")
+    ekf: FilterTuning = key("the filter of EKF")
+    mkf: FilterTuning = key("the filter of MKF")
+    hme1: FilterTuning = key("the filter of HME1")
+    hme2: FilterTuning = key("the filter of HME2")
+    hme: Hme = key("smoother of HME1 and HME2, MHE of HME2")
+    measures: Measures = key("what is measured, and what the map judges")
 
     def check(self) -> None:
+        """Raise `InputError` for values that cannot work together."""
         super().check()
         from owtsweep.studies.hub.checks import check
 

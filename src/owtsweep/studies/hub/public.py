@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes, chunks, state_chunks
     from owtsweep.studies.hub.blocks import backend, scheme_content
     from owtsweep.studies.hub.chain import Chain
-    from owtsweep.studies.hub.checks import one_of, positive
     from owtsweep.studies.hub.config import Grid, HubConfig
     from owtsweep.studies.hub.contract import Scheme, Sensors
     from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
@@ -36,7 +35,7 @@ __all__ = [
     "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "Lanes", "Measurements",
     "NoiseFloor", "Rows", "Scheme", "Sensors", "at_amplitude", "backend", "bias_of", "chunks",
     "compare", "error_spectrum", "expected_mse", "fix_count", "fix_noise", "has_acceleration",
-    "lag_of", "make_lanes", "make_sensors", "noise_floor", "one_of", "positive", "resolve_all",
+    "lag_of", "make_lanes", "make_sensors", "noise_floor", "resolve_all",
     "scheme_content", "scheme_products", "score", "simulate_bias", "state_chunks",
 ]  # fmt: skip
 
@@ -45,8 +44,6 @@ _HOMES = {
     # configuration
     "HubConfig": "config",  # all keys of the hub study, to extend
     "Grid": "config",  # its axes
-    "one_of": "checks",  # refuse a text that is none of some
-    "positive": "checks",  # refuse a number that is not positive
     # sensors
     "Sensors": "contract",  # what an estimator may know of its sensors
     "Measurements": "sensors",  # specific force and fixes of a record

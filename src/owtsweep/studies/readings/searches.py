@@ -92,10 +92,9 @@ def read_tuning(name: str) -> dict[str, Any]:
     """The values of a tuning file by dotted key."""
     from omegaconf import OmegaConf
 
+    options = group_options(conf_directory(), "tuning")
+    require(name in options, f"tuning: there is no {name!r}; use {' or '.join(options)}")
     path = conf_directory() / "tuning" / f"{name}.yaml"
-    require(
-        path.is_file(), f"tuning: there is no {name!r}; use {' or '.join(group_options('tuning'))}"
-    )
     return dict(_flatten(OmegaConf.to_container(OmegaConf.load(path))))
 
 

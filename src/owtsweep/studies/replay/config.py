@@ -2,98 +2,82 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
 
-from owtsweep.config import require
-from owtsweep.studies.hub.public import Grid, HubConfig, one_of, positive
-
-ENGINES = ("batch", "reference")
-INPUTS = ("auto", "motion", "sensors")
-GNSS = ("auto", "recorded", "from_reference")
-GAPS = ("refuse", "interpolate")
-MOST_REPLICATES = 10_000
+from owtsweep.config import Positive, Section, key, require
+from owtsweep.studies.hub.public import Grid, HubConfig
 
 
-@dataclass(frozen=True, kw_only=True)
 class ReplayGrid(Grid):
-    """The axes: `files`, the records; the others are those of the expected map."""
+    """The axes: the records; the others are those of the expected map."""
 
-    files: list[str]
+    files: list[str] = key("the records; the command line fills it from its FILE words")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Roles:
+class Roles(Section):
     """One text per role that a channel of a file can have, or null."""
 
-    time: str | None = None
-    position_x: str | None = None
-    position_y: str | None = None
-    velocity_x: str | None = None
-    velocity_y: str | None = None
-    acceleration_x: str | None = None
-    acceleration_y: str | None = None
-    specific_force_x: str | None = None
-    specific_force_y: str | None = None
-    fix_x: str | None = None
-    fix_y: str | None = None
-    reference_x: str | None = None
-    reference_y: str | None = None
+    time: str | None = key("time", default=None)
+    position_x: str | None = key("the motion, or a reference beside a specific force", default=None)
+    position_y: str | None = key("as position_x", default=None)
+    velocity_x: str | None = key("of the motion", default=None)
+    velocity_y: str | None = key("of the motion", default=None)
+    acceleration_x: str | None = key("of the motion", default=None)
+    acceleration_y: str | None = key("of the motion", default=None)
+    specific_force_x: str | None = key("of the IMU, in its own frame", default=None)
+    specific_force_y: str | None = key("of the IMU, in its own frame", default=None)
+    fix_x: str | None = key("position fixes when they arrive", default=None)
+    fix_y: str | None = key("position fixes when they arrive", default=None)
+    reference_x: str | None = key("a position to measure the errors against", default=None)
+    reference_y: str | None = key("a position to measure the errors against", default=None)
 
     def given(self) -> dict[str, str]:
         """The roles that are not null."""
         return {role: text for role, text in vars(self).items() if text is not None}
 
 
-@dataclass(frozen=True, kw_only=True)
-class ReplaySettings:
-    """How a record is taken.
+class ReplaySettings(Section):
+    """How a record is taken."""
 
-    `input`: motion, sensors or auto; `gnss`: recorded, from_reference or auto (sensors only);
-    `replicates` of simulated noise; `cutoff` Hz of the derivatives, null for the reader's choice;
-    `band`: edges in Hz within which the spectrum is fitted and judged, null for the key `band`;
-    `remove_mean`: put the local origin at the mean; `table`: CSV of the records' sea states.
-    """
+    input: Literal["auto", "motion", "sensors"] = key(
+        "what the file holds; auto: sensors where there is a specific force"
+    )
+    gnss: Literal["auto", "recorded", "from_reference"] = key(
+        "where fixes come from (sensors only); auto: recorded where there are some"
+    )
+    replicates: int = key("draws of the simulated noise", ge=1, le=10_000)
+    cutoff: Positive | None = key("of the derivatives; null: chosen by the reader", unit="Hz")
+    band: list[Positive] | None = key(
+        "edges within which the spectrum is fitted and judged; null: the key band",
+        unit="Hz",
+        form="two edges in Hz, e.g. [0.2,0.4]",
+        min_length=2,
+        max_length=2,
+    )
+    remove_mean: bool = key("put the local origin at the mean of the motion, reference or fixes")
+    table: str | None = key("CSV with the column file and others (Hs, Tp), the axes of the map")
 
-    input: str
-    gnss: str
-    replicates: int
-    cutoff: float | None
-    band: list[float] | None
-    remove_mean: bool
-    table: str | None
 
-
-@dataclass(frozen=True, kw_only=True)
 class ReplayConfig(HubConfig):
     """All keys of a replay."""
 
-    grid: ReplayGrid
-    columns: Roles
-    units: Roles
-    gaps: str
-    replay: ReplaySettings
+    engine: Literal["batch", "reference"] = key(
+        "batch: compiled; reference: the algorithms as written, slow", default="batch"
+    )
+    grid: ReplayGrid = key("the records, and the axes of the expected map")
+    columns: Roles = key("role: channel of the file; null: the well-known name, if it is there")
+    units: Roles = key("role: unit of the channel; null: that of the file, or SI")
+    gaps: Literal["refuse", "interpolate"] = key("what to do with gaps of motion or specific force")
+    replay: ReplaySettings = key("how a record is taken")
 
     def check(self) -> None:
+        """Raise `InputError` for values that cannot work together."""
         super().check()
+        band = self.replay.band
         require(
-            self.engine in ENGINES,
-            f"engine: {self.engine!r} runs no record; use {' or '.join(ENGINES)}",
+            band is None or band[0] < band[1],
+            f"replay.band: {band} must be two edges in Hz, e.g. [0.2,0.4]",
         )
-        one_of("replay.input", self.replay.input, INPUTS)
-        one_of("replay.gnss", self.replay.gnss, GNSS)
-        one_of("gaps", self.gaps, GAPS)
-        count = self.replay.replicates
-        require(
-            1 <= count <= MOST_REPLICATES,
-            f"replay.replicates: {count} must be between 1 and {MOST_REPLICATES}",
-        )
-        if self.replay.cutoff is not None:
-            positive("replay.cutoff", self.replay.cutoff, "Hz")
-        if self.replay.band is not None:
-            require(
-                len(self.replay.band) == 2 and 0.0 < self.replay.band[0] < self.replay.band[1],
-                f"replay.band: {self.replay.band} must be two edges in Hz, e.g. [0.2,0.4]",
-            )
 
     @property
     def fit_band(self) -> tuple[float, float]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import glob
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from owtsweep.config import compose, require
+from owtsweep.config import changed, require
 from owtsweep.errors import InputError
+from owtsweep.studies import compose
 from owtsweep.studies.replay.config import ReplayConfig
 
 if TYPE_CHECKING:
@@ -56,15 +56,15 @@ def configure(
     paths = expand(words)
     require(len(paths) > 0, "FILE: name a record, a pattern, or replay.table=FILE.csv")
     # Absolute, so that the run can be read from another folder.
-    grid = replace(config.grid, files=paths)
+    grid = changed(config.grid, files=paths)
     table = config.replay.table
     if table is not None:
-        config = replace(config, replay=replace(config.replay, table=str(Path(table).resolve())))
+        config = changed(config, replay=changed(config.replay, table=str(Path(table).resolve())))
     experiment = config.experiment
     if len(paths) == 1 and experiment == "replay":
         stem = re.sub(r"[^\w.+,-]", "_", Path(paths[0]).name.split(".")[0])
         experiment = f"replay-{stem}"
-    return replace(config, grid=grid, experiment=experiment)
+    return changed(config, grid=grid, experiment=experiment)
 
 
 def expand(words: Sequence[str]) -> list[str]:

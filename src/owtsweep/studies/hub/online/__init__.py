@@ -37,7 +37,7 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     InputError
         If the scheme has no such form, or the overrides are wrong.
     """
-    from owtsweep.config import compose
+    from owtsweep.studies import compose
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.sensors import sensors
 

@@ -1,0 +1,86 @@
+"""Axes of a grid: lists of numbers, some of them given by their ends and how many there are.
+
+`[{log: [0.05, 10, 5]}, 20]` is five numbers from 0.05 to 10, each the same factor above the one
+before, and 20; `{linear: [1, 3, 5]}` has the same step between all. They become numbers when the
+configuration is typed, so config.yaml stores numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, TypeVar
+
+from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic.fields import FieldInfo
+
+ENTRY = "{log: [first, last, count]} or {linear: [first, last, count]}"
+#: What fits a machine: more points are a slip.
+MOST_POINTS = 1_000_000
+#: Numbers between the ends are rounded to so many digits: 0.3 instead of 0.30000000000000004, on
+#: every machine, so that they have the block keys of the same numbers written out.
+DIGITS = 12
+
+
+def expand(values: Any) -> Any:
+    """A list with numbers in the place of entries; what is no list is left to the type."""
+    if not isinstance(values, list):
+        return values
+    return [
+        number
+        for entry in values
+        for number in (_numbers(entry) if isinstance(entry, Mapping) else [entry])
+    ]
+
+
+def require_distinct(values: list[Any]) -> list[Any]:
+    """Refuse a list that holds a value twice."""
+    if len(set(values)) < len(values):
+        raise ValueError("a value stands there twice; list it once")
+    return values
+
+
+T = TypeVar("T")
+
+#: The list of an axis: not empty, nothing twice.
+Axis = Annotated[
+    list[T], Field(min_length=1), BeforeValidator(expand), AfterValidator(require_distinct)
+]
+
+
+def is_axis(field: FieldInfo) -> bool:
+    """Whether a field is an axis."""
+    return any(getattr(mark, "func", None) is expand for mark in field.metadata)
+
+
+def _numbers(entry: Mapping[Any, Any]) -> list[float]:
+    """The numbers of one entry, its ends exactly as given.
+
+    Raises
+    ------
+    ValueError
+        In words that follow the key of the axis.
+    """
+    shown = ", ".join(f"{spacing}: {ends}" for spacing, ends in entry.items())
+    try:
+        ((spacing, (first, last, count)),) = entry.items()
+        first, last, points = float(first), float(last), int(count)
+        if spacing not in ("log", "linear") or points != count:
+            raise ValueError
+    except (TypeError, ValueError):
+        raise ValueError(f"{{{shown}}} is no entry of an axis; use a number, {ENTRY}") from None
+    if not 2 <= points <= MOST_POINTS:
+        raise ValueError(f"{{{shown}}} has a count of {points}; give 2 to {MOST_POINTS}")
+    if not (math.isfinite(first) and math.isfinite(last)):
+        raise ValueError(f"{{{shown}}} needs finite ends")
+    if first >= last:
+        raise ValueError(f"{{{shown}}} does not rise; give the lower end first")
+    if spacing == "linear":
+        step = (last - first) / (points - 1)
+        between = [first + i * step for i in range(1, points - 1)]
+    elif first <= 0.0:
+        raise ValueError(f"{{{shown}}} must begin above zero; use linear, or another first value")
+    else:
+        ratio = last / first
+        between = [first * ratio ** (i / (points - 1)) for i in range(1, points - 1)]
+    return [first, *(float(f"{number:.{DIGITS}g}") for number in between), last]

@@ -1,0 +1,77 @@
+"""The keys that every study has."""
+
+from __future__ import annotations
+
+import re
+from typing import Literal
+
+from owtsweep.config.checks import require
+from owtsweep.config.section import Section, key
+
+#: The version of the configuration's keys, stored in every run's config.yaml.
+CONFIG_VERSION = 1
+
+
+class Compute(Section):
+    """How to compute: never changes a result, so never part of a key."""
+
+    backend: Literal["auto", "threading", "loky", "dask"] = key(
+        "what runs the blocks; auto leaves the choice to the study", default="auto"
+    )
+    workers: int = key(
+        "how many blocks run at once; 0: one per core (of the cluster, with dask)",
+        default=0,
+        ge=0,
+        advice="use 0 for all cores",
+    )
+    scheduler: str | None = key(
+        "address of the dask scheduler, tcp://host:port; only with backend dask", default=None
+    )
+
+
+class Config(Section):
+    """The keys that every study has; a study's configuration adds its own."""
+
+    study: str = key("which study it is")
+    experiment: str = key("begins the name of the run folder", default="study")
+    results: str = key("folder that holds the run folders", default="results")
+    name: str | None = key(
+        "the run folder; null makes a name from the experiment and the hash of the configuration",
+        default=None,
+    )
+    seed: int = key("of all random streams", default=2019, ge=0, advice="use an integer >= 0")
+    engine: str = key("how results are computed", default="batch")
+    config_version: int = key("version of these keys", default=CONFIG_VERSION)
+    compute: Compute = key("how to compute; changes no result", default=Compute())
+
+    def check(self) -> None:
+        """Raise `InputError` for values that cannot work together; studies extend it."""
+        self._check_scheduler()
+        require(self.results.strip() != "", "results: it is empty; name a folder, e.g. results")
+        require(
+            self.config_version == CONFIG_VERSION,
+            f"config_version: {self.config_version} is not known; this version writes and reads "
+            f"{CONFIG_VERSION}",
+        )
+        if self.name is not None:
+            require(
+                re.fullmatch(r"[\w.+=,-]+", self.name) is not None and self.name not in (".", ".."),
+                f"name: {self.name!r} is no plain folder name; use letters, digits, . _ - + = ,",
+            )
+
+    def _check_scheduler(self) -> None:
+        backend, scheduler = self.compute.backend, self.compute.scheduler
+        if backend != "dask":
+            require(
+                scheduler is None,
+                f"compute.scheduler: {scheduler!r} needs compute.backend=dask, not {backend}",
+            )
+            return
+        require(
+            scheduler is not None,
+            "compute.scheduler: compute.backend=dask needs one; give tcp://host:port",
+        )
+        require(
+            re.fullmatch(r"(tcp|tls)://(\[[^\]]+\]|[^:/\s]+):\d+", str(scheduler)) is not None,
+            f"compute.scheduler: {scheduler!r} is no address; give tcp://host:port",
+        )

@@ -1,0 +1,128 @@
+"""Hydra: overrides and a tree of files to plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from owtsweep.config.checks import require
+from owtsweep.config.common import Config
+from owtsweep.config.hydra_errors import in_one_line
+from owtsweep.config.section import bare_type, is_section
+from owtsweep.config.stored import read, resolved
+from owtsweep.errors import InputError
+
+#: Trees of further studies lie in conf/studies/<name>/: no config group of the tree above them.
+TREES = "studies"
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A Hydra tree: its folder, the file to begin with, and the model of its keys (for hints)."""
+
+    folder: Path
+    primary: str
+    model: type[Config]
+
+    def groups(self) -> list[str]:
+        """The names of its config groups."""
+        folders = (path.name for path in self.folder.iterdir() if path.is_dir())
+        return sorted(name for name in folders if name != TREES)
+
+    def options(self, group: str) -> list[str]:
+        """The names of a group's files."""
+        return group_options(self.folder, group)
+
+    def admit(self, overrides: Sequence[str]) -> list[str]:
+        """Overrides as Hydra takes them: `++` before a key that the files leave to the model.
+
+        A tree need not list a key that has a default in the model; Hydra would refuse it then.
+        """
+        listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
+        left = {key for key in _keys_with_default(self.model) if not _holds(listed, key)}
+        keys = [override.partition("=")[0] for override in overrides]
+        groups = set(self.groups())
+        return [
+            f"++{override}" if key in left and key.partition(".")[0] not in groups else override
+            for key, override in zip(keys, overrides, strict=True)
+        ]
+
+
+def _keys_with_default(model: Any, prefix: str = "", *, within: bool = False) -> Iterator[str]:
+    """Dotted keys that may be missing; `within` a section that may be missing all may."""
+    for name, field in model.model_fields.items():
+        missing = within or not field.is_required()
+        if missing:
+            yield f"{prefix}{name}"
+        if is_section(kind := bare_type(field.annotation)):
+            yield from _keys_with_default(kind, f"{prefix}{name}.", within=missing)
+
+
+def _holds(mapping: Any, key: str) -> bool:
+    """Whether nested mappings hold a dotted key."""
+    for part in key.split("."):
+        if not isinstance(mapping, dict) or part not in mapping:
+            return False
+        mapping = mapping[part]
+    return True
+
+
+def conf_directory() -> Path:
+    """The package's own trees: inside the installed package, or beside src in a checkout."""
+    package = Path(__file__).resolve().parents[1]
+    for candidate in (package / "conf", package.parents[1] / "conf"):
+        if (candidate / "sweep.yaml").is_file():
+            return candidate
+    raise InputError(f"conf: no sweep.yaml in {package / 'conf'}: the installation is incomplete")
+
+
+def group_options(tree: Path, group: str) -> list[str]:
+    """The names of the files of a config group."""
+    return sorted(path.stem for path in (tree / group).glob("*.yaml"))
+
+
+def compose_plain(
+    tree: Tree, overrides: Sequence[str], config_dir: str | None = None
+) -> dict[str, Any]:
+    """The plain data that a tree and overrides give.
+
+    Parameters
+    ----------
+    overrides
+        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`.
+    config_dir
+        A folder whose groups are found besides the tree's own (`--config-dir`).
+
+    Raises
+    ------
+    InputError
+        With one line, for anything that Hydra refuses.
+    """
+    from hydra import compose, initialize_config_dir
+    from hydra.errors import HydraException
+    from omegaconf.errors import OmegaConfBaseException
+
+    for override in overrides:
+        require(
+            not override.lstrip("+~").startswith("hydra"),
+            f"{override}: Hydra's own settings work with --multirun only",
+        )
+    search = []
+    if config_dir is not None:
+        directory = Path(config_dir).resolve()
+        require(directory.is_dir(), f"--config-dir: {config_dir} is no folder")
+        search = [f"hydra.searchpath=[file://{directory}]"]
+    try:
+        with initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"):
+            composed = compose(tree.primary, overrides=[*search, *overrides])
+    except (HydraException, OmegaConfBaseException) as error:
+        raise InputError(in_one_line(error, tree)) from error
+    except (ValueError, TypeError) as error:  # a number where Hydra expects an option's name
+        wrong = [o for o in overrides if o.split("=")[0] in tree.groups()]
+        if not wrong:
+            text = " ".join(str(error).split())
+            raise InputError(f"{' '.join(overrides)}: this cannot be composed ({text})") from error
+        raise InputError(f"{wrong[0]}: this is a config group; name one of its options") from error
+    return resolved(composed)

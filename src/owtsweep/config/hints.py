@@ -1,0 +1,44 @@
+"""What a wrong key or name was probably meant to be."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from typing import Any
+
+from owtsweep.config.section import bare_type, is_section
+
+#: Old key -> new key. A renamed key is answered with its new name in one line.
+RENAMED: dict[str, str] = {}
+
+
+def all_keys(model: Any, prefix: str = "") -> list[str]:
+    """All keys of a configuration's model, dotted, sections included."""
+    keys = []
+    for name, field in model.model_fields.items():
+        keys.append(f"{prefix}{name}")
+        if is_section(kind := bare_type(field.annotation)):
+            keys += all_keys(kind, f"{prefix}{name}.")
+    return keys
+
+
+def unknown_key(key: str, keys: Sequence[str]) -> str:
+    """One line on a key that is none of `keys`: its new name, the nearest one or its neighbours."""
+    if key in RENAMED:
+        return f"{key}: this key was renamed; use {RENAMED[key]}"
+    section, _, leaf = key.rpartition(".")
+    by_leaf = {name.rsplit(".", 1)[-1]: name for name in keys}
+    near = difflib.get_close_matches(key, keys, n=1, cutoff=0.6) or [
+        by_leaf[name] for name in difflib.get_close_matches(leaf, by_leaf, n=1, cutoff=0.7)
+    ]
+    beside = [name for name in keys if section and name.startswith(f"{section}.")]
+    if beside and (not near or near[0] == section):  # the section is right, the key in it is not
+        return f"{key}: there is no such key; there are {', '.join(beside)}"
+    hint = f"did you mean {near[0]}?" if near else "`python -m owtsweep sweep --cfg` shows all keys"
+    return f"{key}: there is no such key; {hint}"
+
+
+def did_you_mean(name: str, names: Sequence[str]) -> str:
+    """The nearest name, if any is near, and all names."""
+    near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+    return (f"did you mean {near[0]}? There" if near else "there") + f" are {', '.join(names)}"

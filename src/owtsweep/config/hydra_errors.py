@@ -1,0 +1,39 @@
+"""What Hydra and OmegaConf find wrong spans lines; one line names the argument and the fault."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from owtsweep.config.hints import all_keys, unknown_key
+
+if TYPE_CHECKING:
+    from owtsweep.config.composition import Tree
+
+
+def in_one_line(error: Exception, tree: Tree | None = None) -> str:
+    """Their message in one line; with a tree also what there is instead."""
+    text = str(error)
+    unknown = re.search(r"Could not override '([^']+)'", text)
+    if tree and unknown and "is not in struct" in f"{text} {error.__cause__}":
+        return unknown_key(unknown[1], all_keys(tree.model))
+    if text.startswith("Ambiguous value"):
+        key = re.search(r"argument '([^=']+)=", text)
+        name = key[1] if key else "override"
+        return f"{name}: several values need --multirun, or [...] where the key takes a list"
+    group = re.search(r"In '[^']*': Could not find '([\w-]+)/([^']*)'", text)
+    if group is None:
+        group = re.search(r"Could not (?:find|load) '?([\w-]+)/([^'.\s]+)", text)
+    if tree and group and (options := tree.options(group[1])):
+        return f"{group[1]}: there is no {group[2]!r}; use {' or '.join(options)}"
+    plugin = re.search(r"Could not find '(hydra/\w+)/([^']*)'", text)
+    if plugin:
+        return f"{plugin[1]}: there is no {plugin[2]!r}; is its plugin installed?"
+    override = getattr(error, "override", None)
+    if override or text.startswith("Error parsing override"):
+        shown = override or text.split("'")[1]
+        return f"{shown}: this is no override; use key=value, with quotes around special characters"
+    lines = [" ".join(line.split()) for line in text.splitlines() if line.strip()]
+    message = lines[0] if lines else type(error).__name__
+    full_key = getattr(error, "full_key", None)
+    return f"{full_key}: {message}" if full_key else message

@@ -1,0 +1,93 @@
+"""A section of a configuration: a frozen pydantic model whose fields say what each key means."""
+
+from __future__ import annotations
+
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic.fields import FieldInfo
+
+#: Numbers by what they can be. A field's own bounds go into `key(..., ge=1)`.
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+#: How messages and docs/configuration.md name a type.
+TYPE_NAMES = {bool: "true or false", str: "text", int: "a whole number", float: "a number"}
+
+
+class Section(BaseModel):
+    """Base of all sections: frozen, and a key that no field declares is an error.
+
+    Numbers given as text are converted, whole floats count as integers, and a number may stand for
+    a text; but true and false are neither numbers nor text, and nothing else is true or false.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", coerce_numbers_to_str=True)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _keep_true_and_false_apart(cls, value: Any, info: ValidationInfo) -> Any:
+        kind = bare_type(cls.model_fields[str(info.field_name)].annotation)
+        if get_origin(kind) is list:
+            kind = bare_type(get_args(kind)[0])
+        if kind in TYPE_NAMES:
+            for item in value if isinstance(value, list) else [value]:
+                if item is not None and isinstance(item, bool) != (kind is bool):
+                    raise ValueError(f"{item!r} is not {TYPE_NAMES[kind]}")
+        return value
+
+
+def key(
+    meaning: str,
+    *,
+    default: Any = ...,
+    unit: str = "",
+    form: str = "",
+    advice: str = "",
+    younger: bool = False,
+    **bounds: Any,
+) -> Any:
+    """Declare a key of a section.
+
+    Parameters
+    ----------
+    meaning
+        The sentence on it in docs/configuration.md.
+    default
+        Its value in a configuration that does not have it; required without one.
+    unit
+        Of a number, or of each number of a list.
+    form
+        What a list must be, in words, for messages: "two edges in Hz".
+    advice
+        What would work, for the message on a number below its bound.
+    younger
+        Whether the key is younger than stored runs. While it stands at its default it is no part
+        of what identifies a configuration, so that their hashes and block keys stay.
+    bounds
+        As for `pydantic.Field`: ge, gt, le, lt, min_length, max_length.
+    """
+    facts: dict[str, Any] = {"unit": unit, "form": form, "advice": advice, "younger": younger}
+    return Field(default, description=meaning, json_schema_extra=facts, **bounds)
+
+
+def facts_of(field: FieldInfo) -> dict[str, Any]:
+    """What `key` declared of a field besides its type, default and bounds."""
+    extra = field.json_schema_extra
+    return dict(extra) if isinstance(extra, dict) else {}
+
+
+def bare_type(annotation: Any) -> Any:
+    """A type without its bounds and without `| None`."""
+    if get_origin(annotation) is Annotated:
+        return bare_type(get_args(annotation)[0])
+    if get_origin(annotation) in (UnionType, Union):
+        return bare_type(next(kind for kind in get_args(annotation) if kind is not type(None)))
+    return annotation
+
+
+def is_section(kind: Any) -> bool:
+    """Whether a type is a section, whose keys are dotted."""
+    return isinstance(kind, type) and issubclass(kind, Section)

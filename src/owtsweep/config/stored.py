@@ -1,0 +1,76 @@
+"""config.yaml: a run's configuration, every key of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, TypeVar
+
+from owtsweep.config.common import Config
+from owtsweep.config.hydra_errors import in_one_line
+from owtsweep.config.identity import as_plain
+from owtsweep.config.typed import checked
+from owtsweep.errors import InputError
+
+C = TypeVar("C", bound=Config)
+
+
+def dump(config: Config) -> str:
+    """The configuration as YAML."""
+    from omegaconf import OmegaConf
+
+    return OmegaConf.to_yaml(OmegaConf.create(as_plain(config)))
+
+
+def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
+    """The plain data of a YAML file, with interpolations replaced by their values unless told not.
+
+    Raises
+    ------
+    InputError
+        If it is missing or holds no mapping of keys.
+    """
+    from omegaconf import OmegaConf
+
+    try:
+        return resolved(OmegaConf.load(path), resolve=resolve)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+    except Exception as error:  # the YAML library's own errors have no common, typed base
+        text = " ".join(str(error).split())
+        raise InputError(f"{path}: cannot be read as a configuration ({text})") from error
+
+
+def load(path: Path, model: type[C]) -> C:
+    """Read a config.yaml of a study whose model is given.
+
+    Raises
+    ------
+    InputError
+        As `read` and `checked`, with the file's name.
+    """
+    plain = read(path)
+    try:
+        return checked(model, plain)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
+    """Plain data of an OmegaConf object or of a mapping, interpolations replaced by their values.
+
+    Raises
+    ------
+    InputError
+        If it is no mapping, or an interpolation leads nowhere.
+    """
+    from omegaconf import OmegaConf
+    from omegaconf.errors import OmegaConfBaseException
+
+    try:
+        loaded = mapping if OmegaConf.is_config(mapping) else OmegaConf.create(dict(mapping))
+        plain = OmegaConf.to_container(loaded, resolve=resolve)
+    except OmegaConfBaseException as error:
+        raise InputError(in_one_line(error)) from error
+    if not isinstance(plain, dict):
+        raise InputError("config: this is a list, not a mapping of keys")
+    return {str(key): value for key, value in plain.items()}

@@ -1,0 +1,91 @@
+"""What pydantic finds wrong, in one line: the key, what is wrong with it, what would work."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, get_args
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from owtsweep.config.hints import all_keys, unknown_key
+from owtsweep.config.section import TYPE_NAMES, bare_type, facts_of, is_section
+
+#: pydantic's names of errors begin with these words where the type is wrong.
+TYPES = {"bool": bool, "string": str, "int": int, "float": float}
+
+
+def in_one_line(error: ValidationError, model: Any) -> str:
+    """The first error, unknown and missing keys before wrong values."""
+    order = {"extra_forbidden": 0, "missing": 1}
+    first = min(error.errors(include_url=False), key=lambda e: order.get(e["type"], 2))
+    return _line(first, model)
+
+
+def _line(error: ErrorDetails, model: Any) -> str:
+    kind, value, limits = error["type"], error["input"], error.get("ctx", {})
+    key = _dotted(error["loc"])
+    if kind == "extra_forbidden":
+        return unknown_key(key, all_keys(model))
+    if kind == "missing":
+        return f"{key}: this key has no value; give it one"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        if kind == "dict_type":
+            return f"{key}: {value!r} is no mapping of names"
+        prefix = f"{key}." if key else ""
+        return f"{key}: {value!r} is one value where keys are expected; use {prefix}<key>=..."
+    if kind == "list_type":
+        return f"{key}: {value!r} is no list; use e.g. {key}=[{value}]"
+    if kind == "value_error":
+        return f"{key}: {limits['error']}"
+    field = _field(model, error["loc"])
+    facts = {} if field is None else facts_of(field)
+    unit = str(facts.get("unit", ""))
+    if kind == "literal_error":
+        options = ", ".join(map(str, get_args(bare_type(field.annotation)))) if field else ""
+        return f"{key}: {value!r} is none of {options}"
+    if kind in ("too_short", "too_long"):
+        if form := facts.get("form"):
+            return f"{key}: {value} must be {form}"
+        return f"{key}: the list is empty; give at least one value" + (f", in {unit}" * bool(unit))
+    if kind.split("_")[0] in TYPES:
+        return f"{key}: {value!r} is not {TYPE_NAMES[TYPES[kind.split('_')[0]]]}"
+    fault = _beyond(kind, limits, value, unit, str(facts.get("advice") or "use 0 or more"))
+    return f"{key}: {fault}" + (f"; use {form}" if (form := facts.get("form")) else "")
+
+
+def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: str) -> str:
+    """How a number misses its bound."""
+    number = f"{value:g} {unit}".strip()
+    limit = limits.get("gt", limits.get("ge", limits.get("le", limits.get("lt"))))
+    if kind == "finite_number":
+        return f"{number} must be a finite number"
+    if kind == "greater_than":
+        above = "zero" if limit == 0 else f"{limit:g}"
+        return f"{number} must be a finite number above {above}"
+    if kind == "greater_than_equal":
+        if limit == 0:
+            whole = isinstance(limit, int)
+            told = f"is negative; {advice}" if whole else "must be a finite number, zero or above"
+            return f"{number} {told}"
+        return f"{value:g} must be at least {f'{limit:g} {unit}'.strip()}"
+    if kind in ("less_than", "less_than_equal"):
+        return f"{value} is more than {limit}; lower it"
+    return f"{value!r} cannot be taken ({kind.replace('_', ' ')})"
+
+
+def _dotted(location: Sequence[str | int]) -> str:
+    text = ""
+    for part in location:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
+
+
+def _field(model: Any, location: Sequence[str | int]) -> Any:
+    """The field that a location lies in."""
+    field = None
+    for part in location:
+        if isinstance(part, str) and is_section(model):
+            field = model.model_fields.get(part)
+            model = bare_type(field.annotation) if field else None
+    return field

@@ -1,0 +1,23 @@
+"""docs/configuration.md is what the models declare."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from owtsweep.config.hints import all_keys
+from owtsweep.studies.reference import reference
+from owtsweep.studies.registry import OURS, tree_of
+
+PAGE = Path(__file__).parents[2] / "docs/configuration.md"
+
+
+def test_the_page_is_up_to_date() -> None:
+    written = PAGE.read_text(encoding="utf-8")
+    assert written == reference(), "run python -m owtsweep.studies.reference docs/configuration.md"
+
+
+def test_every_key_has_a_meaning() -> None:
+    rows = [line.split(" | ") for line in reference().splitlines() if line.startswith("| `")]
+    meanings = {cells[0].strip("|` "): cells[-1].strip("| ") for cells in rows}
+    for name in OURS:
+        assert all(meanings.get(key) for key in all_keys(tree_of(name).model))

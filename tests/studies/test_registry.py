@@ -1,0 +1,148 @@
+"""Studies are found by name: ours, and those that another package installs."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from owtsweep import studies
+from owtsweep.cli import main
+from owtsweep.errors import InputError
+from owtsweep.studies import compose, get_study, load_config, locate
+
+TESTS = Path(__file__).parents[1]
+PACKAGES = TESTS / "fixtures/stranger"
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(str(TESTS / "sweep"))
+
+
+@pytest.fixture
+def stranger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of installed packages with the stranger's study; returns it."""
+    site = tmp_path / "site"
+    monkeypatch.delitem(sys.modules, "stranger_study", raising=False)
+    shutil.copytree(PACKAGES, site, ignore=shutil.ignore_patterns("broken*"))
+    monkeypatch.syspath_prepend(str(site))
+    return site
+
+
+@pytest.fixture
+def broken(stranger: Path) -> None:
+    """A second package, whose studies do not work."""
+    name = "broken_study-1.0.dist-info"
+    shutil.copytree(PACKAGES / name, stranger / name)
+
+
+def test_without_a_study_it_is_the_hub() -> None:
+    assert compose([]) == compose(["study=hub"])
+    assert compose(["experiment=readings"]) == compose(["study=readings"])
+    assert locate(["tuning=matched"]).study is None
+
+
+@pytest.mark.usefixtures("stranger")
+def test_a_study_composes_its_own_tree() -> None:
+    config = compose(["study=stranger"])
+    assert (config.study, config.tuning, config.sigma) == ("stranger", "quick", 0.5)  # type: ignore
+    matched = compose(["tuning=matched", "study=stranger", "grid.level=[{linear:[1,3,5]}]"])
+    assert matched.sigma == 0.25  # type: ignore
+    assert matched.grid.level == [1.0, 1.5, 2.0, 2.5, 3.0]  # type: ignore
+    with pytest.raises(InputError, match=r"^tuning: there is no 'paper'; use matched or quick$"):
+        compose(["study=stranger", "tuning=paper"])
+    with pytest.raises(InputError, match=r"^spectrum: there is no such key"):
+        compose(["study=stranger", "spectrum=printed"])
+    with pytest.raises(InputError, match=r"^grid\.levl: .* did you mean grid\.level\?"):
+        compose(["study=stranger", "grid.levl=[1]"])
+
+
+@pytest.mark.usefixtures("stranger")
+def test_a_users_folder_is_searched_besides_any_studys_tree() -> None:
+    Path("mine/tuning").mkdir(parents=True)
+    Path("mine/tuning/own.yaml").write_text("# @package _global_\ntuning: own\nsigma: 7.0\n")
+    assert compose(["study=stranger", "tuning=own"], "mine").sigma == 7.0  # type: ignore
+
+
+@pytest.mark.usefixtures("stranger")
+def test_a_study_of_another_package_goes_through_the_commands(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["sweep", "study=stranger", "--cfg"]) == 0
+    assert yaml.safe_load(capsys.readouterr().out)["study"] == "stranger"
+    assert main(["sweep", "study=stranger", "name=mine"]) == 0
+    assert main(["sweep", "study=stranger", "name=mine"]) == 0
+    assert "0 cases computed, 8 were there" in capsys.readouterr().out
+    assert main(["show", "results/mine"]) == 0
+    assert main(["sweep", "--multirun", "study=stranger", "sigma=0.1,0.2", "tuning=matched"]) == 0
+    runs = [yaml.safe_load(path.read_text()) for path in Path().glob("results/*/*/config.yaml")]
+    assert sorted(run["sigma"] for run in runs) == [0.1, 0.2]
+    assert {(run["study"], run["tuning"]) for run in runs} == {("stranger", "matched")}
+    capsys.readouterr()
+    assert main(["list"]) == 0
+    shown = capsys.readouterr().out
+    assert "study=stranger tunings (tuning=...):" in shown
+    assert "The stranger's own." in shown
+    assert "the first letter" in shown
+
+
+@pytest.mark.usefixtures("broken")
+def test_studies_that_do_not_work_leave_the_others_alone(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for name, says in (
+        ("missing", r"ModuleNotFoundError: No module named 'no_such_module'"),
+        ("lacking", r"it lacks .*config_type, .*schema_version"),
+        ("renamed", r"it calls itself 'stranger'"),
+        ("untyped", r"its configuration is no Config"),
+    ):
+        told = rf"^study: '{name}' of the package broken-study does not work \({says}"
+        with pytest.raises(InputError, match=told) as caught:
+            compose([f"study={name}"])
+        assert "\n" not in str(caught.value)
+    assert compose(["study=stranger"]).study == "stranger"
+    assert main(["list"]) == 0
+    out = capsys.readouterr().out
+    assert out.count("broken-study") == 4
+    assert "The stranger's own." in out
+
+
+def test_a_study_without_a_tree_says_where_it_belongs(stranger: Path) -> None:
+    shutil.rmtree(stranger / "stranger_study/conf")
+    with pytest.raises(InputError, match=r"package stranger-study has no .*conf/sweep\.yaml$"):
+        compose(["study=stranger"])
+
+
+@pytest.mark.parametrize(
+    ("overrides", "says"),
+    [
+        (["study=huub"], r"study: there is no study 'huub'; did you mean hub\? There are hub, "),
+        (["study=x"], r"study: there is no study 'x'; there are hub, readings, replay$"),
+        (["study=hub,readings"], r"study: 'hub,readings' are several studies; run one at a time"),
+        (["study="], r"study=: name a study, e\.g\. study=hub$"),
+        (["+study=hub"], r"\+study=hub: name a study"),
+        (["study=replay"], r"study: 'replay' needs records; use `python -m owtsweep replay FILE`"),
+    ],
+)
+def test_a_wrong_study_is_one_line(overrides: list[str], says: str) -> None:
+    for words in (["sweep"], ["sweep", "--multirun"]):
+        assert main([*words, *overrides]) == 2
+    with pytest.raises(InputError, match=f"^{says}"):
+        compose(overrides)
+    assert not any(Path().iterdir())
+
+
+def test_a_run_of_a_study_that_is_not_installed_names_it() -> None:
+    Path("config.yaml").write_text("study: tower\nsoil_factor: 2\n")
+    with pytest.raises(InputError, match=r"^config\.yaml: the study 'tower' .* is not installed"):
+        load_config(Path("config.yaml"))
+
+
+def test_every_study_of_ours_answers_to_the_protocol() -> None:
+    for name in studies.names():
+        assert get_study(name).name == name
