@@ -1,0 +1,204 @@
+"""The contract of a study as checks that anybody can run on theirs.
+
+    from owtsweep.testing import check_study
+
+    def test_my_study(tmp_path):
+        check_study(MyStudy(), ["grid.replicates=2"], folder=tmp_path)
+
+Every check raises `AssertionError` with one line that says what of the contract is broken. The
+contract itself is in `owtsweep.sweep.study`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from owtsweep.testing.variations import one_case, reversed_grids, variations
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from owtsweep.config import Config
+    from owtsweep.sweep.runs import Run
+    from owtsweep.sweep.study import Study
+
+#: Columns of the tables that studies share, around those of the conditions.
+SUMMARY = (("scheme",), ("measure", "window", "mean", "ci_low", "ci_high", "n"))
+BEST_SCHEME = (
+    (),
+    (
+        "criterion", "window", "best", "runner_up", "mse_best", "mse_runner_up", "difference",
+        "ci_low", "ci_high", "distinguishable",
+    ),
+)  # fmt: skip
+#: May follow where a scheme left a cell.
+SETBACK = ("status", "reason")
+
+
+def check_study(
+    study: Study,
+    overrides: Sequence[str] = (),
+    *,
+    folder: Path,
+    failing: Sequence[str] | None = None,
+) -> None:
+    """Run all checks on a study that is installed.
+
+    Parameters
+    ----------
+    study
+        The study; `owtsweep.studies.compose` knows it by its name.
+    overrides
+        What makes its default configuration small: it is run some times.
+    folder
+        Where the runs go.
+    failing
+        Further overrides, under which some cases fail and others do not. Without them nothing is
+        checked about failures.
+
+    Raises
+    ------
+    AssertionError
+        With one line that names the study and what of the contract it breaks.
+    """
+    from owtsweep.studies import compose
+
+    place = [f"study={study.name}", f"results={folder}"]
+    config = compose([*place, *overrides])
+    check_plan(study, config)
+    check_keys(study, config)
+    run = check_run(study, config)
+    check_rows(study, config, run.cases())
+    check_tables(study, config, run.tables())
+    check_blocks_alone(study, config)
+    check_run(study, one_case(config).changed(name="one-case"))
+    if failing is not None:
+        check_failures(study, compose([*place, *overrides, *failing, "name=failing"]))
+
+
+def check_plan(study: Study, config: Config) -> None:
+    """The plan is deterministic and independent of the grid's order."""
+    keys = _keys(study, config)
+    assert keys == _keys(study, config), f"{study.name}: two plans of one configuration differ"
+    for name, other in reversed_grids(config):
+        assert set(_keys(study, other)) == set(keys), (
+            f"{study.name}: the blocks depend on the order of grid.{name}; a block's content holds "
+            "its own condition, never the grid's list"
+        )
+
+
+def check_keys(study: Study, config: Config) -> list[str]:
+    """Every key changes the keys of some blocks, or is declared to change no number.
+
+    Returns
+    -------
+    list of str
+        The keys of which no other value was accepted, so that nothing is known about them.
+    """
+    keys = set(_keys(study, config))
+    untried = []
+    for name, changes_numbers, other in variations(config):
+        if other is None:
+            untried.append(name)
+            continue
+        same = set(_keys(study, other)) == keys
+        if changes_numbers:
+            assert not same, (
+                f"{study.name}: {name} changes no block's content; put it there, or declare it "
+                "with key(..., changes_numbers=False)"
+            )
+        else:
+            assert same, f"{study.name}: {name} is declared to change no number, but changes keys"
+    return untried
+
+
+def check_run(study: Study, config: Config) -> Run:
+    """A run computes its plan once, is found again, and can be drawn."""
+    from owtsweep.sweep.plan import count_cases, make_plan
+    from owtsweep.sweep.run import sweep
+
+    cases = count_cases(make_plan(study, config))
+    first = sweep(study, config)
+    reasons = [f"{failure.label}: {failure.reason}" for failure in first.failed]
+    assert not reasons, f"{study.name}: cases of the small study fail: {'; '.join(reasons)}"
+    again = sweep(study, config)
+    assert (again.computed, again.reused) == (0, cases), (
+        f"{study.name}: a second sweep computes {again.computed} of {cases} cases again"
+    )
+    run = first.run
+    overview = study.engine(config).overview(config)
+    files = [*run.draw(overview), *run.draw()]
+    missing = [str(file) for file in files if not file.is_file()]
+    assert files, f"{study.name}: nothing is drawn"
+    assert not missing, f"{study.name}: drawings are named but not written: {', '.join(missing)}"
+    return run
+
+
+def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
+    """Rows have their columns, and each stands once."""
+    from owtsweep.sweep.study import FAILED, OK, UNABLE
+
+    identity = study.engine(config).sort_columns()
+    conditions = [c.name for c in study.conditions(config) if not c.expands]
+    needed = ["status", "reason", *identity, *conditions]
+    missing = [name for name in needed if name not in rows.columns]
+    assert not missing, f"{study.name}: rows lack the columns {', '.join(missing)}"
+    repeated = rows[rows.duplicated(identity)]
+    assert repeated.empty, (
+        f"{study.name}: {len(repeated)} rows have the same {', '.join(identity)} as another; "
+        "sort_columns must identify a row"
+    )
+    unknown = sorted(set(rows["status"]) - {OK, FAILED, UNABLE})
+    assert not unknown, f"{study.name}: unknown status {', '.join(map(str, unknown))}"
+    unexplained = (rows["status"] == OK) != (rows["reason"] == "")
+    assert not unexplained.any(), f"{study.name}: a reason belongs to each row that is not ok"
+
+
+def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) -> None:
+    """There are tables, and summary and best_scheme have the columns that scripts rely on."""
+    assert tables, f"{study.name}: a run has no table"
+    conditions = [condition.name for condition in study.conditions(config)]
+    for name, (before, after) in (("summary", SUMMARY), ("best_scheme", BEST_SCHEME)):
+        if name not in tables:
+            continue
+        columns = tuple(column for column in tables[name].columns if column not in SETBACK)
+        expected = (*before, *conditions, *after)
+        assert columns == expected, (
+            f"{study.name}: {name} has the columns {', '.join(columns)}, not {', '.join(expected)}"
+        )
+
+
+def check_blocks_alone(study: Study, config: Config) -> None:
+    """A block gives the same rows whether it runs alone or in its group."""
+    from owtsweep.sweep.plan import make_plan, tasks
+
+    engine = study.engine(config)
+    for task in tasks(make_plan(study, config)):
+        blocks = list(task.values())
+        together = {block.label: rows for block, rows in engine.run(config, blocks)}
+        for block in blocks[1:]:
+            ((_, alone),) = engine.run(config, [block])
+            assert alone.equals(together[block.label]), (
+                f"{study.name}: {block.label} has other rows when it runs alone"
+            )
+
+
+def check_failures(study: Study, config: Config) -> None:
+    """A case that fails takes no other with it, and says why."""
+    from owtsweep.sweep.run import sweep
+    from owtsweep.sweep.study import FAILED, OK
+
+    outcome = sweep(study, config)
+    rows = outcome.run.cases()
+    failed = rows[rows["status"] == FAILED]
+    assert len(failed), f"{study.name}: no case fails under the overrides `failing`"
+    assert (rows["status"] == OK).any(), f"{study.name}: one failing case takes all others with it"
+    assert (failed["reason"] != "").all(), f"{study.name}: a failed case has no reason"
+
+
+def _keys(study: Study, config: Config) -> list[str]:
+    from owtsweep.sweep.plan import make_plan
+
+    return list(make_plan(study, config))

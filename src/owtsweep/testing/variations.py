@@ -1,0 +1,98 @@
+"""Configurations next to one: with another value of one key, another order, fewer conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
+
+if TYPE_CHECKING:
+    from owtsweep.config import Config
+
+#: What is swept over: it says which blocks there are, and is no part of any.
+SWEPT = ("grid", "schemes")
+
+
+def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
+    """Each key with another value that the study accepts.
+
+    Yields
+    ------
+    tuple
+        The dotted key, whether it is declared to change numbers, and the other configuration;
+        None instead if no value that was tried is accepted.
+    """
+    from owtsweep.config.section import facts_of
+
+    for name, field, value in _leaves(config):
+        if name.split(".")[0] in SWEPT:
+            continue
+        yield name, facts_of(field)["changes_numbers"], _vary(config, name, field, value)
+
+
+def reversed_grids(config: Any) -> Iterator[tuple[str, Any]]:
+    """The name of each axis of the grid, and the configuration with that axis reversed."""
+    from owtsweep.config import with_values
+
+    for name, values in config.grid:
+        if isinstance(values, list):
+            yield name, with_values(config, {f"grid.{name}": values[::-1]})
+
+
+def one_case(config: Any) -> Any:
+    """The first value of each axis, one replicate and the first scheme."""
+    from owtsweep.config import with_values
+
+    values: dict[str, Any] = {}
+    for name, item in config.grid:
+        values[f"grid.{name}"] = item[:1] if isinstance(item, list) else 1
+    if hasattr(config, "schemes"):
+        values["schemes"] = config.schemes[:1]
+    return with_values(config, values)
+
+
+def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Dotted key, field and value of all keys that are no section."""
+    from owtsweep.config.section import Section
+
+    for name, field in type(section).model_fields.items():
+        value = getattr(section, name)
+        if isinstance(value, Section):
+            yield from _leaves(value, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", field, value
+
+
+def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
+    """The configuration with the first other value that is accepted, or None."""
+    from owtsweep.config import with_values
+    from owtsweep.errors import InputError
+
+    for candidate in _candidates(field.annotation, value):
+        try:
+            other = with_values(config, {name: candidate})
+            other.check()
+        except InputError:
+            continue
+        return other
+    return None
+
+
+def _candidates(annotation: Any, value: Any) -> list[Any]:
+    """Other values that a key of this type might take."""
+    from owtsweep.config.section import bare_type
+
+    kind = bare_type(annotation)
+    if get_origin(kind) is Literal:
+        return [option for option in get_args(kind) if option != value]
+    if value is None:
+        return {str: ["other"], float: [1.0, 10.0], int: [1, 10]}.get(kind, [])
+    if isinstance(value, bool):
+        return [not value]
+    if isinstance(value, int | float):
+        more = [value + 1, value - 1, 2 * value, value / 2, 1.1 * value, 0.9 * value]
+        return [int(item) if kind is int else item for item in more if item != value]
+    if isinstance(value, str):
+        return [f"{value}-other"]
+    if isinstance(value, list) and value and all(isinstance(item, float) for item in value):
+        return [[1.1 * item for item in value], [item + 0.1 for item in value]]
+    return []
