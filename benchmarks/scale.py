@@ -127,7 +127,7 @@ def made_up_rows(content: Any, random: np.random.Generator) -> Any:
     """The rows of a superposed block of the hub study with random products."""
     import pandas as pd
 
-    from owtsweep.results.cube import MEASURES
+    from owtsweep.studies.hub.conditions import MEASURES
     from owtsweep.studies.hub.measures import COLUMNS, WINDOWS
 
     replicates = content["replicates"]

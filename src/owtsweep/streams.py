@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from zlib import crc32
 
 import numpy as np
 
 
 def stream(
-    seed: int, study: str, natural_period: float, replicate: int, name: str
+    seed: int, study: str, conditions: Sequence[float | str], replicate: int, name: str
 ) -> np.random.Generator:
     """The generator of one named quantity of one record.
 
@@ -21,12 +22,18 @@ def stream(
         The run's seed.
     study
         The study's name.
-    natural_period
-        Natural period of the structure, s; resolved to a microsecond.
+    conditions
+        The values of those conditions of the record that are to have draws of their own, always
+        as many of them and in the same order; numbers are resolved to a millionth.
     replicate
         Number of the record.
     name
         What is drawn, e.g. "phase" or "imu_x".
     """
-    key = (crc32(study.encode()), round(natural_period * 1e6), replicate, crc32(name.encode()))
+    key = (crc32(study.encode()), *map(encode_value, conditions), replicate, crc32(name.encode()))
     return np.random.Generator(np.random.SFC64(np.random.SeedSequence(seed, spawn_key=key)))
+
+
+def encode_value(value: float | str) -> int:
+    """The value of a condition as a part of a key, which must not be negative."""
+    return crc32(value.encode()) if isinstance(value, str) else round(value * 1e6) % 2**64

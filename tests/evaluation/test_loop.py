@@ -121,5 +121,5 @@ def test_a_study_says_which_quantities_it_judges():
     assert np.array_equal(run.state, inputs[:, [1, 2, 3, 0]])
     assert run.covariance.shape == (8, 4, 4)
     assert np.array_equal(run.innovation[4], fixes[1])
-    with pytest.raises(AttributeError, match="no position"):
+    with pytest.raises(ValueError, match="the estimate of step 0 has no position"):
         run_estimator(Tower(), inputs, fixes, 4)

@@ -1,8 +1,9 @@
-"""Comparisons of real runs against scipy and plain pandas; contrasts against known truth."""
+"""Comparisons of real runs against scipy and plain pandas."""
 
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,17 +14,16 @@ from scipy import stats
 from tools import SMALL
 
 import owtsweep
-from owtsweep.comparing.changes import changed_cells
-from owtsweep.comparing.panels import arrange
-from owtsweep.comparing.shift import boundary_shift
+from owtsweep.comparing.shift import compare_boundaries
 from owtsweep.errors import InputError
-from owtsweep.results.boundary import boundary
-from owtsweep.statistics.contrasts import difference, gap, ratio
-from owtsweep.sweep.compare import Compared, compare
-from owtsweep.sweep.comparison import Comparison, Pair
+from owtsweep.results.boundary import find_boundary
+from owtsweep.studies.hub.conditions import CONDITIONS
+from owtsweep.sweep import compare as comparing
+from owtsweep.sweep.compare import Compared
 
 GRID = ["grid.natural_period=[4.0,8.0]", "grid.amplitude=[0.1,0.25,1.0]", "grid.replicates=5"]
 WORDS = [*SMALL, *GRID, "schemes=[MKF,HME1,HME2]"]
+compare = partial(comparing.compare, load=owtsweep.load)
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +113,8 @@ def test_boundaries_are_those_of_each_run(folder, compared):
     table = compared.findings.tables["boundaries"]
     for name in ("early", "late"):
         own = table[table.folder == name].reset_index(drop=True)
-        expected = boundary(owtsweep.load(folder / name).cases())
+        rows = owtsweep.load(folder / name).cases()
+        expected = find_boundary(rows, CONDITIONS, ("HME2", "HME1"), "position", "full")
         pd.testing.assert_frame_equal(own[list(expected.columns)], expected)
 
 
@@ -178,75 +179,17 @@ def test_figures_carry_the_hashes_of_the_runs(folder, compared):
             ) in path.read_text().replace('"', "&quot;")
 
 
-def samples(seed: int, n: int = 200_000) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of positive numbers with a common part, for many experiments of 8 replicates."""
-    rng = np.random.default_rng(seed)
-    common = rng.gamma(8.0, 1.0, size=(n // 8, 8))
-    one = common + 0.5 * rng.gamma(4.0, 1.0, size=common.shape)
-    other = 0.7 * common + rng.gamma(4.0, 1.0, size=common.shape)
-    return one, other
-
-
-@pytest.mark.parametrize("paired", [True, False])
-def test_intervals_cover_the_truth_as_promised(paired):
-    one, other = samples(1)
-    if not paired:
-        other = samples(2)[1]
-    found, times = difference(one, other, paired=paired), ratio(one, other, paired=paired)
-    truth = 0.7 * 8.0 + 4.0 - (8.0 + 2.0)
-    cover = np.mean((found.low <= truth) & (truth <= found.high))
-    assert 0.94 < cover < 0.965
-    truth = (0.7 * 8.0 + 4.0) / 10.0
-    assert 0.93 < np.mean((times.low <= truth) & (truth <= times.high)) < 0.965
-    reference = (stats.ttest_rel if paired else stats.ttest_ind)(
-        other[:9], one[:9], axis=-1, **({} if paired else {"equal_var": False})
-    )
-    np.testing.assert_allclose(found.p[:9], reference.pvalue, rtol=1e-9)
-
-
-def test_pairing_counts_only_what_both_have_and_little_data_claims_nothing():
-    one = np.array([[1.0, 2.0, np.nan, 4.0], [1.0, np.nan, np.nan, np.nan], [np.nan] * 4])
-    other = np.array([[2.0, 4.0, 9.0, np.nan], [3.0, np.nan, 1.0, 1.0], [1.0] * 4])
-    found = difference(one, other, paired=True)
-    assert found.value[:2].tolist() == [1.5, 2.0]
-    assert found.n_first.tolist() == [2, 1, 0]
-    assert found.p[1:].tolist() == [1.0, 1.0]
-    assert np.isnan(found.low[1:]).all()
-    assert ratio(one, other, paired=True).value[0] == pytest.approx(2.0)
-    thrice = ratio(one, 3.0 * one, paired=True)  # no noise is left in a ratio of equals
-    assert (thrice.low[0], thrice.high[0]) == pytest.approx((3.0, 3.0), rel=1e-9)
-    same = gap(np.array([[0.0, 0.0], [1.0, 1.0]]))
-    assert same.p.tolist() == [1.0, 0.0]
-
-
-def test_a_change_needs_both_gaps_and_holm_counts_every_cell():
-    index = pd.MultiIndex.from_product([["P", "Q"], [1.0], [1.0, 2.0, 3.0]])
-    noise = 1e-3 * np.arange(6.0)
-
-    def table(gaps):  # Q less P in the three cells
-        return pd.DataFrame([np.ones(6)] * 3 + [1.0 + g + noise - noise.mean() for g in gaps],
-                            index=index)  # fmt: skip
-
-    first, second = table([0.1, 0.1, 0.0003]), table([-0.1, 0.1, -0.1])
-    best = {(1.0, N): "P" for N in (1.0, 2.0, 3.0)}
-    after = {(1.0, 1.0): "Q", (1.0, 2.0): "P", (1.0, 3.0): "Q"}
-    rows = changed_cells(first, second, best, after, paired=True)
-    assert [row["amplitude"] for row in rows] == [1.0, 3.0]
-    assert [row["established"] for row in rows] == [True, False]
-    assert rows[0]["change"] == pytest.approx(-0.2)
-
-
 def test_a_shifted_boundary_is_a_ratio_with_a_paired_interval(folder):
     rows = owtsweep.load(folder / "early").cases()
     scaled = rows.assign(motion=rows.motion / 4.0, cross=rows.cross / 2.0)  # twice the amplitude
-    made = [fabricated(rows), fabricated(scaled)]
-    args = (("HME2", "HME1"), "position", ("full", "full"))
-    found = boundary_shift(*made, *args, paired=True, resamples=200)
+    made = fabricated(rows), fabricated(scaled)
+    args = (CONDITIONS, ("HME2", "HME1"), "position", ("full", "full"))
+    found = compare_boundaries(made, *args, paired=True, resamples=200)
     assert found
     for row in found:
         assert row["ratio"] == pytest.approx(2.0, rel=1e-9)
         assert row["ratio_low"] == pytest.approx(row["ratio_high"], rel=1e-9)  # the same draws
-    apart = boundary_shift(*made, *args, paired=False, resamples=200)
+    apart = compare_boundaries(made, *args, paired=False, resamples=200)
     assert all(row["ratio_low"] < 1.99 < 2.01 < row["ratio_high"] for row in apart)
 
 
@@ -256,23 +199,3 @@ def fabricated(rows: pd.DataFrame) -> pd.DataFrame:
     factor = 1.0 + 0.1 * upper.replicate
     lower = upper.assign(scheme="HME2", motion=upper.motion * 2.0 * factor, noise=0.5 * upper.noise)
     return pd.concat([upper, lower], ignore_index=True)
-
-
-def comparison(values: list[dict]) -> Comparison:
-    from types import SimpleNamespace
-
-    runs = tuple(SimpleNamespace(values=own) for own in values)
-    return Comparison(tuple(values[0]), (), runs, (Pair(0, 1, ""),))  # type: ignore[arg-type]
-
-
-def test_panels_put_the_first_key_across_and_leave_holes():
-    grid = [{"a": a, "b": b} for a in (1.0, 2.0) for b in (5.0, 6.0, 7.0)]
-    panels = arrange(comparison(grid[:-1]))
-    assert panels is not None
-    assert panels.runs == [[0, 3], [1, 4], [2, None]]
-    assert panels.titles[1][1] == "a = 2\nb = 6"
-    one = arrange(comparison([{"a": float(i)} for i in range(6)]))
-    assert one is not None
-    assert one.runs == [[0, 1, 2, 3], [4, 5, None, None]]
-    assert arrange(comparison([{"a": 1, "b": 2, "c": i} for i in range(2)])) is None
-    assert arrange(comparison([{"a": float(i)} for i in range(31)])) is None

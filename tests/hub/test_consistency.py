@@ -49,7 +49,7 @@ def true_x4(config: HubConfig, records: Records) -> Array:
     lanes = []
     for replicate in records.replicates:
         drawn = [
-            stream(config.seed, STUDY, PERIOD, replicate, f"bias_{axis}").standard_normal(
+            stream(config.seed, STUDY, (PERIOD,), replicate, f"bias_{axis}").standard_normal(
                 records.steps
             )
             for axis in "xy"

@@ -179,7 +179,7 @@ def test_displacements_of_peak_factors_are_those_of_records(steps: int) -> None:
     shape, band, step = spectrum("translated", 4.0, 2.4e-4), (0.05, 0.6), 2000.0 / 38400
 
     def phases() -> np.random.Generator:
-        return stream(3, "hub", 0.0, 5, peak.STREAM)
+        return stream(3, "hub", (0.0,), 5, peak.STREAM)
 
     position = displacement(shape, phases(), steps=steps, step=step, band=band)
     scaled = synthesise(shape, phases(), steps=steps, step=step, band=band).position

@@ -17,8 +17,11 @@ from rich.console import Console
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, style, terminal
 from owtsweep.figures.drawings import draw_each
-from owtsweep.results import aggregate
+from owtsweep.results.best_scheme import find_best_schemes
+from owtsweep.results.cube import Cube
+from owtsweep.results.summary import summarise
 from owtsweep.studies.hub import published
+from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA
 from owtsweep.studies.hub.figures import drawings, mse_over_amplitude
 from owtsweep.studies.hub.looks import LOOKS
 
@@ -94,7 +97,15 @@ def cells_of(figure, *, hatched: bool) -> dict[tuple[int, int], Rectangle]:
 )
 def test_map_colours_and_hatches_every_cell_as_the_table_says(periods, amplitudes):
     table = best_table(periods, amplitudes).sample(frac=1.0, random_state=1)
-    figure = best_scheme_map.draw(table, SCHEMES, window="full", tuning="paper", replicates=20)
+    figure = best_scheme_map.draw(
+        table,
+        SCHEMES,
+        CONDITIONS,
+        criterion="position",
+        window="full",
+        tuning="paper",
+        replicates=20,
+    )
     colours, hatches = cells_of(figure, hatched=False), cells_of(figure, hatched=True)
     assert len(colours) == len(table)
     for row in table.to_dict("records"):
@@ -114,7 +125,13 @@ def test_map_names_coinciding_schemes_together_and_explains_holes():
     table = best_table([3.0, 4.0], [0.2, 1.0]).iloc[:-1]
     table["distinguishable"] = True
     figure = best_scheme_map.draw(
-        table, SCHEMES, window="full", tuning="matched", coinciding=[("EKF", "MKF")]
+        table,
+        SCHEMES,
+        CONDITIONS,
+        criterion="position",
+        window="full",
+        tuning="matched",
+        coinciding=[("EKF", "MKF")],
     )
     shown = texts(figure)
     assert "EKF = MKF (0 cells)" in shown
@@ -128,14 +145,21 @@ def test_map_without_a_runner_up_names_the_best_alone():
     table = best_table([3.0], [0.2]).assign(
         runner_up="", mse_runner_up=math.nan, difference=math.nan, distinguishable=False
     )
-    figure = best_scheme_map.draw(table, ["HME2"], window="full", tuning="paper")
+    figure = best_scheme_map.draw(
+        table, ["HME2"], CONDITIONS, criterion="position", window="full", tuning="paper"
+    )
     assert [text.get_text() for text in figure.axes[0].texts] == ["HME2"]
 
 
 def test_map_refuses_a_criterion_without_rows():
     with pytest.raises(InputError, match=r"^best: no cell judged by velocity"):
         best_scheme_map.draw(
-            best_table([3.0], [0.2]), SCHEMES, criterion="velocity", window="full", tuning="paper"
+            best_table([3.0], [0.2]),
+            SCHEMES,
+            CONDITIONS,
+            criterion="velocity",
+            window="full",
+            tuning="paper",
         )
 
 
@@ -218,16 +242,16 @@ def run(monkeypatch):
     rows = run_rows(SCHEMES, periods)
     config = SimpleNamespace(
         measures=SimpleNamespace(window="full", criterion="position"),
-        grid=SimpleNamespace(amplitude=amplitudes, replicates=3),
+        grid=SimpleNamespace(natural_period=periods, amplitude=amplitudes, replicates=3),
         tuning="paper",
     )
     monkeypatch.setattr("owtsweep.studies.hub.scheme_names", lambda _: SCHEMES)
     # what is drawn from the configuration alone: tests/hub/test_more_figures.py
     monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
-    values = aggregate.expand(rows, amplitudes)
+    cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})
     tables = {
-        "summary": aggregate.summary(values, SCHEMES),
-        "best_scheme": aggregate.best_scheme(values, SCHEMES, "full"),
+        "summary": summarise(cube),
+        "best_scheme": find_best_schemes(cube, "full", CRITERIA),
     }
     return config, tables, rows
 
@@ -270,7 +294,7 @@ def rendered(renderable) -> str:
 
 def test_terminal_map_reads_without_colours():
     table = best_table([3.0, 8.0], [0.05, 1.0, 10.0])
-    lines = rendered(terminal.grid(table, SCHEMES, "position", "full")).splitlines()
+    lines = rendered(terminal.grid(table, SCHEMES, CONDITIONS, "position", "full")).splitlines()
     body = [line.split() for line in lines if " m " in line]
     assert body == [
         ["10", "m", "HME1", "HME1", "~"],
@@ -284,9 +308,9 @@ def test_terminal_map_reads_without_colours():
 def test_terminal_map_of_many_periods_and_of_missing_cells():
     periods = list(np.arange(3.0, 8.01, 0.25))
     table = best_table(periods, [0.2, 1.0]).iloc[1:]
-    text = rendered(terminal.grid(table, SCHEMES, "position", "full"))
+    text = rendered(terminal.grid(table, SCHEMES, CONDITIONS, "position", "full"))
     assert all(f"{period:g} s" in text for period in periods)
     assert max(map(len, text.splitlines())) <= 80
     assert " - " in text
-    nothing = rendered(terminal.grid(table, SCHEMES, "velocity", "full"))
+    nothing = rendered(terminal.grid(table, SCHEMES, CONDITIONS, "velocity", "full"))
     assert "No cell to compare" in nothing

@@ -24,7 +24,7 @@ SHAPE = translated(4.0, 2e-2)  # broad enough to be resolved by this record's li
 
 def draw(replicate: int = 0, shape: Spectrum = SHAPE, **changes) -> Motion:
     settings = {"steps": STEPS, "step": STEP, "band": BAND, **changes}
-    return synthesise(shape, stream(1, "test", 4.0, replicate, "phase"), **settings)
+    return synthesise(shape, stream(1, "test", (4.0,), replicate, "phase"), **settings)
 
 
 def whole_period(shape: Spectrum = SHAPE, **changes) -> NDArray[np.float64]:
@@ -142,7 +142,7 @@ def test_a_record_is_one_plain_transform_of_its_lines(steps: int) -> None:
     shape, step, history = translated(5.0), 0.05, 7
 
     def phases() -> np.random.Generator:
-        return stream(1, "test", 5.0, 0, "phase")
+        return stream(1, "test", (5.0,), 0, "phase")
 
     found = synthesise(shape, phases(), steps=steps, step=step, band=BAND, history=history)
     numbers, frequency = lines(BAND, 2 * steps * step)

@@ -37,7 +37,7 @@ def test_synthesised_records_give_back_their_period_and_bandwidth(
     for replicate in range(16):
         motion = synthesise(
             translated(period, bandwidth),
-            stream(1, "whittle", period, replicate, "phase"),
+            stream(1, "whittle", (period,), replicate, "phase"),
             steps=STEPS,
             step=STEP,
             band=(0.02, 1.0),

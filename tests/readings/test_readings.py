@@ -44,7 +44,7 @@ def test_a_search_keeps_its_whole_trail_and_gets_better():
     assert rows.score.min() < 0.97 * rows.score[0]
     ((_, again),) = searches.run(config, [block])
     assert again.equals(rows)
-    best = results.best(rows)
+    best = results.rank_trials(rows)
     assert best.score.is_monotonic_increasing
     assert best.score[0] == rows.score.min()
 

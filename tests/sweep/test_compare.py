@@ -14,11 +14,12 @@ from dummy_study import DummyStudy, make_config
 from owtsweep import studies
 from owtsweep.api import load
 from owtsweep.cli import main
+from owtsweep.comparing.comparison import Comparison, Findings, Pair
+from owtsweep.comparing.values import rank_values, show
 from owtsweep.errors import InputError
 from owtsweep.sweep import compare as comparing
-from owtsweep.sweep.comparison import Comparison, Findings, Pair
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.swept import FIRST, flatten, make_pairs, ranks, show, swept_keys
+from owtsweep.sweep.swept import FIRST, flatten, make_pairs, swept_keys
 
 
 @dataclass
@@ -76,9 +77,9 @@ def test_small_helpers():
     assert flatten({"a": {"b": 1, "c": {}}, "d": [1, {"e": 2}]}) == {
         "a.b": 1, "a.c": {}, "d": [1, {"e": 2}],
     }  # fmt: skip
-    assert ranks([10.0, 2.0, 10.0]) == [1, 0, 1]
-    assert ranks(["b", "a", "b"]) == [0, 1, 0]
-    assert ranks([None, 1.0]) == [0, 1]
+    assert rank_values([10.0, 2.0, 10.0]) == [1, 0, 1]
+    assert rank_values(["b", "a", "b"]) == [0, 1, 0]
+    assert rank_values([None, 1.0]) == [0, 1]
     assert [show(value) for value in (1.0, 0.1, "a", None, [1, 2], True)] == [
         "1", "0.1", "a", "null", "[1,2]", "true",
     ]  # fmt: skip

@@ -1,16 +1,17 @@
-"""How the HME1/HME2 boundary moves with a swept key."""
+"""How the boundary of two schemes moves with a swept key."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from owtsweep.comparing.common import Common
+from owtsweep.comparing.comparison import Comparison
+from owtsweep.comparing.values import rank_values, show
 from owtsweep.figures import style
-from owtsweep.studies.hub.figures.two_maps import LOWER, UPPER
-from owtsweep.sweep.comparison import Comparison
-from owtsweep.sweep.swept import ranks, show
+from owtsweep.results.conditions import Condition, Value
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,37 +19,40 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARKERS = "osD^vP*X"
-#: How far beyond the swept amplitudes the axis reaches: farther out a boundary is an extrapolation.
+#: How far beyond the values of its condition the axis reaches: farther out a boundary is
+#: extrapolated.
 BEYOND = 4.0
 
 
 def draw(
     boundaries: pd.DataFrame,
     comparison: Comparison,
+    shared: Common,
     *,
-    amplitudes: Sequence[float],
     subtitle: str,
 ) -> Figure:
-    """Draw the boundary over the first key, one line per natural period, one panel per second key.
+    """Draw the boundary over the first key, one line per cell, one panel per second key.
 
     Parameters
     ----------
     boundaries
-        The table of boundaries with the run's `index`; at least one exists.
+        The table of boundaries with the run's `index`; at least one exists. A cell is one value
+        of each condition but the one that expands.
     comparison
         The runs, told apart by one or two keys.
-    amplitudes
-        The swept ones, m: boundaries far outside of them are drawn at the edge, hollow.
+    shared
+        What the runs have in common: boundaries far outside of the values of the condition that
+        expands are drawn at the edge, hollow.
     subtitle
         What is judged.
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
     keys = comparison.keys
-    across = ranks([run.values[keys[0]] for run in comparison.runs])
+    across = rank_values([run.values[keys[0]] for run in comparison.runs])
     labels = {place: show(run.values[keys[0]]) for place, run in zip(across, comparison.runs,
               strict=True)}  # fmt: skip
-    down = ranks([run.values[keys[1]] for run in comparison.runs]) if len(keys) == 2 else None
+    down = rank_values([run.values[keys[1]] for run in comparison.runs]) if len(keys) == 2 else None
     groups = [
         [i for i in range(len(comparison.runs)) if down is None or down[i] == number]
         for number in range(1 if down is None else max(down) + 1)
@@ -57,71 +61,94 @@ def draw(
         count = len(groups)
         figure = style.new_figure(max(6.8, min(1.0 + 3.4 * count, 16.0)), 4.9)
         grid = figure.subplots(1, count, squeeze=False, sharey=True, sharex=True)[0]
-        periods = sorted(set(boundaries["natural_period"]))
+        *outer, expanded = shared.conditions
+        cells = _list_cells(boundaries, outer)
         ends = boundaries[["boundary", "ci_low", "ci_high"]].to_numpy(dtype=float)
-        edges = (min(amplitudes) / BEYOND, max(amplitudes) * BEYOND)
+        values = [float(value) for value in shared.grid[expanded.name]]
+        edges = (min(values) / BEYOND, max(values) * BEYOND)
         ends = np.clip(ends[np.isfinite(ends) & (ends > 0.0)], *edges)
         narrow = bool(ends.max() < 8.0 * ends.min())  # too few round values on a log scale
         numeric = all(isinstance(run.values[keys[0]], int | float) for run in comparison.runs)
         for axes, group in zip(grid, groups, strict=True):
-            _panel(axes, boundaries, {i: across[i] for i in group}, periods, edges, joined=numeric)
+            places = {i: across[i] for i in group}
+            _draw_panel(axes, boundaries, places, cells, edges, joined=numeric)
             axes.set_yscale("log")
             axes.yaxis.set_major_locator(
                 MaxNLocator(6) if narrow else LogLocator(subs=(1.0, 2.0, 5.0))
             )
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
-            _say_why_empty(
-                axes, boundaries[boundaries["index"].isin(group)], {i: across[i] for i in group}
-            )
+            in_panel = boundaries[boundaries["index"].isin(group)]
+            _say_why_empty(axes, in_panel, places, expanded)
             axes.set_xticks(range(len(labels)), [labels[i] for i in range(len(labels))])
             axes.set_xlim(-0.5, len(labels) - 0.5)
             axes.set_xlabel(keys[0])
             if down is not None:
                 value = show(comparison.runs[group[0]].values[keys[1]])
                 axes.set_title(f"{keys[1]} = {value}", loc="left", fontsize=9)
-        grid[0].set_ylabel("amplitude of the boundary (m)")
+        grid[0].set_ylabel(_name_axis(expanded))
         handles, names = grid[0].get_legend_handles_labels()
         figure.legend(
             handles,
             names,
-            title=f"{LOWER}/{UPPER} boundary {subtitle}; natural period:",
+            title=f"{'/'.join(shared.boundary or ())} boundary {subtitle}"
+            + "".join(f"; {condition.label}:" for condition in outer),
             title_fontsize=11,
             loc="outside upper left",
             alignment="left",
             ncols=min(len(names), 8),
             frameon=False,
         )
-        style.footnote(figure, _explanation(boundaries, edges))
+        style.footnote(figure, _explain(boundaries, shared, edges))
     return figure
 
 
-def _panel(
+def _name_axis(condition: Condition) -> str:
+    unit = f" ({condition.unit})" if condition.unit else ""
+    return f"{condition.word} of the boundary{unit}"
+
+
+def _list_cells(boundaries: pd.DataFrame, outer: Sequence[Condition]) -> dict[str, pd.Series[bool]]:
+    """Cell as the legend names it -> which rows are its own."""
+    cells: dict[str, pd.Series[bool]] = {}
+    values = boundaries[[condition.name for condition in outer]].drop_duplicates()
+    by: list[str] = list(values.columns)
+    for cell in values.sort_values(by).itertuples(index=False) if by else [()]:
+        named: list[tuple[Condition, Value]] = list(zip(outer, cell, strict=True))
+        own_rows = boundaries["index"].notna()
+        for condition, value in named:
+            own_rows &= boundaries[condition.name] == value
+        cells[", ".join(condition.show(value) for condition, value in named)] = own_rows
+    return cells
+
+
+def _draw_panel(
     axes: Axes,
     boundaries: pd.DataFrame,
     places: dict[int, int],
-    periods: Sequence[float],
+    cells: Mapping[str, pd.Series[bool]],
     edges: tuple[float, float],
     *,
     joined: bool,
 ) -> None:
     import matplotlib as mpl
 
-    colors = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, max(len(periods), 2)))
-    width = 0.5 / max(len(periods), 1)
-    for number, period in enumerate(periods):
-        own = boundaries[(boundaries["natural_period"] == period) & (boundaries["wins"] == "")]
+    colors = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, max(len(cells), 2)))
+    width = 0.5 / max(len(cells), 1)
+    for number, (name, in_cell) in enumerate(cells.items()):
+        exists = boundaries[in_cell & (boundaries["wins"] == "")]
         ends = {
             int(index): (float(value), float(low), float(high))
             for index, value, low, high in zip(
-                *(own[name] for name in ("index", "boundary", "ci_low", "ci_high")), strict=True
+                *(exists[column] for column in ("index", "boundary", "ci_low", "ci_high")),
+                strict=True,
             )
         }
         x, line = [], []
         look: dict[str, Any] = {"color": colors[number], "zorder": 3}
         for index, place in sorted(places.items(), key=lambda item: item[1]):
             # Side by side, or the intervals would hide each other.
-            x.append(place + (number - 0.5 * (len(periods) - 1)) * width)
+            x.append(place + (number - 0.5 * (len(cells) - 1)) * width)
             value, low, high = ends.get(index, (np.nan, np.nan, np.nan))
             line.append(value)
             if np.isfinite(low + high):
@@ -129,47 +156,52 @@ def _panel(
         look |= {"marker": MARKERS[number % len(MARKERS)], "markersize": 5}
         drawn = np.clip(line, *edges)
         style_of_line = "-" if joined else "none"
-        axes.plot(x, drawn, linewidth=1.4, linestyle=style_of_line, label=f"{period:g} s", **look)
+        axes.plot(x, drawn, linewidth=1.4, linestyle=style_of_line, label=name, **look)
         outside = np.where(drawn == line, np.nan, drawn)
         axes.plot(x, outside, linestyle="none", markerfacecolor="white", **look)
 
 
-def _say_why_empty(axes: Axes, found: pd.DataFrame, places: dict[int, int]) -> None:
-    """Where no natural period has a boundary, say so; one message if that is the whole panel."""
-    if not (found["wins"] == "").any():
-        text = f"no boundary:\n{_why(found)}"
+def _say_why_empty(
+    axes: Axes, boundaries: pd.DataFrame, places: dict[int, int], expanded: Condition
+) -> None:
+    """Where no cell has a boundary, say so; one message if that is the whole panel."""
+    if not (boundaries["wins"] == "").any():
+        text = f"no boundary:\n{_explain_absence(boundaries, expanded)}"
         axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", fontsize=9)
         return
     for index, place in places.items():
-        own = found[found["index"] == index]
-        if not (own["wins"] == "").any():
-            text = "no boundary:\n" + _why(own).replace(" at ", "\nat ")
+        of_run = boundaries[boundaries["index"] == index]
+        if not (of_run["wins"] == "").any():
+            why = _explain_absence(of_run, expanded).replace(" at ", "\nat ")
+            text = f"no boundary:\n{why}"
             axes.text(place, 0.5, text, transform=axes.get_xaxis_transform(), ha="center",
                       va="center", fontsize=8)  # fmt: skip
 
 
-def _why(found: pd.DataFrame) -> str:
-    winners = sorted(set(found["wins"]))
+def _explain_absence(boundaries: pd.DataFrame, expanded: Condition) -> str:
+    winners = sorted(set(boundaries["wins"]))
     if not winners:
         return "not known"
     if "neither" in winners:
         return "they do not change places once"
     if len(winners) > 1:
-        return "one is better at every amplitude"
-    return f"{winners[0]} is better at every amplitude"
+        return f"one is better at every {expanded.word}"
+    return f"{winners[0]} is better at every {expanded.word}"
 
 
-def _explanation(boundaries: pd.DataFrame, edges: tuple[float, float]) -> str:
+def _explain(boundaries: pd.DataFrame, shared: Common, edges: tuple[float, float]) -> str:
+    lower, upper = shared.boundary or ("", "")
+    expanded = shared.conditions[-1]
     text = (
-        f"Below the boundary {LOWER} has the smaller mean MSE of the two, above it {UPPER}; bars:"
+        f"Below the boundary {lower} has the smaller mean MSE of the two, above it {upper}; bars:"
         " 95 % interval (bootstrap over the records), left out where an end is infinite. Points of"
         " one value stand side by side."
     )
     exists = boundaries.loc[boundaries["wins"] == "", "boundary"]
     if not exists.between(*edges).all():
         text += (
-            f" Hollow: beyond {edges[0]:.2g}-{edges[1]:.2g} m, far outside the swept amplitudes;"
-            " boundaries.csv has the value."
+            f" Hollow: beyond {edges[0]:.2g}-{edges[1]:.2g} {expanded.unit}, far outside the swept"
+            f" {expanded.values_word}; boundaries.csv has the value."
         )
     missing = boundaries[boundaries["wins"] != ""]
     if len(missing):

@@ -2,42 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.results.aggregate import holm
-from owtsweep.results.cube import CONFIDENCE
+from owtsweep.results.conditions import Value
 from owtsweep.statistics.contrasts import difference, gap, ratio
+from owtsweep.statistics.holm import holm
 
 if TYPE_CHECKING:
     import pandas as pd
 
-CELL = ("natural_period", "amplitude")
+#: What stands before the conditions, and what after them.
+PAIR_COLUMNS = ("from_run", "to_run", "along", "paired")
 CHANGED_COLUMNS = (
-    "from_run", "to_run", "along", "paired", *CELL, "criterion", "best_from", "best_to",
-    "gap_from", "gap_from_low", "gap_from_high", "gap_to", "gap_to_low", "gap_to_high",
-    "change", "change_low", "change_high", "n_from", "n_to", "established",
+    "criterion", "best_from", "best_to", "gap_from", "gap_from_low", "gap_from_high", "gap_to",
+    "gap_to_low", "gap_to_high", "change", "change_low", "change_high", "n_from", "n_to",
+    "established",
 )  # fmt: skip
 SCHEME_COLUMNS = (
-    "from_run", "to_run", "along", "paired", "scheme", *CELL, "criterion", "mse_from", "mse_to",
-    "difference", "difference_low", "difference_high", "ratio", "ratio_low", "ratio_high",
-    "n_from", "n_to", "verdict",
+    "criterion", "mse_from", "mse_to", "difference", "difference_low", "difference_high", "ratio",
+    "ratio_low", "ratio_high", "n_from", "n_to", "verdict",
 )  # fmt: skip
 
-#: (natural period, amplitude) -> name of the best scheme.
-Winners = Mapping[tuple[float, float], str]
+#: One value of each condition -> name of the best scheme.
+Winners = Mapping[tuple[Value, ...], str]
 
 
-def winners(best: pd.DataFrame) -> dict[tuple[float, float], str]:
-    """The best scheme per cell of one run's table."""
-    rows = zip(best["natural_period"], best["amplitude"], best["best"], strict=True)
-    return {(float(period), float(amplitude)): str(name) for period, amplitude, name in rows}
+def list_winners(best: pd.DataFrame, names: Sequence[str]) -> dict[tuple[Value, ...], str]:
+    """The best scheme per cell of one run's table over conditions of these names."""
+    cells = zip(*(best[name].tolist() for name in names), strict=True)
+    return dict(zip(cells, best["best"].tolist(), strict=True))
 
 
-def changed_cells(
+def compare_cells(
     first: pd.DataFrame,
     second: pd.DataFrame,
     best_first: Winners,
@@ -54,7 +54,7 @@ def changed_cells(
     Parameters
     ----------
     first, second
-        `cells.samples_of` of both runs, with the same rows and columns.
+        `common.arrange_samples` of both runs, with the same rows and columns.
     best_first, best_second
         Their best schemes.
     paired
@@ -63,11 +63,12 @@ def changed_cells(
     Returns
     -------
     list of dict
-        `CHANGED_COLUMNS` but those of the pair; MSE in m^2 (m^2/s^2 for velocities). `change` is
-        the gap of the second run less that of the first, with its own (paired) interval.
+        The conditions and `CHANGED_COLUMNS` but the criterion. `change` is the gap of the second
+        run less that of the first, with its own (paired) interval.
     """
     cells = [cell for cell in best_first if cell in best_second]
-    found, p_values = [], []
+    names = list(map(str, first.index.names[1:]))
+    rows, p_values = [], []
     for cell in cells:
         P, Q = best_first[cell], best_second[cell]
         if P == Q:
@@ -78,7 +79,7 @@ def changed_cells(
         )
         gaps = gap(before), gap(after)
         change = difference(before, after, paired=paired)
-        row: dict[str, Any] = {**dict(zip(CELL, cell, strict=True)), "best_from": P, "best_to": Q}
+        row: dict[str, Any] = {**dict(zip(names, cell, strict=True)), "best_from": P, "best_to": Q}
         for name, contrast in (("gap_from", gaps[0]), ("gap_to", gaps[1]), ("change", change)):
             row |= {
                 name: float(contrast.value),
@@ -88,18 +89,18 @@ def changed_cells(
         row |= {"n_from": int(gaps[0].n_first), "n_to": int(gaps[1].n_first)}
         opposite = row["gap_from"] > 0.0 > row["gap_to"]
         p_values.append(max(float(gaps[0].p), float(gaps[1].p)) if opposite else 1.0)
-        found.append((len(p_values) - 1, row))
-    verdicts = holm(p_values, level=1.0 - CONFIDENCE)
-    return [row | {"established": bool(verdicts[index])} for index, row in found]
+        rows.append((len(p_values) - 1, row))
+    verdicts = holm(p_values)
+    return [row | {"established": bool(verdicts[index])} for index, row in rows]
 
 
-def _samples(table: pd.DataFrame, scheme: str, cell: tuple[float, float]) -> NDArray[np.float64]:
+def _samples(table: pd.DataFrame, scheme: str, cell: tuple[Value, ...]) -> NDArray[np.float64]:
     place = table.index.get_loc((scheme, *cell))
     samples: NDArray[np.float64] = table.to_numpy(dtype=float)[place]
     return samples
 
 
-def scheme_changes(
+def compare_schemes(
     first: pd.DataFrame, second: pd.DataFrame, *, paired: bool
 ) -> list[dict[str, Any]]:
     """Per scheme and cell the difference and the ratio of MSE between two runs.
@@ -107,8 +108,9 @@ def scheme_changes(
     Returns
     -------
     list of dict
-        `SCHEME_COLUMNS` but those of the pair. `verdict` is "better" or "worse" (the second run's
-        MSE is smaller or larger) under Holm's correction over all rows of the pair, else "".
+        scheme, conditions and `SCHEME_COLUMNS` but the criterion. `verdict` is "better" or "worse"
+        (the second run's MSE is smaller or larger) under Holm's correction over all rows of the
+        pair, else "".
     """
     a, b = first.to_numpy(), second.to_numpy()
     if paired:
@@ -116,16 +118,17 @@ def scheme_changes(
         a, b = np.where(both, a, np.nan), np.where(both, b, np.nan)
     mean_a, mean_b = gap(a).value, gap(b).value
     change, times = difference(a, b, paired=paired), ratio(a, b, paired=paired)
-    rejected = holm(change.p.tolist(), level=1.0 - CONFIDENCE)
-    found = []
+    rejected = holm(change.p.tolist())
+    names = list(map(str, first.index.names[1:]))
+    rows = []
     for i, (scheme, *cell) in enumerate(first.index):
         if not np.isfinite(change.value[i]):
             continue
         verdict = ("better" if change.value[i] < 0.0 else "worse") if rejected[i] else ""
-        found.append(
+        rows.append(
             {
                 "scheme": scheme,
-                **dict(zip(CELL, cell, strict=True)),
+                **dict(zip(names, cell, strict=True)),
                 "mse_from": mean_a[i],
                 "mse_to": mean_b[i],
                 "difference": change.value[i],
@@ -139,4 +142,4 @@ def scheme_changes(
                 "verdict": verdict,
             }
         )
-    return found
+    return rows

@@ -1,16 +1,16 @@
-"""The best-scheme maps of several runs as small multiples, with the HME1/HME2 boundary on them."""
+"""The best-scheme maps of several runs as small multiples, with the boundary of two schemes."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.comparing.cells import Common
+from owtsweep.comparing.common import Common
 from owtsweep.comparing.panels import Panels
 from owtsweep.figures import style
 from owtsweep.figures.best_scheme_map import HATCH, NO_RESULT, draw_cells
 from owtsweep.figures.palette import style_of
-from owtsweep.studies.hub.figures.two_maps import LOWER, UPPER, place
+from owtsweep.figures.plane import Plane
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,6 +28,7 @@ def draw(
     best: Sequence[pd.DataFrame],
     boundaries: pd.DataFrame,
     shared: Common,
+    plane: Plane,
     *,
     subtitle: str,
 ) -> Figure:
@@ -43,14 +44,16 @@ def draw(
         The table of boundaries, with the index of the run in `index`.
     shared
         What the runs have in common.
+    plane
+        The axes of each map.
     subtitle
         What the maps judge.
     """
     from matplotlib.patches import Patch
 
     rows, columns = len(panels.runs), len(panels.runs[0])
-    width = min(max(2.9, 0.5 * len(shared.natural_periods)), 5.0)
-    height = min(max(2.1, 0.27 * len(shared.amplitudes)), 4.0)
+    width = min(max(2.9, 0.5 * len(plane.columns)), 5.0)
+    height = min(max(2.1, 0.27 * len(plane.lines)), 4.0)
     with style.context():
         figure = style.new_figure(max(7.6, 0.9 + width * columns), 1.9 + (height + 0.5) * rows)
         grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
@@ -59,24 +62,22 @@ def draw(
             for column, (index, title) in enumerate(zip(indices, titles, strict=True)):
                 axes = grid[row][column]
                 if index is None:
-                    _nothing(axes, "no run" if len(panels.titles[0][0].splitlines()) > 1 else "")
+                    two_keys = len(panels.titles[0][0].splitlines()) > 1
+                    _leave_empty(axes, "no run" if two_keys else "")
                     continue
                 cells = best[index].to_dict("records")
-                draw_cells(
-                    axes, cells, shared.schemes, shared.natural_periods, shared.amplitudes,
-                    labels="none",
-                )  # fmt: skip
+                draw_cells(axes, cells, shared.schemes, plane, labels="none")
                 axes.set_title(title, loc="left", fontsize=9)
                 axes.label_outer()
                 hatched |= not all(cell["distinguishable"] for cell in cells)
-                hole |= len(cells) < len(shared.cells)
-                line |= _boundary(axes, boundaries[boundaries["index"] == index], shared)
+                hole |= len(cells) < shared.size
+                line |= _draw_boundary(axes, boundaries[boundaries["index"] == index], plane)
         for row, indices in enumerate(panels.runs):  # beside an empty panel, likewise
             leftmost = next(c for c, index in enumerate(indices) if index is not None)
             grid[row][leftmost].tick_params(labelleft=True)
-            grid[row][leftmost].set_ylabel("motion amplitude (m)")
+            grid[row][leftmost].set_ylabel(plane.upwards.title if plane.upwards else "")
         for column in range(columns):  # below an empty panel the axis would have no labels
-            _label_lowest([grid[row][column] for row in range(rows)], panels, column)
+            _label_lowest([grid[row][column] for row in range(rows)], panels, column, plane)
         handles: list[Any] = [
             Patch(facecolor=style_of(name, shared.schemes).color, label=name)
             for name in shared.schemes
@@ -88,7 +89,8 @@ def draw(
         if hole:
             handles.append(Patch(facecolor=NO_RESULT, label="no result"))
         if line:
-            handles += grid[0][0].plot([], [], **LINE, label=f"{LOWER}/{UPPER} boundary")
+            label = f"{'/'.join(shared.boundary or ())} boundary"
+            handles += grid[0][0].plot([], [], **LINE, label=label)
         figure.legend(
             handles=handles,
             title=f"Best scheme {subtitle}",
@@ -98,46 +100,48 @@ def draw(
             ncols=4,
             frameon=False,
         )
-        style.footnote(figure, _explanation(hatched, line))
+        style.footnote(figure, _explain(shared, plane, hatched=hatched, line=line))
     return figure
 
 
-def _nothing(axes: Axes, text: str) -> None:
+def _leave_empty(axes: Axes, text: str) -> None:
     axes.set_axis_off()
     axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", color="0.4")
 
 
-def _label_lowest(column: Sequence[Axes], panels: Panels, number: int) -> None:
+def _label_lowest(column: Sequence[Axes], panels: Panels, number: int, plane: Plane) -> None:
     lowest = max(row for row, line in enumerate(panels.runs) if line[number] is not None)
     column[lowest].tick_params(labelbottom=True)
-    column[lowest].set_xlabel("natural period (s)")
+    column[lowest].set_xlabel(plane.across.title)
 
 
-def _boundary(axes: Axes, found: pd.DataFrame, shared: Common) -> bool:
-    exists = found[(found["wins"] == "") & found["boundary"].notna()]
-    if exists.empty:
+def _draw_boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane) -> bool:
+    """Draw the boundary where the map has its condition upwards; whether there is any."""
+    exists = boundaries[(boundaries["wins"] == "") & boundaries["boundary"].notna()]
+    if exists.empty or plane.upwards is None or not plane.upwards.expands:
         return False
-    # A line that skips a period without a boundary would claim one there.
-    line = [float("nan")] * len(shared.natural_periods)
-    heights = place(exists["boundary"].to_numpy(dtype=float), shared.amplitudes)
-    for period, height in zip(exists["natural_period"], heights, strict=True):
-        line[shared.natural_periods.index(period)] = float(height)
+    # A line that skips a value without a boundary would claim one there.
+    line = [float("nan")] * len(plane.columns)
+    heights = plane.height_of(exists["boundary"].to_numpy(dtype=float))
+    for value, height in zip(exists[plane.across.name], heights, strict=True):
+        line[plane.columns.index(value)] = float(height)
     axes.plot(range(len(line)), line, **{**LINE, "color": "white", "linewidth": 3.6})
     axes.plot(range(len(line)), line, **LINE)
     return True
 
 
-def _explanation(hatched: bool, line: bool) -> str:
+def _explain(shared: Common, plane: Plane, *, hatched: bool, line: bool) -> str:
     parts = []
     if hatched:
         parts.append(
             "Hatched: the data do not tell best and next best apart (paired difference, 95 %,"
             " Holm's correction over the cells of one map)."
         )
-    if line:
+    if line and shared.boundary and plane.upwards:
+        how = "logarithmically" if plane.upwards.scale == "log" else "linearly"
         parts.append(
-            f"Boundary: amplitude at which {LOWER} and {UPPER} have the same mean MSE, placed"
-            " logarithmically between rows and at the map's edge if it lies beyond; periods without"
-            " a point have no boundary."
+            f"Boundary: {plane.upwards.word} at which {' and '.join(shared.boundary)} have the same"
+            f" mean MSE, placed {how} between rows and at the map's edge if it lies beyond;"
+            f" {plane.across.values_word} without a point have no boundary."
         )
     return " ".join(parts) or "Every cell's best scheme is told from the next."

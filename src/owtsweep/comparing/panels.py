@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from owtsweep.sweep.comparison import Comparison
-from owtsweep.sweep.swept import ranks, show
+from owtsweep.comparing.comparison import Comparison
+from owtsweep.comparing.values import rank_values, show
 
 #: More panels than this are no longer small multiples but wallpaper.
 MOST_PANELS = 30
@@ -30,7 +30,7 @@ def arrange(comparison: Comparison) -> Panels | None:
     keys = comparison.keys
     if len(keys) > 2 or len(comparison.runs) > MOST_PANELS:
         return None
-    places = [ranks([run.values[key] for run in comparison.runs]) for key in keys]
+    places = [rank_values([run.values[key] for run in comparison.runs]) for key in keys]
     if len(keys) == 1:
         count = len(comparison.runs)
         columns = min(count, WRAP)

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from owtsweep.comparing.cells import Common
+from owtsweep.comparing.common import Common
+from owtsweep.comparing.comparison import Candidate
 from owtsweep.io import markdown
-from owtsweep.sweep.comparison import Candidate, Comparison
+from owtsweep.results.conditions import Condition, show_value
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-def overview(
+def make_overview(
     runs: Sequence[Candidate],
     shared: Common,
     best: Sequence[pd.DataFrame],
@@ -23,87 +24,95 @@ def overview(
     """Per run: cells won by each scheme, the boundary, cells changed against the first run."""
     import pandas as pd
 
-    from owtsweep.comparing import label
-
-    first = label(runs[0])
+    first = runs[0].label
     rows = []
     for index, run in enumerate(runs):
         wins = best[index]["best"]
         row = {f"cells {name}": str(int((wins == name).sum())) for name in shared.schemes}
-        row["boundary"] = _range(boundaries[boundaries["index"] == index])
-        mine = changed[(changed["from_run"] == first) & (changed["to_run"] == label(run))]
+        if shared.boundary is not None:
+            row["boundary"] = _tell_range(boundaries[boundaries["index"] == index], shared)
+        mine = changed[(changed["from_run"] == first) & (changed["to_run"] == run.label)]
         established = int(mine["established"].sum())
         row["cells changed"] = "-" if index == 0 else f"{len(mine)} ({established} established)"
         rows.append(row)
     return pd.DataFrame(rows)
 
 
-def _range(found: pd.DataFrame) -> str:
-    exists = found[found["wins"] == ""]
-    if found.empty:
+def _tell_range(boundaries: pd.DataFrame, shared: Common) -> str:
+    exists = boundaries[boundaries["wins"] == ""]
+    if boundaries.empty:
         return "not known"
     if exists.empty:
-        winners = sorted(set(found["wins"]))
+        winners = sorted(set(boundaries["wins"]))
         return f"none ({winners[0]} better)" if len(winners) == 1 else "none"
     low, high = exists["boundary"].min(), exists["boundary"].max()
-    span = f"{low:.2g} m" if len(exists) == 1 else f"{low:.2g}-{high:.2g} m"
-    return f"{span} at {len(exists)}/{len(found)} periods"
+    *outer, expanded = shared.conditions
+    span = f"{low:.2g}" if len(exists) == 1 else f"{low:.2g}-{high:.2g}"
+    span = f"{span} {expanded.unit}".rstrip()
+    where = " x ".join(condition.values_word for condition in outer)
+    return f"{span} at {len(exists)}/{len(boundaries)} {where}" if outer else span
 
 
-def sections(comparison: Comparison, shared: Common, tables: Mapping[str, pd.DataFrame]) -> str:
+def write_sections(shared: Common, tables: Mapping[str, pd.DataFrame]) -> str:
     """What the tables hold, and their heads."""
-    changed, moved = tables["changed_cells"], tables["boundary_shifts"]
+    files = [
+        "- `runs.csv`: run folders, hashes, swept values",
+        "- `best_schemes.csv`: the maps, as each run's best_scheme.csv, on the common cells",
+        "- `changed_cells.csv`: gaps between old and new best scheme in both runs, and their "
+        "change, with 95 % intervals",
+        "- `scheme_changes.csv`: per scheme and cell the difference and ratio of MSE",
+    ]
+    boundary = []
+    if shared.boundary is not None:
+        shifts = _tell_shifts(tables["boundary_shifts"], shared.conditions[:-1])
+        boundary = ["## Boundary against the other run", shifts]
+        files.append(
+            "- `boundaries.csv`, `boundary_shifts.csv`: the boundary per run; its ratio per pair"
+        )
     return "\n\n".join(
         [
             "## What the columns say",
-            f"Compared are {len(shared.cells)} cells by {shared.criterion} MSE: "
+            f"Compared are {shared.size} cells by {shared.criterion} MSE: "
             "how many a scheme is best in, and in how many the best scheme is another one than in "
             "the first run. A change is *established* if the old best scheme beats the new one in "
             "the first run, and loses to it in the second, both told from zero (the larger "
             "p-value, Holm's correction over all cells).",
             "## Cells that change their best scheme",
-            _changes(changed),
-            "## Boundary against the other run",
-            _shifts(moved),
+            _tell_changes(tables["changed_cells"]),
+            *boundary,
             "## Files",
-            "- `runs.csv`: run folders, hashes, swept values\n"
-            "- `best_schemes.csv`: the maps, as each run's best_scheme.csv, on the common cells\n"
-            "- `changed_cells.csv`: gaps between old and new best scheme in both runs, and their "
-            "change, with 95 % intervals\n"
-            "- `scheme_changes.csv`: per scheme and cell the difference and ratio of MSE\n"
-            "- `boundaries.csv`, `boundary_shifts.csv`: the boundary per run; its ratio per pair",
+            "\n".join(files),
         ]
     )
 
 
-def _changes(changed: pd.DataFrame) -> str:
+def _tell_changes(changed: pd.DataFrame) -> str:
     if changed.empty:
         return "None."
     rows = []
-    for (one, other), own in changed.groupby(["from_run", "to_run"], sort=False):
-        moves = (own["best_from"] + " -> " + own["best_to"]).value_counts(sort=False)
+    for (one, other), cells in changed.groupby(["from_run", "to_run"], sort=False):
+        moves = (cells["best_from"] + " -> " + cells["best_to"]).value_counts(sort=False)
         told = ", ".join(f"{move}: {count}" for move, count in moves.items())
-        rows.append([str(one), str(other), str(len(own)), str(int(own["established"].sum())), told])
+        established = str(int(cells["established"].sum()))
+        rows.append([str(one), str(other), str(len(cells)), established, told])
     return markdown.table(["from", "to", "cells", "established", "from -> to"], rows)
 
 
-def _shifts(moved: pd.DataFrame) -> str:
+def _tell_shifts(moved: pd.DataFrame, outer: Sequence[Condition]) -> str:
     if moved.empty:
-        return "No natural period has a boundary in both runs of a pair."
-    rows = [
-        [
-            row["from_run"],
-            row["to_run"],
-            f"{row['natural_period']:g}",
-            f"{row['ratio']:.3g}",
-            _interval(row["ratio_low"], row["ratio_high"]),
-        ]
-        for row in moved.to_dict("records")
-    ]
-    return markdown.table(["from", "to", "natural period (s)", "ratio", "95 % interval"], rows)
+        cell = " and ".join(condition.label for condition in outer) or "cell"
+        return f"No {cell} has a boundary in both runs of a pair."
+    header = ["from", "to", *(condition.title for condition in outer), "ratio", "95 % interval"]
+    rows = []
+    for row in moved.to_dict("records"):
+        fields = [row["from_run"], row["to_run"]]
+        fields += [show_value(row[condition.name]) for condition in outer]
+        fields += [f"{row['ratio']:.3g}", _tell_interval(row["ratio_low"], row["ratio_high"])]
+        rows.append(fields)
+    return markdown.table(header, rows)
 
 
-def _interval(low: float, high: float) -> str:
+def _tell_interval(low: float, high: float) -> str:
     """Ends that are not known are said so: in some draws the two schemes did not cross."""
     if low == low and high == high:
         return f"{low:.3g} to {high:.3g}"

@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import reduce
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.results import boundary as roots
-from owtsweep.results.boundary import RESAMPLES
-from owtsweep.sweep.study import OK
+from owtsweep.results.boundary import find_mean_crossing, resample_crossings, subtract_schemes
+from owtsweep.results.conditions import Condition
+from owtsweep.results.status import OK
+from owtsweep.statistics.bootstrap import RESAMPLES, percentile_interval
 
 if TYPE_CHECKING:
     import pandas as pd
 
-KEYS = ["natural_period", "replicate"]
-COLUMNS = ("natural_period", "ratio", "ratio_low", "ratio_high")
+#: What is told of a pair of runs, after the conditions over which it is told.
+COLUMNS = ("ratio", "ratio_low", "ratio_high")
 
 
-def boundary_shift(
-    first: pd.DataFrame,
-    second: pd.DataFrame,
+def compare_boundaries(
+    runs: tuple[pd.DataFrame, pd.DataFrame],
+    conditions: Sequence[Condition],
     schemes: tuple[str, str],
     measure: str,
     windows: tuple[str, str],
@@ -28,15 +30,17 @@ def boundary_shift(
     paired: bool,
     resamples: int = RESAMPLES,
 ) -> list[dict[str, Any]]:
-    """The boundary in the second run over that in the first, per natural period.
+    """The boundary in the second run over that in the first, per cell of the other conditions.
 
     The interval is the percentiles of a bootstrap over the records: one draw serves both runs if
     they are paired, each run is drawn by itself otherwise.
 
     Parameters
     ----------
-    first, second
+    runs
         Rows of two runs' cases.
+    conditions
+        The study's; the last expands.
     schemes
         The one that wins below the boundary and the one above it.
     measure, windows
@@ -45,47 +49,47 @@ def boundary_shift(
     Returns
     -------
     list of dict
-        natural_period (s), ratio, ratio_low, ratio_high; only periods with a boundary in both.
+        The other conditions and `COLUMNS`; only cells with a boundary in both runs.
 
     Raises
     ------
     InputError
-        As `boundary`.
+        As `results.boundary`.
     """
+    outer = [condition.name for condition in conditions[:-1]]
     if paired:
-        first, second = _common_records(first, second, schemes)
+        runs = _common_records(runs, schemes, [*outer, "replicate"])
     one, two = (
-        roots._differences(rows, *schemes, measure, window)
-        for rows, window in zip((first, second), windows, strict=True)
+        subtract_schemes(rows, conditions, schemes, measure, window)
+        for rows, window in zip(runs, windows, strict=True)
     )
-    found = []
-    for period in sorted(set(one) & set(two)):
-        a, b = (roots._root(d[period].mean(axis=0)[None])[0] for d in (one, two))
+    lines = []
+    for cell in one:
+        if cell not in two:
+            continue
+        a, b = find_mean_crossing(one[cell]), find_mean_crossing(two[cell])
         if not (0.0 < a < np.inf and 0.0 < b < np.inf):
             continue
         low = high = np.nan
-        # The period only seeds the draws: another one makes the second run's independent.
-        other = period if paired else period + 1e4
-        drawn_a = roots._resampled_roots(one[period], period, resamples)
-        drawn_b = roots._resampled_roots(two[period], other, resamples)
+        drawn_a = resample_crossings(one[cell], cell, resamples)
+        drawn_b = resample_crossings(two[cell], cell, resamples, apart=not paired)
         if len(drawn_a) and len(drawn_b):
             with np.errstate(divide="ignore", invalid="ignore"):
-                low, high = roots._interval(drawn_b / drawn_a)
-        found.append(
-            {"natural_period": period, "ratio": float(b / a), "ratio_low": low, "ratio_high": high}
-        )
-    return found
+                low, high = percentile_interval(drawn_b / drawn_a)
+        ratio = {"ratio": b / a, "ratio_low": low, "ratio_high": high}
+        lines.append({**dict(zip(outer, cell, strict=True)), **ratio})
+    return lines
 
 
 def _common_records(
-    first: pd.DataFrame, second: pd.DataFrame, schemes: tuple[str, str]
+    runs: tuple[pd.DataFrame, pd.DataFrame], schemes: tuple[str, str], keys: list[str]
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """The rows of those records that both schemes finished in both runs."""
     done = [
-        rows[(rows["scheme"] == scheme) & (rows["status"] == OK)].set_index(KEYS).index.unique()
-        for rows in (first, second)
+        rows[(rows["scheme"] == scheme) & (rows["status"] == OK)].set_index(keys).index.unique()
+        for rows in runs
         for scheme in schemes
     ]
     common = reduce(lambda one, other: one.intersection(other), done)
-    kept = [rows[rows.set_index(KEYS).index.isin(common)] for rows in (first, second)]
-    return kept[0], kept[1]
+    first, second = (rows[rows.set_index(keys).index.isin(common)] for rows in runs)
+    return first, second

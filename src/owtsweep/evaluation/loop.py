@@ -83,7 +83,7 @@ def run_steps(
     TypeError
         If `update` gives something else than an `Estimate`.
     ValueError
-        If an estimate has the wrong shape or is not finite, naming the step.
+        If an estimate lacks a quantity, has the wrong shape or is not finite, naming the step.
     """
     run_record = getattr(estimator, "run_record", None)
     if run_record is not None:

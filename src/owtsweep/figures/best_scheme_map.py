@@ -1,4 +1,4 @@
-"""Figure 18 of Ren et al. (2019): the best scheme over natural period and amplitude.
+"""The best scheme over two conditions, as in figure 18 of Ren et al. (2019).
 
 Unlike the print, the map says where the data do not tell the best scheme from the next (hatched)
 and by how much the next is worse.
@@ -14,6 +14,8 @@ from matplotlib.patches import Patch, Rectangle
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
+from owtsweep.figures.plane import Plane
+from owtsweep.results.conditions import Condition
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,10 +36,12 @@ MOST_LABELS = 600
 def draw(
     best: pd.DataFrame,
     schemes: Sequence[str],
+    conditions: Sequence[Condition],
     *,
-    criterion: str = "position",
+    criterion: str,
     window: str,
     tuning: str,
+    quantity: str = "",
     coinciding: Sequence[Sequence[str]] = (),
     replicates: int | None = None,
     failures: int = 0,
@@ -50,12 +54,16 @@ def draw(
         Columns of best_scheme.csv.
     schemes
         All schemes compared, in the order of the legend.
-    criterion
-        "position" or "velocity".
-    window, tuning
-        Named in the title; `window` selects the rows.
+    conditions
+        The study's; two of them at most may have several values.
+    criterion, window
+        They select the rows and are named in the title.
+    tuning
+        Named in the title.
+    quantity
+        What the title calls the criterion; "<criterion> MSE" if empty.
     coinciding
-        Groups of schemes with the same numbers (`aggregate.coinciding`), the name used last.
+        Groups of schemes with the same numbers (`best_scheme.find_coinciding`), the name used last.
     replicates
         Records per cell as planned, named in the title if given.
     failures
@@ -64,39 +72,39 @@ def draw(
     Raises
     ------
     InputError
-        If no row has that criterion and window.
+        If no row has that criterion and window, or more than two conditions vary.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
         raise InputError(f"best: no cell judged by {criterion} MSE in window {window!r} to draw")
-    periods = sorted(set(shown["natural_period"]))
-    amplitudes = sorted(set(shown["amplitude"]))
-    height = _between(5.5 / len(amplitudes), CELL_HEIGHT)
+    plane = Plane.of(shown, conditions)
+    columns, lines = len(plane.columns), len(plane.lines)
+    height = _between(5.5 / lines, CELL_HEIGHT)
     tall = height >= ONE_LINE
     longest = max(len(name) for name in schemes)
     letters = longest + 8 if tall else 2 * longest + 10
-    width = max(_between(7.0 / len(periods), CELL_WIDTH), 0.1 + 0.065 * letters)
-    figure_width = max(7.2, 1.0 + width * len(periods))
+    width = max(_between(7.0 / columns, CELL_WIDTH), 0.1 + 0.065 * letters)
+    figure_width = max(7.2, 1.0 + width * columns)
 
     with style.context():
-        figure = style.new_figure(figure_width, 2.2 + height * len(amplitudes))
+        figure = style.new_figure(figure_width, 2.2 + height * lines)
         axes = figure.add_subplot()
         rows = shown.to_dict("records")
         labelled = len(rows) <= MOST_LABELS
-        draw_cells(axes, rows, schemes, periods, amplitudes, labels=_labels(tall, labelled))
+        draw_cells(axes, rows, schemes, plane, labels=_choose_labels(tall, labelled))
         axes.set_title(
-            f"Best scheme by {criterion} MSE (x + y)\n"
-            f"{style.describe_window(window)}, tuning: {tuning}{_per_cell(replicates, failures)}",
+            f"Best scheme by {quantity or f'{criterion} MSE'}\n{style.describe_window(window)}, "
+            f"tuning: {tuning}{_count_records(replicates, failures)}",
             loc="left",
         )
-        holes = len(rows) < len(periods) * len(amplitudes)
+        holes = len(rows) < plane.size
         figure.legend(
-            handles=_legend(rows, schemes, coinciding, holes=holes),
+            handles=_make_legend(rows, schemes, coinciding, holes=holes),
             loc="outside upper center",
             ncols=3,
             frameon=False,
         )
-        style.footnote(figure, _explanations(rows, coinciding, failures, labelled=labelled))
+        style.footnote(figure, _explain(rows, coinciding, failures, labelled=labelled))
     return figure
 
 
@@ -104,12 +112,11 @@ def draw_cells(
     axes: Axes,
     rows: Sequence[dict[Any, Any]],
     schemes: Sequence[str],
-    periods: Sequence[float],
-    amplitudes: Sequence[float],
+    plane: Plane,
     *,
     labels: str = "two lines",
 ) -> None:
-    """Draw the cells of a map; cell (i, j) has its centre at period number i, amplitude number j.
+    """Draw the cells of a map.
 
     Parameters
     ----------
@@ -117,23 +124,27 @@ def draw_cells(
         Rows of best_scheme.csv of one criterion and window.
     schemes
         All schemes compared.
-    periods, amplitudes
-        The axes of the map, increasing.
+    plane
+        The axes of the map.
     labels
         What stands in a cell: best and next best on "two lines" or "one line", the "best" alone,
         or "none".
     """
     for row in rows:
-        place = periods.index(row["natural_period"]), amplitudes.index(row["amplitude"])
+        place = plane.place(row)
         _colour(axes, row, schemes, *place, rasterized=labels == "none")
         if labels == "best":
             row = {**row, "runner_up": ""}
         if labels != "none":
             _label(axes, row, schemes, *place, tall=labels == "two lines")
-    _scales(axes, periods, amplitudes)
+    plane.label_axes(axes)
+    axes.set_facecolor(NO_RESULT)
+    axes.grid(False)
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
 
 
-def _labels(tall: bool, labelled: bool) -> str:
+def _choose_labels(tall: bool, labelled: bool) -> str:
     if not labelled:
         return "none"
     return "two lines" if tall else "one line"
@@ -184,7 +195,7 @@ def _label(
         "horizontalalignment": "center",
         "verticalalignment": "center",
     }
-    runner_up = _runner_up(row)
+    runner_up = _describe_runner_up(row)
     if not tall:
         both = f"{row['best']} ({runner_up})" if runner_up else row["best"]
         axes.text(column, line, both, fontsize=7, **text)
@@ -194,7 +205,7 @@ def _label(
         axes.text(column, line - 0.23, runner_up, fontsize=7, **text)
 
 
-def _runner_up(row: dict[Any, Any]) -> str:
+def _describe_runner_up(row: dict[Any, Any]) -> str:
     """The next best scheme and by how many per cent its MSE is larger; "" if there is none."""
     if not row["runner_up"] or not row["mse_best"] > 0:
         return ""
@@ -202,27 +213,14 @@ def _runner_up(row: dict[Any, Any]) -> str:
     return f"{row['runner_up']} +{excess:.{0 if excess >= 9.95 else 1}f} %"
 
 
-def _per_cell(replicates: int | None, failures: int) -> str:
+def _count_records(replicates: int | None, failures: int) -> str:
     if replicates is None:
         return ""
     count = f"{replicates} record{'s' if replicates != 1 else ''} per cell"
     return f", up to {count}" if failures else f", {count}"
 
 
-def _scales(axes: Axes, periods: Sequence[float], amplitudes: Sequence[float]) -> None:
-    axes.set_xlim(-0.5, len(periods) - 0.5)
-    axes.set_ylim(-0.5, len(amplitudes) - 0.5)
-    axes.set_xticks(range(len(periods)), [f"{period:g}" for period in periods])
-    axes.set_yticks(range(len(amplitudes)), [f"{amplitude:g}" for amplitude in amplitudes])
-    axes.set_xlabel("natural period (s)")
-    axes.set_ylabel("motion amplitude (m)")
-    axes.set_facecolor(NO_RESULT)
-    axes.grid(False)
-    axes.tick_params(length=0)
-    axes.spines[:].set_visible(False)
-
-
-def _legend(
+def _make_legend(
     rows: Sequence[dict[Any, Any]],
     schemes: Sequence[str],
     groups: Sequence[Sequence[str]],
@@ -247,7 +245,7 @@ def _legend(
     return handles
 
 
-def _explanations(
+def _explain(
     rows: Sequence[dict[Any, Any]],
     groups: Sequence[Sequence[str]],
     failures: int,

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from owtsweep.figures.palette import style_of
+from owtsweep.figures.plane import Plane
+from owtsweep.results.conditions import Condition
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -13,8 +15,8 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
 
-    #: Best scheme and whether it is distinguishable, by (natural period, amplitude).
-    Winners = dict[tuple[float, float], tuple[str, bool]]
+    #: Best scheme and whether it is distinguishable, by column and line number.
+    Winners = dict[tuple[int, int], tuple[str, bool]]
 
 #: Stands behind a name where the data do not tell the best scheme from the next.
 MARK = "~"
@@ -23,8 +25,14 @@ NO_RESULT = "-"
 WIDTH = 64
 
 
-def grid(best: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str) -> RenderableType:
-    """The map as a coloured grid: amplitudes downwards from the largest, natural periods across.
+def grid(
+    best: pd.DataFrame,
+    schemes: Sequence[str],
+    conditions: Sequence[Condition],
+    criterion: str,
+    window: str,
+) -> RenderableType:
+    """The map as a coloured grid: the first condition across, the second downwards from its last.
 
     Parameters
     ----------
@@ -32,6 +40,8 @@ def grid(best: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str
         Columns of best_scheme.csv.
     schemes
         All schemes compared.
+    conditions
+        The study's. Further ones than two make one grid for each combination of their values.
     criterion, window
         The rows to show.
     """
@@ -41,42 +51,54 @@ def grid(best: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
         return Text(f"No cell to compare by {criterion} MSE ({window} record).")
-    winners: Winners = {
-        (row["natural_period"], row["amplitude"]): (row["best"], bool(row["distinguishable"]))
-        for row in shown.to_dict("records")
-    }
-    periods = sorted({period for period, _ in winners})
-    amplitudes = sorted({amplitude for _, amplitude in winners}, reverse=True)
-    cell_width = max(len(name) for name in schemes) + len(MARK) + 3
-    columns = max(1, WIDTH // (cell_width + 2))
-    tables = [
-        _table(winners, schemes, periods[start : start + columns], amplitudes)
-        for start in range(0, len(periods), columns)
+    parts: list[RenderableType] = [
+        Text(f"Best scheme by {criterion} MSE, {window} record", style="bold")
     ]
-    title = Text(f"Best scheme by {criterion} MSE, {window} record", style="bold")
-    return Group(title, *tables, _legend(winners, schemes))
+    further = conditions[2:]
+    names = [condition.name for condition in further]
+    groups: Any = shown.groupby(names, sort=False) if names else [((), shown)]
+    for values, cells in groups:
+        if names:
+            told = zip(further, values, strict=True)
+            parts.append(Text(", ".join(f"{c.word} {c.show(value)}" for c, value in told)))
+        parts += _make_tables(cells, schemes, Plane.of(cells, conditions[:2]))
+    parts.append(_make_legend(shown, schemes))
+    return Group(*parts)
 
 
-def _table(
-    winners: Winners,
-    schemes: Sequence[str],
-    periods: Sequence[float],
-    amplitudes: Sequence[float],
+def _make_tables(best: pd.DataFrame, schemes: Sequence[str], plane: Plane) -> list[Table]:
+    winners: Winners = {
+        plane.place(row): (row["best"], bool(row["distinguishable"]))
+        for row in best.to_dict("records")
+    }
+    cell_width = max(len(name) for name in schemes) + len(MARK) + 3
+    step = max(1, WIDTH // (cell_width + 2))
+    columns = range(len(plane.columns))
+    return [
+        _make_table(winners, schemes, plane, columns[start : start + step])
+        for start in columns[::step]
+    ]
+
+
+def _make_table(
+    winners: Winners, schemes: Sequence[str], plane: Plane, columns: Sequence[int]
 ) -> Table:
     from rich import box
     from rich.table import Table
 
     table = Table(box=box.SIMPLE, padding=(0, 1), header_style="")
-    table.add_column("amplitude", justify="right", no_wrap=True)
-    for period in periods:
-        table.add_column(f"{period:g} s", justify="center", no_wrap=True)
-    for amplitude in amplitudes:
-        cells = [_cell(winners.get((period, amplitude)), schemes) for period in periods]
-        table.add_row(f"{amplitude:g} m", *cells)
+    upwards = plane.upwards
+    table.add_column(upwards.word if upwards else "", justify="right", no_wrap=True)
+    for column in columns:
+        shown = plane.across.show(plane.columns[column])
+        table.add_column(shown, justify="center", no_wrap=True)
+    for line in reversed(range(len(plane.lines))):
+        cells = [_make_cell(winners.get((column, line)), schemes) for column in columns]
+        table.add_row(upwards.show(plane.lines[line]) if upwards else "", *cells)
     return table
 
 
-def _cell(winner: tuple[str, bool] | None, schemes: Sequence[str]) -> Text:
+def _make_cell(winner: tuple[str, bool] | None, schemes: Sequence[str]) -> Text:
     from rich.style import Style
     from rich.text import Text
 
@@ -89,12 +111,12 @@ def _cell(winner: tuple[str, bool] | None, schemes: Sequence[str]) -> Text:
     return Text(f" {name:^{width}} {mark}", style=Style(color=look.text_color, bgcolor=look.color))
 
 
-def _legend(winners: Winners, schemes: Sequence[str]) -> Text:
+def _make_legend(best: pd.DataFrame, schemes: Sequence[str]) -> Text:
     from rich.text import Text
 
-    names = [name for name, _ in winners.values()]
+    names = best["best"].to_list()
     counts = ", ".join(f"{name} {names.count(name)}" for name in schemes if name in names)
     legend = f"cells won: {counts}"
-    if not all(distinguishable for _, distinguishable in winners.values()):
+    if not best["distinguishable"].all():
         legend += f"; {MARK} not distinguishable from the runner-up"
     return Text(legend)

@@ -1,64 +1,69 @@
-"""The amplitude at which two schemes are equally good, over natural period, with its interval.
+"""Where two schemes are equally good along the condition that expands, with its interval.
 
-Per record MSE(N) = N^2 motion + 2 N cross + noise, so the mean difference of two schemes is a
-parabola in the amplitude N, and the boundary is its root: no grid of amplitudes enters. Intervals
-are percentiles of a bootstrap over the records (both schemes saw the same ones, so a record is
-drawn with both of its differences and its noise): Efron and Tibshirani (1993), chapters 13 and 10.
+Per record MSE(N) = N^2 motion + 2 N cross + noise (`superposition`), so the mean difference of two
+schemes is a parabola in the amplitude N, and the boundary is its root: it depends on no grid of
+amplitudes. Intervals are percentiles of a bootstrap over the records (both schemes saw the same
+ones, so a record is drawn with both of its differences and its noise).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.sweep.study import OK
+from owtsweep.results.conditions import Condition, Value, show_value
+from owtsweep.results.status import OK
+from owtsweep.results.superposition import PRODUCTS, find_crossing
+from owtsweep.statistics.bootstrap import RESAMPLES, percentile_interval, resample_means
+from owtsweep.streams import encode_value
 
 if TYPE_CHECKING:
     import pandas as pd
 
-PRODUCTS = ("motion", "cross", "noise")
-COLUMNS = ("natural_period", "boundary", "ci_low", "ci_high", "n", "wins")
-RESAMPLES = 4000
-CONFIDENCE = 0.95
-#: Draws of records are the same whenever the same records are compared.
-SEED = 20190601
+#: What a table of boundaries says, after the conditions over which it says it.
+COLUMNS = ("boundary", "ci_low", "ci_high", "n", "wins")
+#: One value of every condition but the one that expands.
+Cell = tuple[Value, ...]
 
 
-def boundary(
+def find_boundary(
     rows: pd.DataFrame,
-    lower: str = "HME2",
-    upper: str = "HME1",
-    measure: str = "position",
-    window: str = "full",
+    conditions: Sequence[Condition],
+    schemes: tuple[str, str],
+    measure: str,
+    window: str,
     *,
     resamples: int = RESAMPLES,
 ) -> pd.DataFrame:
-    """Where `upper` becomes better than `lower` as the amplitude grows, per natural period.
+    """Where the second scheme becomes better than the first, in every cell of other conditions.
 
     Parameters
     ----------
     rows
         The rows of a run's cases; superposed ones are used.
-    lower, upper
-        The scheme that is expected to win below the boundary, and above it.
+    conditions
+        The study's; the last expands.
+    schemes
+        The one that is expected to win below the boundary, and the one above it.
     measure, window
-        What is compared: "position" (x + y) or another MSE; "full" or "settled".
+        What is compared.
     resamples
-        Bootstrap samples per natural period.
+        Bootstrap samples per cell.
 
     Returns
     -------
     DataFrame
-        `COLUMNS`, by natural period (s). `boundary` (m) and its 95 % interval; `n`, the records
-        that both schemes finished. Without a boundary it is NaN and `wins` names the scheme that
-        is better at every amplitude; where the means cross the other way round, or twice, it is
-        NaN and `wins` is "neither". Otherwise `wins` is empty. An end of an interval is 0 or
-        infinite where a resampled mean has `upper` or `lower` better throughout; the interval is
-        NaN for one record, for means without a boundary, and for resamples without order.
+        The other conditions and `COLUMNS`, by condition. `boundary` (in the unit of the condition
+        that expands) and its 95 % interval; `n`, the records that both schemes finished. Without a
+        boundary it is NaN and `wins` names the scheme that is better at every amplitude; where the
+        means cross the other way round, or twice, it is NaN and `wins` is "neither". Otherwise
+        `wins` is empty. An end of an interval is 0 or infinite where a resampled mean has the
+        second or the first scheme better throughout; the interval is NaN for one record, for means
+        without a boundary, and for resamples without order.
 
     Raises
     ------
@@ -67,134 +72,137 @@ def boundary(
     """
     import pandas as pd
 
-    found = []
-    for period, differences in _differences(rows, lower, upper, measure, window).items():
-        value, wins = _root(differences.mean(axis=0)[None])[0], ""
+    lines = []
+    for cell, products in subtract_schemes(rows, conditions, schemes, measure, window).items():
+        value, wins = find_mean_crossing(products), ""
         if not 0.0 < value < np.inf:
-            wins = {0.0: upper, np.inf: lower}.get(float(value), "neither")
+            wins = {0.0: schemes[1], np.inf: schemes[0]}.get(value, "neither")
         low, high = np.nan, np.nan
-        if not wins and len(differences) > 1:
-            low, high = _interval(_resampled_roots(differences, period, resamples))
-        found.append((period, value if not wins else np.nan, low, high, len(differences), wins))
-    return pd.DataFrame(found, columns=list(COLUMNS))
+        if not wins and len(products) > 1:
+            low, high = percentile_interval(resample_crossings(products, cell, resamples))
+        lines.append((*cell, value if not wins else np.nan, low, high, len(products), wins))
+    return pd.DataFrame(lines, columns=[*_names(conditions)[:-1], *COLUMNS])
 
 
-def boundary_ratio(
+def find_boundary_ratio(
     rows: pd.DataFrame,
-    period_a: float,
-    period_b: float,
+    conditions: Sequence[Condition],
+    cells: tuple[Cell, Cell],
+    schemes: tuple[str, str],
+    measure: str,
+    window: str,
     *,
-    lower: str = "HME2",
-    upper: str = "HME1",
-    measure: str = "position",
-    window: str = "full",
     resamples: int = RESAMPLES,
 ) -> tuple[float, float, float]:
-    """The boundary at period_a over that at period_b (s) with its 95 % interval.
+    """The boundary in the first cell over that in the second, with its 95 % interval.
 
-    The records of two natural periods are independent, so they are resampled independently.
+    The records of two cells are independent, so they are resampled independently. Other parameters
+    are those of `find_boundary`.
 
     Returns
     -------
     tuple of float
         Ratio and the ends of its interval; NaN where one of the two has no boundary. An end is 0
-        or infinite as in `boundary`; resamples with 0 / 0 or inf / inf count against both ends.
+        or infinite as in `find_boundary`; resamples with 0 / 0 or inf / inf count against both.
 
     Raises
     ------
     InputError
-        As `boundary`, and if a period is not among the rows.
+        As `find_boundary`, and if a cell is not among the rows.
     """
-    differences = _differences(rows, lower, upper, measure, window)
-    roots, samples = [], []
-    for argument, period in (("period_a", period_a), ("period_b", period_b)):
-        near = [known for known in differences if np.isclose(known, period, rtol=1e-9)]
+    by_cell = subtract_schemes(rows, conditions, schemes, measure, window)
+    crossings, samples = [], []
+    for cell in cells:
+        near = [there for there in by_cell if _same(there, cell)]
         if not near:
-            known = ", ".join(f"{value:g}" for value in differences)
-            raise InputError(f"{argument}: no records at {period:g} s; the rows have {known} s")
-        chosen = differences[near[0]]
-        roots.append(_root(chosen.mean(axis=0)[None])[0])
-        samples.append(_resampled_roots(chosen, near[0], resamples))
-    a, b = roots
+            outer = conditions[:-1]
+            present = ", ".join(" ".join(map(show_value, there)) for there in by_cell)
+            shown = " ".join(c.show(value) for c, value in zip(outer, cell, strict=True))
+            raise InputError(
+                f"{' '.join(c.name for c in outer)}: no records at {shown}; the rows have "
+                f"{present} {outer[-1].unit}".rstrip()
+            )
+        products = by_cell[near[0]]
+        crossings.append(find_mean_crossing(products))
+        samples.append(resample_crossings(products, near[0], resamples))
+    a, b = crossings
     if not (0.0 < a < np.inf and 0.0 < b < np.inf):
         return np.nan, np.nan, np.nan
     if any(len(sample) == 0 for sample in samples):
-        return float(a / b), np.nan, np.nan
+        return a / b, np.nan, np.nan
     with np.errstate(divide="ignore", invalid="ignore"):
-        low, high = _interval(samples[0] / samples[1])
-    return float(a / b), low, high
+        low, high = percentile_interval(samples[0] / samples[1])
+    return a / b, low, high
 
 
-def _differences(
-    rows: pd.DataFrame, lower: str, upper: str, measure: str, window: str
-) -> dict[float, Array]:
-    """Natural period -> (records, 3): products of `lower` less those of `upper`."""
-    used = rows[(rows["status"] == OK) & rows["amplitude"].isna()]
+def subtract_schemes(
+    rows: pd.DataFrame,
+    conditions: Sequence[Condition],
+    schemes: tuple[str, str],
+    measure: str,
+    window: str,
+) -> dict[Cell, Array]:
+    """Cell -> (records, 3): products of the first scheme less those of the second.
+
+    Parameters and errors are those of `find_boundary`; cells are sorted, and so are records by
+    replicate.
+    """
+    *outer, last = _names(conditions)
+    used = rows[(rows["status"] == OK) & rows[last].isna()]
     used = used[(used["measure"] == measure) & (used["window"] == window)]
-    keys = ["natural_period", "replicate"]
     parts = []
-    for argument, scheme in (("lower", lower), ("upper", upper)):
-        part = used[used["scheme"] == scheme].set_index(keys)[list(PRODUCTS)].sort_index()
+    for argument, scheme in zip(("lower", "upper"), schemes, strict=True):
+        part = used[used["scheme"] == scheme].set_index([*outer, "replicate"])
         if part.empty:
             raise InputError(
                 f"{argument}: no superposed rows of scheme {scheme!r} with measure {measure!r} in "
                 f"window {window!r}; a boundary needs evaluation=superposed and both schemes"
             )
-        parts.append(part)
+        parts.append(part[list(PRODUCTS)].sort_index())
     common = parts[0].index.intersection(parts[1].index)
-    difference = (parts[0].loc[common] - parts[1].loc[common]).sort_index()
-    periods = common.get_level_values("natural_period").to_numpy(dtype=float)
-    return {
-        float(period): difference.xs(period, level="natural_period").to_numpy(dtype=float)
-        for period in np.unique(periods)
-    }
+    difference = (parts[0].loc[common] - parts[1].loc[common]).sort_index().reset_index()
+    products = difference[list(PRODUCTS)].to_numpy(dtype=float)
+    cells: dict[Cell, list[int]] = {}
+    for place, cell in enumerate(zip(*(difference[name] for name in outer), strict=True)):
+        cells.setdefault(cell, []).append(place)
+    if not outer:
+        cells[()] = list(range(len(products)))
+    return {cell: products[places] for cell, places in cells.items()}
 
 
-def _root(products: Array) -> Array:
-    """The amplitude at which a N^2 + 2 c N + f turns from negative to positive, for (n, 3) rows.
+def find_mean_crossing(products: Array) -> float:
+    """The root of the mean of (records, 3) differences."""
+    return float(find_crossing(products.mean(axis=0)[None])[0])
 
-    0 where it is positive throughout, infinite where it is negative throughout, NaN where it turns
-    the other way or twice.
+
+def resample_crossings(
+    products: Array, cell: Cell, resamples: int, *, apart: bool = False
+) -> Array:
+    """Roots of the means of resampled records; none for a single record.
+
+    Parameters
+    ----------
+    products
+        (records, 3) differences.
+    cell
+        Where they are: equal cells draw the same records.
+    resamples
+        How many.
+    apart
+        Draw others than equal cells do.
     """
-    a, c, f = np.asarray(products, dtype=float).T
-    discriminant = c * c - a * f
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # for c > 0 this form of (-c + sqrt(...)) / a cancels nothing and allows a = 0
-        root = np.where(
-            c > 0.0,
-            -f / (c + np.sqrt(discriminant)),
-            (-c + np.sqrt(discriminant)) / a,
-        )
-    peak = np.where(a != 0.0, -c / np.where(a != 0.0, a, 1.0), np.inf)
-    turns_inside = (peak > 0.0) & (discriminant > 0.0)
-    result = np.full(len(a), np.nan)
-    single = (f < 0.0) & ((a > 0.0) | ((a == 0.0) & (c > 0.0)))
-    result[single] = root[single]
-    result[(f >= 0.0) & (a >= 0.0) & ~turns_inside] = 0.0
-    result[(f <= 0.0) & (a <= 0.0) & ~turns_inside] = np.inf
-    return result
+    key = [encode_value(value) for value in cell] or [0]
+    if apart:  # as if the first condition lay 1e4 away
+        key[0] += 10**10
+    return find_crossing(resample_means(products, key, resamples))
 
 
-def _resampled_roots(differences: Array, period: float, resamples: int) -> Array:
-    """Roots of the means of resampled records; none for a single record."""
-    n = len(differences)
-    if n < 2:
-        return np.empty(0)
-    draws = np.random.Generator(
-        np.random.SFC64(np.random.SeedSequence(SEED, spawn_key=(round(period * 1e6), n)))
-    ).integers(0, n, size=(resamples, n))
-    return _root(_means(differences, draws))
+def _names(conditions: Sequence[Condition]) -> list[str]:
+    return [condition.name for condition in conditions]
 
 
-def _means(differences: Array, draws: NDArray[np.int64]) -> Array:
-    return np.asarray(differences[draws].mean(axis=1))
-
-
-def _interval(samples: Array) -> tuple[float, float]:
-    """Percentiles; a sample without order counts below the one end and above the other."""
-    tail = 0.5 * (1.0 - CONFIDENCE)
-    worst_low = np.sort(np.where(np.isnan(samples), -np.inf, samples))
-    worst_high = np.sort(np.where(np.isnan(samples), np.inf, samples))
-    low = worst_low[int(np.floor(tail * (len(samples) - 1)))]
-    high = worst_high[int(np.ceil((1.0 - tail) * (len(samples) - 1)))]
-    return float(low if low > -np.inf else np.nan), float(high)
+def _same(one: Cell, other: Cell) -> bool:
+    return all(
+        a == b if isinstance(a, str) or isinstance(b, str) else np.isclose(a, b, rtol=1e-9)
+        for a, b in zip(one, other, strict=True)
+    )

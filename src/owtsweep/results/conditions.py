@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -91,7 +91,7 @@ def require_usable(conditions: Sequence[Condition]) -> None:
             )
 
 
-def order_values(column: Any, listed: Sequence[Value] = ()) -> list[Value]:
+def order_values(column: Any, listed: Iterable[Value] = ()) -> list[Value]:
     """The distinct values of a column: numbers by size, texts as listed, others alphabetically."""
     distinct: list[Value] = np.unique(np.asarray(column)).tolist()
     place = {value: number for number, value in enumerate(listed)}

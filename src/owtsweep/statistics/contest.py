@@ -1,20 +1,46 @@
-"""Which scheme is best in each of many cells, and whether the records tell it from the next."""
+"""Who is best, who coincides with the best, who comes next, and whether the records tell these two.
+
+Decided here for everybody: tables of records and of expectations, advice, published statements.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.results.cube import mean_and_error, ordered_sum, p_values, t_quantile
+from owtsweep.statistics.student import p_value, t_quantile
+from owtsweep.statistics.sums import mean_and_error, ordered_sum
 
 #: Schemes whose values differ by less than this, relative, count as the same estimator.
 COINCIDENCE = 1e-9
 
 Flags = NDArray[np.bool_]
 Places = NDArray[np.intp]
+
+
+class Ranking(NamedTuple):
+    """The order of the schemes in each cell.
+
+    Attributes
+    ----------
+    best, runner_up
+        (cells,) places among the schemes. Of those that coincide it is the last. The runner-up is
+        the best that does not coincide with the best; where all coincide it is one of them, and -1
+        where only one took part.
+    like_best
+        (schemes, cells): those that coincide with the best, itself included.
+    told_apart
+        (cells,) whether somebody does not coincide with the best.
+    """
+
+    best: Places
+    runner_up: Places
+    like_best: Flags
+    told_apart: Flags
 
 
 class Contest(NamedTuple):
@@ -25,7 +51,7 @@ class Contest(NamedTuple):
     judged
         Whether there is a replicate that all schemes which took part have finished.
     best, runner_up
-        Places among the schemes; the runner-up is -1 where only one took part.
+        As in `Ranking`.
     mse_best, mse_runner_up, difference, ci_low, ci_high
         Means, their paired difference and its 95 % t interval; NaN without a runner-up.
     p
@@ -46,58 +72,88 @@ class Contest(NamedTuple):
 def contest(values: Array) -> Contest:
     """Compare the schemes in every cell over the replicates that all of them finished.
 
-    Schemes that agree to `COINCIDENCE` in every replicate count as one, under the last of their
-    places; the runner-up is the best of those that do not coincide with the best.
-
     Parameters
     ----------
     values
         (schemes, cells, replicates), NaN where a case has no value. A scheme without any value in
-        a cell takes no part there.
+        a cell takes no part there. Schemes coincide that agree to `COINCIDENCE` in every replicate.
     """
     finite = np.isfinite(values)
     took_part: Flags = np.asarray(finite.any(axis=-1))
-    common = (finite | ~took_part[..., np.newaxis]).all(axis=0)
+    common = np.asarray((finite | ~took_part[..., np.newaxis]).all(axis=0))
     n = common.sum(axis=-1)
     judged = took_part.any(axis=0) & (n > 0)
     with np.errstate(invalid="ignore"):  # cells that are not judged: 0 / 0
         means = ordered_sum(np.where(common & finite, values, 0.0)) / n
-    alike = _alike(values, np.asarray(common), took_part)
-
-    best, like_best = _least(means, took_part, alike)
-    others = took_part & ~like_best
-    told_apart = others.any(axis=0)
+    best, place, _, told_apart = rank(means, find_alike(values, took_part, common), took_part)
+    second = judged & (place >= 0)
     cells = np.arange(values.shape[1])
-    rest = took_part & (np.arange(len(values))[:, np.newaxis] != best)
-    runner_up, _ = _least(means, np.where(told_apart, others, rest), alike)
-    second = judged & rest.any(axis=0)
-
-    gap = np.where(common & second[:, np.newaxis], values[runner_up, cells], np.nan)
+    gap = np.where(common & second[:, np.newaxis], values[place, cells], np.nan)
     with np.errstate(invalid="ignore"):
         _, error, _ = mean_and_error(gap - values[best, cells])
-    difference = np.where(second, means[runner_up, cells] - means[best, cells], np.nan)
+    difference = np.where(second, means[place, cells] - means[best, cells], np.nan)
     margin = t_quantile(n - 1) * error
     return Contest(
         judged=judged,
         best=best,
-        runner_up=np.where(second, runner_up, -1),
+        runner_up=np.where(second, place, -1),
         mse_best=means[best, cells],
-        mse_runner_up=np.where(second, means[runner_up, cells], np.nan),
+        mse_runner_up=np.where(second, means[place, cells], np.nan),
         difference=difference,
         ci_low=difference - margin,
         ci_high=difference + margin,
-        p=np.where(second & told_apart, p_values(difference, error, n), 1.0),
+        p=np.where(second & told_apart, p_value(difference, error, n - 1), 1.0),
     )
 
 
-def agree(one: Array, other: Array) -> Flags:
-    """Where two values are the same up to rounding."""
-    scale = np.maximum(np.abs(one), np.abs(other))
-    return np.asarray(np.abs(one - other) <= COINCIDENCE * scale)
+def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
+    """The best scheme of each cell and the next.
+
+    Parameters
+    ----------
+    means
+        (schemes, cells) what is compared; the least is the best.
+    alike
+        (schemes, schemes, cells) who coincides with whom, as `find_alike` says.
+    took_part
+        (schemes, cells).
+    """
+    best, like_best = find_least(means, took_part, alike)
+    others = took_part & ~like_best
+    told_apart = np.asarray(others.any(axis=0))
+    rest = took_part & (np.arange(len(means))[:, np.newaxis] != best)
+    runner_up, _ = find_least(means, np.where(told_apart, others, rest), alike)
+    return Ranking(best, np.where(rest.any(axis=0), runner_up, -1), like_best, told_apart)
 
 
-def _alike(values: Array, common: Flags, took_part: Flags) -> Flags:
-    """Whether two schemes coincide in a cell, (schemes, schemes, cells)."""
+def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, Flags]:
+    """The contender of least mean, by the last of those it coincides with, and all of those.
+
+    Parameters are those of `rank`; returns (cells,) and (schemes, cells).
+    """
+    least = np.argmin(np.where(contenders, means, np.inf), axis=0)
+    same = alike[least, :, np.arange(means.shape[1])].T & contenders
+    last = len(means) - 1 - np.argmax(same[::-1], axis=0)
+    return last, same
+
+
+def find_alike(values: Array, took_part: Flags, common: Flags) -> Flags:
+    """Whether two schemes coincide in a cell: in every common replicate. Symmetric.
+
+    Parameters
+    ----------
+    values
+        (schemes, cells, replicates).
+    took_part
+        (schemes, cells).
+    common
+        (cells, replicates): those that count.
+
+    Returns
+    -------
+    array
+        (schemes, schemes, cells).
+    """
     schemes = len(values)
     alike = np.zeros((schemes, *took_part.shape), dtype=bool)
     for i in range(schemes):
@@ -107,9 +163,26 @@ def _alike(values: Array, common: Flags, took_part: Flags) -> Flags:
     return alike
 
 
-def _least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, Flags]:
-    """The contender of least mean, by the last of those it coincides with, and all those."""
-    least = np.argmin(np.where(contenders, means, np.inf), axis=0)
-    same = alike[least, :, np.arange(means.shape[1])].T & contenders
-    last = len(means) - 1 - np.argmax(same[::-1], axis=0)
-    return last, same
+def group_coinciding(
+    names: Sequence[str], coincide: Callable[[int, int], bool]
+) -> list[tuple[str, ...]]:
+    """Groups of two or more schemes that coincide, each in the order of `names`.
+
+    `coincide` says whether two schemes do, by their places. A scheme joins the first group whose
+    first member it coincides with.
+    """
+    groups: list[list[int]] = []
+    for place in range(len(names)):
+        for group in groups:
+            if coincide(group[0], place):
+                group.append(place)
+                break
+        else:
+            groups.append([place])
+    return [tuple(names[place] for place in group) for group in groups if len(group) > 1]
+
+
+def agree(one: Array, other: Array) -> Flags:
+    """Where two values are the same up to rounding."""
+    scale = np.maximum(np.abs(one), np.abs(other))
+    return np.asarray(np.abs(one - other) <= COINCIDENCE * scale)

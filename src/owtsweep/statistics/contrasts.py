@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.results.cube import CONFIDENCE, mean_and_error
+from owtsweep.statistics.student import p_value, t_quantile
+from owtsweep.statistics.sums import mean_and_error
 
 Array = NDArray[np.float64]
 
@@ -77,13 +78,8 @@ def _welch(error_a: Array, n_a: Any, error_b: Array, n_b: Any) -> tuple[Array, A
 
 
 def _student(value: Array, error: Array, freedom: Any, n_a: Any, n_b: Any) -> Contrast:
-    from scipy.special import stdtr, stdtrit
-
-    known = np.isfinite(value) & np.isfinite(error) & (freedom > 0)
-    safe = np.where(known, freedom, 1.0)
-    margin = np.where(known, stdtrit(safe, 0.5 + CONFIDENCE / 2.0) * error, np.nan)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        p = 2.0 * stdtr(safe, -np.abs(value) / error)
-    p = np.where(known & (error == 0.0), np.where(value == 0.0, 1.0, 0.0), p)
-    p = np.where(known, p, 1.0)
+    testable = np.isfinite(value) & np.isfinite(error) & (freedom > 0)
+    quantile = t_quantile(np.where(testable, freedom, 1.0))
+    margin = np.where(testable, quantile * error, np.nan)
+    p = p_value(value, error, freedom)
     return Contrast(value, value - margin, value + margin, p, n_a, n_b)

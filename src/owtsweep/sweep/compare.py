@@ -8,16 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.comparing.comparison import Candidate, Comparable, Comparison, Findings
+from owtsweep.comparing.values import rank_values, show
 from owtsweep.config import as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.io import markdown
 from owtsweep.io.files import check_writable, write_atomically
 from owtsweep.io.tables import write_table
-from owtsweep.sweep.comparison import Candidate, Comparable, Comparison, Findings
 from owtsweep.sweep.multirun_record import read_record
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE
-from owtsweep.sweep.swept import RUN, make_pairs, ranks, show, swept_keys
+from owtsweep.sweep.swept import RUN, make_pairs, swept_keys
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -156,7 +157,9 @@ def _arrange(
         for of_run, (run, _) in zip(values, loaded, strict=True):
             of_run[RUN] = run.folder.name if unique else str(run.folder)
         keys = [*keys, RUN]
-    places = list(zip(*(ranks([of_run[key] for of_run in values]) for key in keys), strict=True))
+    places = list(
+        zip(*(rank_values([of_run[key] for of_run in values]) for key in keys), strict=True)
+    )
     order = sorted(range(len(loaded)), key=lambda i: places[i])
     runs = tuple(
         Candidate(run.folder.name, run.hash, run.config, rows, values[i])

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Hashable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-from owtsweep.sweep.comparison import Pair
+from owtsweep.comparing.comparison import Pair
+from owtsweep.comparing.values import identify
 
 #: Sections and keys that say over which grid, where and how a run is computed: not swept.
 NOT_SWEPT = frozenset({"grid", "schemes", "compute", "results", "name", "config_version"})
@@ -25,14 +25,6 @@ def flatten(config: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
         else:
             flat[f"{prefix}{key}"] = value
     return flat
-
-
-def show(value: Any) -> str:
-    """A value as a user would type it in an override, shortened to fit a title."""
-    if isinstance(value, float):
-        return f"{value:.10g}"
-    text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
-    return text if len(text) <= 30 else f"{text[:27]}..."
 
 
 def swept_keys(
@@ -55,7 +47,7 @@ def swept_keys(
         for c in configs
     ]
     keys = list(dict.fromkeys(key for config in flat for key in config))
-    ids = {key: [_identity(config.get(key)) for config in flat] for key in keys}
+    ids = {key: [identify(config.get(key)) for config in flat] for key in keys}
     differing = [key for key in keys if len(set(ids[key])) > 1]
     order = {key: place for place, key in enumerate(preferred)}
     # Names at the top (tuning, experiment) stand for the sections that they set.
@@ -70,21 +62,13 @@ def swept_keys(
     return kept, [key for key in differing if key not in kept]
 
 
-def ranks(values: Sequence[Any]) -> list[int]:
-    """The place of each value on its axis: numbers by size, others by first appearance."""
-    numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
-    distinct = {_identity(value): value for value in values}
-    axis = sorted(distinct, key=lambda i: distinct[i]) if numbers else list(distinct)
-    return [axis.index(_identity(value)) for value in values]
-
-
 def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pair]:
     """Neighbours along each key, all other keys being equal, and each run with the first one.
 
     Parameters
     ----------
     places
-        Per run the place of its value on the axis of each key (`ranks`).
+        Per run the place of its value on the axis of each key (`comparing.values.rank_values`).
     keys
         The keys.
     """
@@ -97,10 +81,6 @@ def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pai
         for line in lines.values():
             ordered = [index for _, index in sorted(line)]
             pairs += [Pair(a, b, key) for a, b in pairwise(ordered)]
-    paired = {(pair.first, pair.second) for pair in pairs}
-    pairs += [Pair(0, i, FIRST) for i in range(1, len(places)) if (0, i) not in paired]
+    made = {(pair.first, pair.second) for pair in pairs}
+    pairs += [Pair(0, i, FIRST) for i in range(1, len(places)) if (0, i) not in made]
     return sorted(pairs, key=lambda pair: (pair.first, pair.second))
-
-
-def _identity(value: Any) -> str:
-    return json.dumps(value, sort_keys=True, default=str)

@@ -13,8 +13,9 @@ from typing import Literal
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.results.aggregate import holm
-from owtsweep.results.cube import CONFIDENCE
+from owtsweep.statistics.fieller import fieller
+from owtsweep.statistics.holm import holm
+from owtsweep.statistics.student import p_value, t_quantile
 
 REPRODUCED = "reproduced"
 NOT_REPRODUCED = "not reproduced"
@@ -72,8 +73,6 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
     threshold, side
         The claim.
     """
-    from scipy.special import stdtr, stdtrit
-
     n = len(a)
     b = np.broadcast_to(np.asarray(b, dtype=float), (n,))
     A, B = float(np.mean(a)), float(np.mean(b))
@@ -85,21 +84,9 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
     t = distance / error if error > 0.0 else float(np.sign(distance)) * np.inf
     if error == 0.0 and distance == 0.0:
         t = 0.0
-    low, high = _fieller(a, b, float(stdtrit(n - 1, 0.5 + CONFIDENCE / 2.0)))
-    p = float(2.0 * stdtr(n - 1, -abs(t)))
+    low, high = fieller(a, b, float(t_quantile(n - 1)))
+    p = float(p_value(distance, error, n - 1))
     return Decision(label, A / B, low, high, threshold, side, t, p)
-
-
-def _fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
-    n = len(a)
-    A, B = np.mean(a), np.mean(b)
-    variance = np.cov(a, b) * quantile**2 / n
-    square = B * B - variance[1, 1]
-    if square <= 0.0:
-        return float("nan"), float("nan")
-    half = A * B - variance[0, 1]
-    root = np.sqrt(max(half * half - square * (A * A - variance[0, 0]), 0.0))
-    return max(float((half - root) / square), 0.0), float((half + root) / square)
 
 
 def interval(
@@ -141,7 +128,7 @@ class Claim:
         Reproduced where every one is told to hold, not reproduced where at least one is
         told to fail.
         """
-        told = holm([c.p for c in self.decisions], level=1.0 - CONFIDENCE)
+        told = holm([c.p for c in self.decisions])
         held = np.array([c.t > 0.0 for c in self.decisions], dtype=bool)
         if np.any(told & ~held):
             return NOT_REPRODUCED

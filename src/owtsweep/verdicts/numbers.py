@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.results.cube import CONFIDENCE
+from owtsweep.statistics.student import CONFIDENCE
 from owtsweep.verdicts.inference import MISSING, UNDECIDED, mean_ratio
 
 #: What `compare_number` gives.

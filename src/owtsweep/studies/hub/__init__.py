@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
+    from owtsweep.comparing.comparison import Comparison, Findings
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.sweep.comparison import Comparison, Findings
     from owtsweep.sweep.study import Engine
 
 __all__ = ["HubStudy"]
@@ -52,9 +52,10 @@ class HubStudy:
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
         """How map, boundary and errors move between runs."""
-        from owtsweep.comparing import compare
+        from owtsweep.comparing.compare import compare
+        from owtsweep.studies.hub.comparing import describe_run
 
-        return compare(comparison, folder, metadata=metadata)
+        return compare(comparison, folder, describe_run, metadata=metadata)
 
     def write_fidelity(
         self, config: HubConfig, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]

@@ -1,10 +1,40 @@
-"""The axes of the hub study's grid: the turbine's natural period and how far its hub moves."""
+"""The conditions of the hub study, and its rows as a cube over them."""
 
 from __future__ import annotations
 
-from owtsweep.results.conditions import Condition
+from typing import TYPE_CHECKING
 
-CONDITIONS = (
-    Condition("natural_period", "natural period", "s", in_streams=True),
-    Condition("amplitude", "motion amplitude", "m", scale="log", expands=True),
+from owtsweep.results.conditions import Condition, Grid
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from owtsweep.results.cube import Cube
+    from owtsweep.studies.hub.config import HubConfig
+
+NATURAL_PERIOD = Condition(
+    "natural_period", "natural period", "s", in_streams=True, plural="periods"
 )
+AMPLITUDE = Condition(
+    "amplitude", "motion amplitude", "m", scale="log", expands=True, plural="amplitudes"
+)
+CONDITIONS = (NATURAL_PERIOD, AMPLITUDE)
+#: The order of measures in tables.
+MEASURES = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
+#: The measures by which schemes are told to coincide.
+CRITERIA = ("position", "velocity")
+#: The schemes whose boundary is told: below it the first is better, above it the second.
+BOUNDARY = ("HME2", "HME1")
+
+
+def get_grid(config: HubConfig) -> Grid:
+    """The values of the conditions."""
+    return {"natural_period": config.grid.natural_period, "amplitude": config.grid.amplitude}
+
+
+def make_cube(config: HubConfig, rows: pd.DataFrame) -> Cube:
+    """The rows of a run of records as a cube."""
+    from owtsweep.results.cube import Cube
+    from owtsweep.studies.hub import scheme_names
+
+    return Cube.of_rows(rows, scheme_names(config), CONDITIONS, get_grid(config), measures=MEASURES)

@@ -29,10 +29,12 @@ class _Engine:
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """The map as a coloured grid."""
         from owtsweep.figures.terminal import grid
+        from owtsweep.studies.hub.conditions import CONDITIONS
 
         return grid(
             tables["best_scheme"],
             scheme_names(config),
+            CONDITIONS,
             config.measures.criterion,
             config.measures.window,
         )
@@ -80,17 +82,13 @@ class RecordsEngine(_Engine):
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """summary and best_scheme, with intervals over the records."""
-        from owtsweep.results import aggregate
-        from owtsweep.results.cube import Cube
+        from owtsweep.results.best_scheme import find_best_schemes
+        from owtsweep.results.summary import summarise
+        from owtsweep.studies.hub.conditions import make_cube
 
-        names = scheme_names(config)
-        cube = Cube.of_rows(rows, names, config.grid.amplitude)
-        return {
-            "summary": aggregate.summary(cube, names),
-            "best_scheme": aggregate.best_scheme(
-                cube, names, config.measures.window, criteria=criteria(config)
-            ),
-        }
+        cube = make_cube(config, rows)
+        best = find_best_schemes(cube, config.measures.window, criteria(config))
+        return {"summary": summarise(cube), "best_scheme": best}
 
     def drawings(
         self,

@@ -96,7 +96,7 @@ def natural_period_of(config: HubConfig) -> float:
     return NATURAL_PERIOD
 
 
-def histories(
+def simulate_histories(
     config: HubConfig,
     *,
     natural_period: float | None = None,

@@ -71,7 +71,9 @@ class Records:
 
     def stream(self, index: int) -> Callable[[str], np.random.Generator]:
         """The named streams of the replicate with this index."""
-        return partial(stream, self.config.seed, STUDY, self.natural_period, self.replicates[index])
+        return partial(
+            stream, self.config.seed, STUDY, (self.natural_period,), self.replicates[index]
+        )
 
     @property
     def steps(self) -> int:
@@ -96,7 +98,7 @@ def make_records(config: HubConfig, natural_period: float, replicates: Sequence[
     motions = [
         synthesise(
             shape,
-            stream(config.seed, STUDY, natural_period, replicate, "phase"),
+            stream(config.seed, STUDY, (natural_period,), replicate, "phase"),
             steps=steps,
             step=known.step,
             band=(config.band[0], config.band[1]),

@@ -64,17 +64,17 @@ class ReadingsStudy:
 
     def tables(self, config: ReadingsConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """trials (all of them) and best (the best of each search, best first)."""
-        from owtsweep.studies.readings.results import best, trials
+        from owtsweep.studies.readings.results import list_trials, rank_trials
 
-        return {"trials": trials(rows), "best": best(rows)}
+        return {"trials": list_trials(rows), "best": rank_trials(rows)}
 
     def terminal(
         self, config: ReadingsConfig, tables: Mapping[str, pd.DataFrame]
     ) -> RenderableType:
         """The best of each search."""
-        from owtsweep.studies.readings.results import as_text
+        from owtsweep.studies.readings.results import render_best
 
-        return as_text(tables["best"])
+        return render_best(tables["best"])
 
     def drawings(
         self,

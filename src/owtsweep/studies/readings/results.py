@@ -20,24 +20,24 @@ if TYPE_CHECKING:
 KEPT = 5
 
 
-def trials(rows: pd.DataFrame) -> pd.DataFrame:
-    """All trials in the order in which they were made."""
+def list_trials(rows: pd.DataFrame) -> pd.DataFrame:
+    """All trials in order of time."""
     return rows.reset_index(drop=True)
 
 
-def best(rows: pd.DataFrame) -> pd.DataFrame:
+def rank_trials(rows: pd.DataFrame) -> pd.DataFrame:
     """The best trial of each search and its runners-up, per target, best first."""
     done = rows[rows.status == OK]
     ranked = done.sort_values(["target", "score", "search", "trial"], kind="stable")
     return ranked.groupby("search", sort=False).head(KEPT).reset_index(drop=True)
 
 
-def parameters(table: pd.DataFrame) -> list[str]:
+def list_parameters(table: pd.DataFrame) -> list[str]:
     """The columns that hold parameters."""
     return [column for column in table.columns if column not in COLUMNS]
 
 
-def as_text(table: pd.DataFrame) -> RenderableType:
+def render_best(table: pd.DataFrame) -> RenderableType:
     """The best of each target, with its parameters."""
     from rich.table import Table
 
@@ -46,13 +46,13 @@ def as_text(table: pd.DataFrame) -> RenderableType:
         shown.add_column(column)
     for target, group in table.groupby("target", sort=True):
         row = group.iloc[0]
-        values = {name: row[name] for name in parameters(table) if pd.notna(row[name])}
-        text = "\n".join(f"{name} = {_short(value)}" for name, value in values.items())
+        values = {name: row[name] for name in list_parameters(table) if pd.notna(row[name])}
+        text = "\n".join(f"{name} = {_format(value)}" for name, value in values.items())
         shown.add_row(str(target), str(row.truth), f"{row.score:.4g}", text)
     return shown
 
 
-def _short(value: object) -> str:
+def _format(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
@@ -75,7 +75,7 @@ def drawings(table: pd.DataFrame, metadata: Mapping[str, str]) -> dict[str, Draw
 def _score_over_parameters(target: str, table: pd.DataFrame) -> Figure:
     from owtsweep.figures import style
 
-    names = [name for name in parameters(table) if table[name].notna().any()]
+    names = [name for name in list_parameters(table) if table[name].notna().any()]
     columns = min(4, max(1, len(names)))
     lines = -(-len(names) // columns)
     figure = style.new_figure(3.1 * columns, 2.5 * lines + 0.9)

@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.results.cube import mean_and_error, t_quantile
+from owtsweep.statistics.contest import find_alike, rank
+from owtsweep.statistics.student import t_quantile
+from owtsweep.statistics.sums import mean_and_error
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,8 +23,6 @@ if TYPE_CHECKING:
 MARGIN_IN_TIMES = 2.0
 #: A smaller relative margin does not decide what to run on board.
 LEAST_MARGIN = 0.05
-#: Values that agree to this are those of one and the same estimator.
-SAME = 1e-9
 
 COLUMNS = (
     "file", "source", "criterion", "window", "best", "same_as", "runner_up", "value_best",
@@ -58,14 +58,15 @@ def compare(
         return None
     kept = samples[np.ix_(took_part, common)]
     mean = kept.mean(axis=1) if whole is None else whole[took_part]
-    first = int(np.argmin(mean))
-    same = [i for i in range(len(mean)) if abs(mean[i] - mean[first]) <= SAME * abs(mean[first])]
-    best = same[-1]
-    others = [i for i in range(len(mean)) if i not in same]
+    everybody = np.ones((len(kept), 1), dtype=bool)
+    alike = find_alike(kept[:, np.newaxis], everybody, np.ones((1, kept.shape[1]), dtype=bool))
+    ranking = rank(mean[:, np.newaxis], alike, everybody)
+    best, second = int(ranking.best[0]), int(ranking.runner_up[0])
+    same = np.flatnonzero(ranking.like_best[:, 0])
     names = [schemes[int(i)] for i in took_part]
-    found: dict[str, Any] = {
+    row: dict[str, Any] = {
         "best": names[best],
-        "same_as": " ".join(names[i] for i in same[:-1]),
+        "same_as": " ".join(names[i] for i in same if i != best),
         "runner_up": "",
         "value_best": float(mean[best]),
         "value_runner_up": np.nan,
@@ -76,26 +77,22 @@ def compare(
         "n": int(kept.shape[1]),
         "matters": False,
     }
-    if not others:
-        return found
-    least = min(mean[i] for i in others)
-    second = [i for i in others if mean[i] - least <= SAME * abs(least)][-1]
-    paired = kept[second] - kept[best]
-    _, error, n = mean_and_error(paired)
+    if not ranking.told_apart[0]:
+        return row
+    _, error, n = mean_and_error(kept[second] - kept[best])
     difference = mean[second] - mean[best]
     half = float(t_quantile(n - 1) * error) if n > 1 else np.nan
     margin = float(difference / mean[best])
     excludes_zero = bool(difference - half > 0.0) if n > 1 else True
-    found.update(
-        runner_up=names[second],
-        value_runner_up=float(mean[second]),
-        margin=margin,
-        difference=float(difference),
-        ci_low=float(difference) - half,
-        ci_high=float(difference) + half,
-        matters=excludes_zero and margin >= LEAST_MARGIN,
-    )
-    return found
+    return row | {
+        "runner_up": names[second],
+        "value_runner_up": float(mean[second]),
+        "margin": margin,
+        "difference": float(difference),
+        "ci_low": float(difference) - half,
+        "ci_high": float(difference) + half,
+        "matters": excludes_zero and margin >= LEAST_MARGIN,
+    }
 
 
 def from_record(
@@ -121,10 +118,10 @@ def from_record(
             window = "settled"
             whole = _pivot(rows[rows["window"] == window], schemes, "replicate")[:, 0]
             samples = parts
-    found = compare(samples, schemes, whole=whole)
-    if found is None:
+    compared = compare(samples, schemes, whole=whole)
+    if compared is None:
         return None
-    return {"source": source, "criterion": criterion, "window": window, **found}
+    return {"source": source, "criterion": criterion, "window": window, **compared}
 
 
 def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:

@@ -57,7 +57,7 @@ def estimate_pieces(
     Raises
     ------
     ValueError
-        If an estimate has the wrong shape or is not finite, naming the step.
+        If an estimate lacks a quantity, has the wrong shape or is not finite, naming the step.
     """
     start = scheme.start
     if config.engine == "batch":

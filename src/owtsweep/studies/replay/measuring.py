@@ -102,7 +102,7 @@ def simulate_true_bias(
 
 
 def _streams_of(config: ReplayConfig, replicate: int) -> Callable[[str], np.random.Generator]:
-    return partial(stream, config.seed, STUDY, 0.0, replicate)
+    return partial(stream, config.seed, STUDY, (0.0,), replicate)
 
 
 def _cut(series: Array) -> Callable[[int], Iterator[Array]]:

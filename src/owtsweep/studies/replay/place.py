@@ -8,6 +8,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.motion.spectra import Spectrum, spectrum
+from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub.public import make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.expectation import expect_errors
@@ -66,5 +67,5 @@ def expect_map(
         for i, period in enumerate(periods):
             shape = spectrum("translated", float(period), config.spectrum.bandwidth)
             unit = expectation.mse(shape.density, band, 1.0)[which] - floor
-            result[scheme.name][i] = (amplitudes * ratio) ** 2 * unit + floor
+            result[scheme.name][i] = superpose(unit, 0.0, floor, amplitudes * ratio)
     return result

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.errors import InputError
-from owtsweep.results.cube import mean_and_error, t_quantile
+from owtsweep.statistics.student import t_quantile
+from owtsweep.statistics.sums import mean_and_error
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice
 from owtsweep.studies.replay.blocks import LAST_FIX, RECORD, label_files

@@ -10,15 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.results.aggregate import BEST_COLUMNS, SUMMARY_COLUMNS
-from owtsweep.statistics.contest import COINCIDENCE
-from owtsweep.sweep.study import OK
+from owtsweep.results.best_scheme import name_columns as best_columns
+from owtsweep.results.conditions import Value
+from owtsweep.results.status import OK
+from owtsweep.results.summary import name_columns as summary_columns
+from owtsweep.results.superposition import superpose
+from owtsweep.statistics.contest import agree, find_alike, group_coinciding, rank
+from owtsweep.studies.hub.conditions import CONDITIONS
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from owtsweep.studies.hub.config import HubConfig
 
+NAMES = [condition.name for condition in CONDITIONS]
 #: Mean square errors in the order of tables.
 MSE = ("x", "y", "vx", "vy", "position", "velocity")
 #: Relative differences below this are within the accuracy of the curves: not distinguishable.
@@ -49,21 +54,21 @@ class Expected:
 
     def at(self, amplitudes: Array) -> Array:
         """Expected MSE, (s, p, amplitudes)."""
-        squared = np.asarray(amplitudes, dtype=float) ** 2
-        return np.asarray(self.motion[..., None] * squared + self.noise[..., None])
+        N = np.asarray(amplitudes, dtype=float)
+        return np.asarray(superpose(self.motion[..., None], 0.0, self.noise[..., None], N))
 
 
 def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
     """One measure and window out of the rows of a study."""
     rows = _plain(rows)
     used = rows[(rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)]
-    found = tuple(name for name in schemes if (used["scheme"] == name).any())
+    present = tuple(name for name in schemes if (used["scheme"] == name).any())
     tables: list[pd.DataFrame] = [
-        used.pivot(index="scheme", columns="natural_period", values=what).reindex(list(found))
+        used.pivot(index="scheme", columns="natural_period", values=what).reindex(list(present))
         for what in ("motion", "noise")
     ]
     periods = tables[0].columns.to_numpy(dtype=float)
-    return Expected(found, periods, tables[0].to_numpy(float), tables[1].to_numpy(float))
+    return Expected(present, periods, tables[0].to_numpy(float), tables[1].to_numpy(float))
 
 
 def _plain(rows: pd.DataFrame) -> pd.DataFrame:
@@ -89,26 +94,18 @@ class Verdict:
 def judge(values: Array) -> Verdict:
     """Least MSE and the next, of values (schemes, periods, amplitudes).
 
-    Schemes that agree to `COINCIDENCE` count as one, under the last of their names; the runner-up
-    is the best that does not coincide with the best.
+    Schemes that agree up to rounding count as one, under the last of their names; the runner-up is
+    the best that does not coincide with the best (`statistics.contest.rank`).
     """
-    count = len(values)
-    number = np.arange(count)[:, None, None]
-    least = values.min(axis=0)
-    alike = values - least <= COINCIDENCE * values
-    best = np.max(np.where(alike, number, -1), axis=0)
-    mse_best = np.take_along_axis(values, best[None], axis=0)[0]
-    if count == 1:
-        nothing = np.full(best.shape, np.nan)
-        return Verdict(best, np.full_like(best, -1), mse_best, nothing, np.zeros(best.shape, bool))
-    # where all coincide the runner-up is any other
-    same = np.where(np.all(alike, axis=0), number == best, alike)
-    next_least = np.where(same, np.inf, values).min(axis=0)
-    like_next = ~same & (values - next_least <= COINCIDENCE * values)
-    runner_up = np.max(np.where(like_next, number, -1), axis=0)
-    mse_next = np.take_along_axis(values, runner_up[None], axis=0)[0]
-    clear = mse_next - mse_best > RESOLUTION * mse_best
-    return Verdict(best, runner_up, mse_best, mse_next, clear)
+    flat = values.reshape(len(values), -1)
+    everybody = np.ones(flat.shape, dtype=bool)
+    alike = find_alike(flat[..., np.newaxis], everybody, everybody[0][:, np.newaxis])
+    ranking = rank(flat, alike, everybody)
+    best, runner_up = (place.reshape(values.shape[1:]) for place in ranking[:2])
+    mse_best = np.take_along_axis(values, best[np.newaxis], axis=0)[0]
+    mse_next = np.take_along_axis(values, runner_up[np.newaxis], axis=0)[0]
+    mse_next = np.where(runner_up < 0, np.nan, mse_next)
+    return Verdict(best, runner_up, mse_best, mse_next, mse_next - mse_best > RESOLUTION * mse_best)
 
 
 def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
@@ -118,13 +115,14 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     names = scheme_names(config)
     return {
         "summary": summary(config, rows, names),
-        "best_scheme": best_scheme(config, rows, names, criteria(config)),
+        "best_scheme": best_scheme(
+            rows, names, criteria(config), config.grid.amplitude, config.measures.window
+        ),
     }
 
 
 def summary(config: HubConfig, rows: pd.DataFrame, schemes: Sequence[str]) -> pd.DataFrame:
-    """`SUMMARY_COLUMNS`, sorted as those of records."""
-
+    """The summary, sorted as that of records."""
     amplitudes = np.array(sorted(config.grid.amplitude), dtype=float)
     rows = _plain(rows)
     used = rows[rows["status"] == OK]
@@ -137,7 +135,7 @@ def summary(config: HubConfig, rows: pd.DataFrame, schemes: Sequence[str]) -> pd
         amplitude=np.tile(amplitudes, len(used))
     )
     repeated = repeated.assign(
-        mean=repeated["motion"] * repeated["amplitude"] ** 2 + repeated["noise"],
+        mean=superpose(repeated["motion"], 0.0, repeated["noise"], repeated["amplitude"]),
         ci_low=np.nan,
         ci_high=np.nan,
         n=0,
@@ -146,27 +144,31 @@ def summary(config: HubConfig, rows: pd.DataFrame, schemes: Sequence[str]) -> pd
     )
     keys = ["order", "natural_period", "amplitude", "place", "window"]
     table: pd.DataFrame = repeated.sort_values(keys, kind="stable", ignore_index=True)
-    return table[list(SUMMARY_COLUMNS)]
+    return table[summary_columns(NAMES)]
 
 
 def best_scheme(
-    config: HubConfig, rows: pd.DataFrame, schemes: Sequence[str], criteria: Sequence[str]
+    rows: pd.DataFrame,
+    schemes: Sequence[str],
+    criteria: Sequence[str],
+    amplitudes: Sequence[Value],
+    window: str,
 ) -> pd.DataFrame:
-    """`BEST_COLUMNS`, sorted as those of records."""
+    """The best scheme of every cell, sorted as for records."""
     import pandas as pd
 
-    amplitudes = np.array(sorted(config.grid.amplitude), dtype=float)
+    levels = np.array(sorted(amplitudes), dtype=float)
     parts = []
     for number, criterion in enumerate(criteria):
-        known = expected(rows, schemes, criterion, config.measures.window)
-        verdict = judge(known.at(amplitudes))
-        names = np.array([*known.schemes, ""], dtype=object)  # -1 is nobody
+        curves = expected(rows, schemes, criterion, window)
+        verdict = judge(curves.at(levels))
+        names = np.array([*curves.schemes, ""], dtype=object)  # -1 is nobody
         count = verdict.best.size
         columns: dict[str, Any] = {
-            "natural_period": np.repeat(known.periods, len(amplitudes)),
-            "amplitude": np.tile(amplitudes, len(known.periods)),
+            "natural_period": np.repeat(curves.periods, len(levels)),
+            "amplitude": np.tile(levels, len(curves.periods)),
             "criterion": criterion,
-            "window": config.measures.window,
+            "window": window,
             "best": names[verdict.best.ravel()],
             "runner_up": names[verdict.runner_up.ravel()],
             "mse_best": verdict.mse_best.ravel(),
@@ -180,24 +182,14 @@ def best_scheme(
         parts.append(pd.DataFrame(columns))
     table = pd.concat(parts, ignore_index=True)
     keys = ["natural_period", "amplitude", "order"]
-    return table.sort_values(keys, kind="stable", ignore_index=True)[list(BEST_COLUMNS)]
+    return table.sort_values(keys, kind="stable", ignore_index=True)[best_columns(NAMES)]
 
 
 def coinciding(
     rows: pd.DataFrame, schemes: Sequence[str], window: str, criteria: Sequence[str]
 ) -> list[tuple[str, ...]]:
     """Groups of schemes whose motion and noise coincide, in the order of `schemes`."""
-    known = [expected(rows, schemes, criterion, window) for criterion in criteria]
-    names = known[0].schemes
-    marks = np.concatenate([np.hstack([one.motion, one.noise]) for one in known], axis=1)
-    groups: list[list[str]] = []
-    leaders: list[Array] = []
-    for name, mark in zip(names, marks, strict=True):
-        for group, leader in zip(groups, leaders, strict=True):
-            if np.all(np.abs(mark - leader) <= COINCIDENCE * np.abs(leader)):
-                group.append(name)
-                break
-        else:
-            groups.append([name])
-            leaders.append(mark)
-    return [tuple(group) for group in groups if len(group) > 1]
+    curves = [expected(rows, schemes, criterion, window) for criterion in criteria]
+    names = curves[0].schemes
+    marks = np.concatenate([np.hstack([one.motion, one.noise]) for one in curves], axis=1)
+    return group_coinciding(names, lambda i, j: bool(np.all(agree(marks[i], marks[j]))))

@@ -69,6 +69,7 @@ def best(
     """The smooth map over the grid's range; cells where the range is a point or has gaps."""
     from owtsweep.figures import best_scheme_map
     from owtsweep.studies.hub import scheme_names
+    from owtsweep.studies.hub.conditions import CONDITIONS
     from owtsweep.studies.hub.figures import expected_map
 
     names = scheme_names(config)
@@ -82,8 +83,9 @@ def best(
     )
     if not smooth:
         return best_scheme_map.draw(
-            tables["best_scheme"], names, criterion=criterion, window=window, tuning=tuning,
-            coinciding=same, failures=int((rows["status"] == FAILED).sum()),
+            tables["best_scheme"], names, CONDITIONS, criterion=criterion, window=window,
+            tuning=tuning, quantity=f"{criterion} MSE (x + y)", coinciding=same,
+            failures=int((rows["status"] == FAILED).sum()),
         )  # fmt: skip
     periods = np.linspace(min(grid.natural_period), max(grid.natural_period), FINE)
     amplitudes = np.geomspace(min(grid.amplitude), max(grid.amplitude), FINE)

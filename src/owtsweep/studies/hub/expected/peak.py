@@ -78,7 +78,7 @@ def _mean(config: HubConfig, period: float) -> float:
     band = (config.band[0], config.band[1])
     total = 0.0
     for record in range(RECORDS):
-        phase = stream(config.seed, "hub", 0.0, record, STREAM)
+        phase = stream(config.seed, "hub", (0.0,), record, STREAM)
         position = displacement(shape, phase, steps=steps, step=duration / steps, band=band)
         scale = 1.0 / np.max(np.abs(position))
         total += float(np.var(scale * position))

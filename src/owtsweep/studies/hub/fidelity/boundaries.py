@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
+from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS
 from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, DIGITS, Evidence, cells
 from owtsweep.verdicts.claims import claim_ratio
 from owtsweep.verdicts.inference import Claim, Decision, Side, interval
@@ -14,7 +15,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: HME2 has the lesser position MSE below the boundary, HME1 above it.
-LOWER, UPPER = "HME2", "HME1"
+LOWER, UPPER = BOUNDARY
+MEASURE = "position"
 #: Published boundaries: natural period (s) -> amplitude (m), section 5.3.
 PUBLISHED = {4.0: 0.3, 6.0: 1.0}
 #: A boundary read off a logarithmic axis is known to a factor of 2: the paper's own amplitudes
@@ -43,13 +45,13 @@ class Boundary:
 
 def boundary_at(evidence: Evidence, natural_period: float) -> Boundary | None:
     """The boundary at one period (s); None where the run lacks a scheme or the period."""
-    from owtsweep.results.boundary import boundary
+    from owtsweep.results.boundary import find_boundary
 
     rows = _rows(evidence, natural_period)
     if rows is None:
         return None
     try:
-        row = boundary(rows, lower=LOWER, upper=UPPER, window=evidence.window).iloc[0]
+        row = find_boundary(rows, CONDITIONS, BOUNDARY, MEASURE, evidence.window).iloc[0]
     except InputError:  # cases run directly have no products to find a root of
         return None
     label = f"boundary at {natural_period:g} s"
@@ -62,13 +64,14 @@ def boundary_at(evidence: Evidence, natural_period: float) -> Boundary | None:
 
 def ratio_of_boundaries(evidence: Evidence, period: float, to: float) -> Boundary | None:
     """The boundary at one period over that at another (s); None where either is missing."""
-    from owtsweep.results.boundary import boundary_ratio
+    from owtsweep.results.boundary import find_boundary_ratio
 
     rows = _rows(evidence, period, to)
     if rows is None:
         return None
     try:
-        ratio = boundary_ratio(rows, period, to, lower=LOWER, upper=UPPER, window=evidence.window)
+        cells = (period,), (to,)
+        ratio = find_boundary_ratio(rows, CONDITIONS, cells, BOUNDARY, MEASURE, evidence.window)
     except InputError:
         return None
     return Boundary(f"boundary at {period:g} s over that at {to:g} s", *ratio)

@@ -55,8 +55,8 @@ def consistency(evidence: Evidence) -> pd.DataFrame:
                     samples = evidence.samples(scheme, Cell(period, amplitude), measure)
                     mean, low, high = np.nan, np.nan, np.nan
                     if samples is not None:
-                        found = mean_ratio("", samples, freedom, 1.0, "above")
-                        mean, low, high = found.value, found.low, found.high
+                        ratio = mean_ratio("", samples, freedom, 1.0, "above")
+                        mean, low, high = ratio.value, ratio.low, ratio.high
                     row |= {measure: mean, f"{measure}_low": low, f"{measure}_high": high}
                     intervals.append((low, high))
                 rows.append(row | {"verdict": verdict(intervals)})
@@ -65,14 +65,14 @@ def consistency(evidence: Evidence) -> pd.DataFrame:
 
 def verdict(intervals: list[tuple[float, float]]) -> str:
     """The verdict on the intervals of one cell, NaN for unknown ones."""
-    known = [(low, high) for low, high in intervals if np.isfinite(low)]
-    above = any(low > 1.0 for low, _ in known)
-    below = any(high < 1.0 for _, high in known)
-    if not known:
+    finite = [(low, high) for low, high in intervals if np.isfinite(low)]
+    above = any(low > 1.0 for low, _ in finite)
+    below = any(high < 1.0 for _, high in finite)
+    if not finite:
         return UNKNOWN
     if above and below:
         return MIXED
     if above or below:
         return OPTIMISTIC if above else PESSIMISTIC
-    tight = all(low >= 1.0 / WIDEST and high <= WIDEST for low, high in known)
+    tight = all(low >= 1.0 / WIDEST and high <= WIDEST for low, high in finite)
     return CONSISTENT if tight else UNDECIDED

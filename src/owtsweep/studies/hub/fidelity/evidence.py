@@ -8,11 +8,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.results.aggregate import expand
-from owtsweep.statistics.contest import agree
-from owtsweep.sweep.study import OK
+from owtsweep.results.expand import expand
+from owtsweep.results.status import OK
+from owtsweep.statistics.contest import find_alike, find_least
+from owtsweep.studies.hub.conditions import CONDITIONS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -69,7 +71,7 @@ class Evidence:
     def values(self) -> pd.DataFrame:
         """One value per scheme, cell, measure and replicate, in the chosen window."""
         inside = self.rows[self.rows["window"] == self.window]
-        return expand(inside, list(self.amplitudes))
+        return expand(inside, CONDITIONS, {"amplitude": self.amplitudes})
 
     @cached_property
     def _by_case(self) -> dict[tuple[str, str, float, float], tuple[Array, Array]]:
@@ -87,31 +89,31 @@ class Evidence:
 
         Returns None if one has nothing or no replicate is common to all.
         """
-        found = []
+        cases = []
         for scheme, cell, measure in keys:
             period, amplitude = (round(number, DIGITS) for number in cell)
             case = self._by_case.get((scheme, measure, period, amplitude))
             if case is None:
                 return None
-            found.append(case)
-        shared = found[0][0]
-        for replicates, _ in found[1:]:
+            cases.append(case)
+        shared = cases[0][0]
+        for replicates, _ in cases[1:]:
             shared = np.intersect1d(shared, replicates, assume_unique=True)
         if not len(shared):
             return None
-        return [values[np.isin(replicates, shared)] for replicates, values in found]
+        return [values[np.isin(replicates, shared)] for replicates, values in cases]
 
     def paired(
         self, schemes: Sequence[str], cell: Cell, measure: str = "position"
     ) -> dict[str, Array] | None:
         """Scheme -> (replicates,) in one cell, over the replicates that all of them finished."""
-        found = self.common([(scheme, cell, measure) for scheme in schemes])
-        return None if found is None else dict(zip(schemes, found, strict=True))
+        values = self.common([(scheme, cell, measure) for scheme in schemes])
+        return None if values is None else dict(zip(schemes, values, strict=True))
 
     def samples(self, scheme: str, cell: Cell, measure: str) -> Array | None:
         """(replicates,) of one scheme, or None."""
-        found = self.common([(scheme, cell, measure)])
-        return None if found is None else found[0]
+        values = self.common([(scheme, cell, measure)])
+        return None if values is None else values[0]
 
     def best_other(self, scheme: str, cell: Cell) -> tuple[str, Array, Array] | None:
         """The best by mean position MSE of the paper's other schemes, beside `scheme`.
@@ -124,26 +126,29 @@ class Evidence:
         (name, (replicates,) of `scheme`, (replicates,) of the other), or None where one of the
         four schemes is missing or all of them coincide.
         """
-        found = self.paired(SCHEMES, cell)
-        if found is None:
+        paired = self.paired(SCHEMES, cell)
+        if paired is None:
             return None
-        own = found.pop(scheme)
-        others = {name: a for name, a in found.items() if not coincide(own, a)}
-        if not others:
+        means, alike = _one_cell(paired)
+        others = ~alike[SCHEMES.index(scheme)]
+        if not others.any():
             return None
-        best = least(others)
-        return best, own, others[best]
+        best = SCHEMES[int(find_least(means, others, alike)[0][0])]
+        return best, paired[scheme], paired[best]
 
 
-def coincide(a: Array, b: Array) -> bool:
-    """Whether two schemes agree up to rounding in every replicate."""
-    return bool(np.all(agree(a, b)))
-
-
-def least(found: Mapping[str, Array]) -> str:
+def least(paired: Mapping[str, Array]) -> str:
     """The scheme of least mean; of coinciding ones the last, as in the map."""
-    best = min(found, key=lambda name: float(np.mean(found[name])))
-    return [name for name, values in found.items() if coincide(values, found[best])][-1]
+    means, alike = _one_cell(paired)
+    return list(paired)[int(find_least(means, np.ones(means.shape, dtype=bool), alike)[0][0])]
+
+
+def _one_cell(paired: Mapping[str, Array]) -> tuple[Array, NDArray[np.bool_]]:
+    """Means (schemes, 1) and who coincides with whom (schemes, schemes, 1)."""
+    values = np.array(list(paired.values()))[:, np.newaxis]
+    means = np.array([[np.mean(samples)] for samples in paired.values()])
+    everywhere = np.ones(values.shape[1:], dtype=bool)
+    return means, find_alike(values, np.ones(means.shape, dtype=bool), everywhere)
 
 
 def cells(

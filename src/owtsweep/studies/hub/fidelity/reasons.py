@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub.fidelity.evidence import DIGITS, Cell, Evidence
 from owtsweep.studies.hub.fidelity.score import published_numbers
 
@@ -45,7 +46,7 @@ def floors_of_records(evidence: Evidence, scheme: str, measure: str) -> Array:
     chosen = _superposed(evidence, scheme, WEAK.natural_period, measure)
     chosen = chosen[chosen["window"] == evidence.window]
     A, C, F = (chosen[name].to_numpy(dtype=float) for name in ("motion", "cross", "noise"))
-    weak, strong = (N**2 * A + 2.0 * N * C + F for N in (WEAK.amplitude, STRONG.amplitude))
+    weak, strong = (superpose(A, C, F, cell.amplitude) for cell in (WEAK, STRONG))
     return np.asarray(_floor(weak, strong))
 
 
@@ -83,8 +84,7 @@ def start_up_share(evidence: Evidence, scheme: str, cell: Cell, measure: str) ->
     NaN where the cases were run directly.
     """
     chosen = _superposed(evidence, scheme, cell.natural_period, measure)
-    N = cell.amplitude
-    mse = N**2 * chosen["motion"] + 2.0 * N * chosen["cross"] + chosen["noise"]
+    mse = superpose(chosen["motion"], chosen["cross"], chosen["noise"], cell.amplitude)
     total = (mse * chosen["n_samples"]).groupby(chosen["window"]).sum()
     if not {"full", "settled"} <= set(total.index):
         return float("nan")

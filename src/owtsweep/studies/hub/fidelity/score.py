@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.arrays import Array
+from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.batch import Lanes, superposed_sums
 from owtsweep.studies.hub.config import HubConfig
@@ -64,8 +65,7 @@ def make_lanes(
 
 def at_amplitude(products: Array, amplitude: float) -> Array:
     """MSE at an amplitude (m) from the three products along the last axis."""
-    N = amplitude
-    return np.asarray(N**2 * products[..., 0] + 2.0 * N * products[..., 1] + products[..., 2])
+    return np.asarray(superpose(products[..., 0], products[..., 1], products[..., 2], amplitude))
 
 
 def boundary(lower: Array, upper: Array) -> float:

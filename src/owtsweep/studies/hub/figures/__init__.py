@@ -48,14 +48,12 @@ def drawings(
     metadata
         Stored inside the figures.
     """
-    from owtsweep.results import aggregate
-    from owtsweep.results.cube import Cube
-    from owtsweep.studies.hub import scheme_names
+    from owtsweep.results.best_scheme import find_coinciding
+    from owtsweep.studies.hub.conditions import CRITERIA, make_cube
 
     @cache
     def coinciding() -> list[tuple[str, ...]]:
-        names = scheme_names(config)
-        return aggregate.coinciding(Cube.of_rows(rows, names, config.grid.amplitude), names)
+        return find_coinciding(make_cube(config, rows), CRITERIA)
 
     of_results = _of_results(config, tables, rows, coinciding)
     return {
@@ -77,6 +75,7 @@ def _of_results(
     """Name -> what draws it from the run's results."""
     from owtsweep.figures import best_scheme_map
     from owtsweep.studies.hub import scheme_names
+    from owtsweep.studies.hub.conditions import CONDITIONS
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
     names = scheme_names(config)
@@ -92,7 +91,9 @@ def _of_results(
         return lambda: best_scheme_map.draw(
             tables["best_scheme"],
             names,
+            CONDITIONS,
             criterion=criterion,
+            quantity=f"{criterion} MSE (x + y)",
             coinciding=coinciding(),
             replicates=config.grid.replicates,
             failures=failures,
@@ -126,9 +127,9 @@ def _illustrations(
 ) -> dict[str, Callable[[], Figure]]:
     """Name -> what draws it from the configuration: a record, its spectrum, time histories."""
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
-    from owtsweep.studies.hub.histories import histories
+    from owtsweep.studies.hub.histories import simulate_histories
 
-    simulated = cache(lambda: histories(config))
+    simulated = cache(lambda: simulate_histories(config))
 
     def history(quantity: str, *, zoom: bool) -> Callable[[], Figure]:
         return lambda: time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from owtsweep.statistics.contest import agree
+from owtsweep.statistics.contest import agree, group_coinciding
 from owtsweep.studies.hub.figures.error_spectra import SchemeErrors
 from owtsweep.studies.hub.noise_floor import SOURCES
 
@@ -55,16 +55,12 @@ def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 
 def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
     """Groups of schemes with the same error spectrum."""
-    groups: list[list[str]] = []
-    for name, found in errors.items():
-        for group in groups:
-            other = errors[group[0]].spectrum
-            if all(np.all(agree(found.spectrum.of(m), other.of(m))) for m in MEASURES):
-                group.append(name)
-                break
-        else:
-            groups.append([name])
-    return [tuple(group) for group in groups if len(group) > 1]
+    spectra = [error.spectrum for error in errors.values()]
+
+    def coincide(i: int, j: int) -> bool:
+        return all(np.all(agree(spectra[i].of(m), spectra[j].of(m))) for m in MEASURES)
+
+    return group_coinciding(list(errors), coincide)
 
 
 def terminal(config: HubConfig, errors: Mapping[str, SchemeErrors]) -> Table:

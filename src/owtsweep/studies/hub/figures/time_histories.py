@@ -52,7 +52,7 @@ def draw(
     Parameters
     ----------
     histories
-        As `owtsweep.studies.hub.histories.histories` makes them.
+        As `owtsweep.studies.hub.histories.simulate_histories` makes them.
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom

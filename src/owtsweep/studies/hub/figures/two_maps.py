@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.best_scheme_map import draw_cells
 from owtsweep.figures.palette import style_of
-from owtsweep.results import aggregate
-from owtsweep.results.boundary import boundary
+from owtsweep.figures.plane import Plane
+from owtsweep.results.best_scheme import find_coinciding
+from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub import scheme_names
+from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, CRITERIA, make_cube
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
 
@@ -29,10 +30,7 @@ if TYPE_CHECKING:
 
     from owtsweep.sweep.runs import Run
 
-#: The schemes whose boundary is drawn: below it the first is better, above it the second.
-LOWER, UPPER = "HME2", "HME1"
-#: How far from the map's edge a boundary is drawn that lies beyond it, in cells.
-EDGE = 0.5
+LOWER, UPPER = BOUNDARY
 
 
 def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
@@ -54,8 +52,8 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
     from matplotlib.patches import Patch
 
     if criterion not in error_spectra.UNITS:
-        known = " or ".join(error_spectra.UNITS)
-        raise InputError(f"criterion: {criterion!r} has no error spectrum; use {known}")
+        usable = " or ".join(error_spectra.UNITS)
+        raise InputError(f"criterion: {criterion!r} has no error spectrum; use {usable}")
     for argument, run in (("paper", paper), ("matched", matched)):
         if run.study.name != "hub":
             raise InputError(
@@ -71,9 +69,9 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
         notes: list[str] = []
         for run, config, axes in zip(runs, configs, panels[0], strict=True):
             notes += _map(axes, run, config, criterion)
-        for config, found, axes in zip(configs, errors, panels[1], strict=True):
-            error_spectra.panel(axes, found, config, criterion)
-            notes += error_spectra.unsettled(config, found)
+        for config, spectra, axes in zip(configs, errors, panels[1], strict=True):
+            error_spectra.panel(axes, spectra, config, criterion)
+            notes += error_spectra.unsettled(config, spectra)
             axes.set_title(
                 f"Settled error from a motion of 1 m rms by its frequency, tuning: {config.tuning}",
                 loc="left",
@@ -107,9 +105,8 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
     if shown.empty:
         raise InputError(f"criterion: {run.folder} has no cell judged by {criterion} MSE")
     names = scheme_names(config)
-    periods = sorted(set(shown["natural_period"]))
-    amplitudes = sorted(set(shown["amplitude"]))
-    draw_cells(axes, shown.to_dict("records"), names, periods, amplitudes, labels="best")
+    plane = Plane.of(shown, CONDITIONS)
+    draw_cells(axes, shown.to_dict("records"), names, plane, labels="best")
     records = config.grid.replicates
     axes.set_title(
         f"Best scheme by {criterion} MSE, tuning: {config.tuning}\n"
@@ -118,40 +115,35 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
         fontsize=10,
     )
     rows = run.cases()
-    same = aggregate.coinciding(aggregate.expand(rows, list(config.grid.amplitude)), names)
+    same = find_coinciding(make_cube(config, rows), CRITERIA)
     notes = [f"{config.tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in
              same]  # fmt: skip
     try:
-        found = boundary(rows, LOWER, UPPER, criterion, window)
+        boundaries = find_boundary(rows, CONDITIONS, BOUNDARY, criterion, window)
     except InputError:  # a scheme is not in this run, or amplitudes were run one by one
         return [*notes, f"{config.tuning}: no boundary, since the run lacks superposed rows of it."]
-    return notes + _boundary(axes, found, periods, amplitudes, config.tuning)
+    return notes + _boundary(axes, boundaries, plane, config.tuning)
 
 
-def _boundary(
-    axes: Axes,
-    found: pd.DataFrame,
-    periods: Sequence[float],
-    amplitudes: Sequence[float],
-    tuning: str,
-) -> list[str]:
-    exists = found[found["wins"] == ""]
+def _boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane, tuning: str) -> list[str]:
+    exists = boundaries[boundaries["wins"] == ""]
     if not exists.empty:
-        column = [periods.index(period) for period in exists["natural_period"]]
+        column = [plane.columns.index(period) for period in exists["natural_period"]]
         middle, low, high = (
-            place(exists[name].to_numpy(dtype=float), amplitudes)
+            plane.height_of(exists[name].to_numpy(dtype=float))
             for name in ("boundary", "ci_low", "ci_high")
         )
         outline: dict[str, Any] = {"color": "white", "solid_capstyle": "butt", "zorder": 4}
         axes.plot(column, middle, linewidth=5.0, **outline)
         axes.plot(column, middle, **_LINE)
-        known = np.isfinite(low) & np.isfinite(high)
+        finite = np.isfinite(low) & np.isfinite(high)
         for width, color in ((5.0, "white"), (1.6, "black")):
-            axes.vlines(np.array(column)[known], low[known], high[known], color=color,
+            axes.vlines(np.array(column)[finite], low[finite], high[finite], color=color,
                         linewidth=width, zorder=4.5)  # fmt: skip
     notes = []
-    for winner in sorted(set(found["wins"]) - {""}):
-        listed = ", ".join(f"{T:g}" for T in found["natural_period"][found["wins"] == winner])
+    for winner in sorted(set(boundaries["wins"]) - {""}):
+        without = boundaries["natural_period"][boundaries["wins"] == winner]
+        listed = ", ".join(f"{T:g}" for T in without)
         outcome = (
             f"of the two {winner} is better at every amplitude."
             if winner in (LOWER, UPPER)
@@ -159,17 +151,6 @@ def _boundary(
         )
         notes.append(f"{tuning}, {listed} s: no boundary; {outcome}")
     return notes
-
-
-def place(amplitude: Array, amplitudes: Sequence[float]) -> Array:
-    """Where an amplitude lies between the rows of the map, logarithmically; its edges at most."""
-    rows = np.arange(len(amplitudes), dtype=float)
-    if len(amplitudes) == 1:
-        return np.where(np.isnan(amplitude), np.nan, 0.0)
-    log, grid = np.log(np.maximum(amplitude, 1e-12)), np.log(np.asarray(amplitudes))
-    steps = np.diff(grid)
-    padded = np.concatenate([[grid[0] - EDGE * steps[0]], grid, [grid[-1] + EDGE * steps[-1]]])
-    return np.asarray(np.interp(log, padded, np.concatenate([[-EDGE], rows, [rows[-1] + EDGE]])))
 
 
 def _share_scales(panels: Sequence[Axes]) -> None:

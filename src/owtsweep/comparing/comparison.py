@@ -1,6 +1,6 @@
 """What a comparison of runs is, as far as machinery and studies need to agree.
 
-`owtsweep.sweep.compare` finds runs, keys and pairs without knowing what they mean; a study that
+`owtsweep.sweep.compare` looks for runs, keys and pairs without knowing what they mean; a study that
 answers to `Comparable` says what follows from them.
 """
 
@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+
+from owtsweep.comparing.values import show
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,6 +40,11 @@ class Candidate:
     config: Any
     rows: pd.DataFrame
     values: Mapping[str, Any]
+
+    @property
+    def label(self) -> str:
+        """The run by its swept values."""
+        return " ".join(f"{key}={show(value)}" for key, value in self.values.items())
 
 
 @dataclass(frozen=True)
@@ -69,7 +76,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Findings:
-    """What a study found.
+    """What a comparison comes to.
 
     Attributes
     ----------

@@ -8,9 +8,24 @@ import pytest
 from scipy.optimize import brentq
 
 from owtsweep.errors import InputError
-from owtsweep.results.boundary import boundary, boundary_ratio
+from owtsweep.results import boundary as boundaries
+from owtsweep.results.conditions import Condition
+from owtsweep.studies.hub.conditions import CONDITIONS
 
 PRODUCTS = ["motion", "cross", "noise"]
+
+
+def boundary(rows: pd.DataFrame, lower: str = "HME2", window: str = "full") -> pd.DataFrame:
+    return boundaries.find_boundary(rows, CONDITIONS, (lower, "HME1"), "position", window)
+
+
+def boundary_ratio(
+    rows: pd.DataFrame, period_a: float, period_b: float
+) -> tuple[float, float, float]:
+    cells = (period_a,), (period_b,)
+    return boundaries.find_boundary_ratio(
+        rows, CONDITIONS, cells, ("HME2", "HME1"), "position", "full"
+    )
 
 
 def run_rows(
@@ -164,5 +179,28 @@ def test_refusals() -> None:
         boundary(rows, window="settled")
     with pytest.raises(InputError, match=r"evaluation=superposed"):
         boundary(rows.assign(amplitude=1.0))
-    with pytest.raises(InputError, match=r"^period_b: no records at 5 s; the rows have 4, 8 s"):
+    with pytest.raises(
+        InputError, match=r"^natural_period: no records at 5 s; the rows have 4, 8 s"
+    ):
         boundary_ratio(rows, 4.0, 5.0)
+
+
+def test_a_boundary_over_other_conditions_or_over_none() -> None:
+    gain = Condition("gain", "gain", scale="log", expands=True)
+    soil, heading = Condition("soil", "soil"), Condition("heading", "heading", "deg")
+    rows = run_rows(MEANS).rename(columns={"natural_period": "heading", "amplitude": "gain"})
+    both = pd.concat([rows.assign(soil="clay"), rows.assign(soil="sand", noise=2.0 * rows.noise)])
+    told = ("HME2", "HME1"), "position", "full"
+    table = boundaries.find_boundary(both, (soil, heading, gain), *told)
+    assert list(table.columns[:2]) == ["soil", "heading"]
+    cells = table[["soil", "heading"]].to_records(index=False).tolist()
+    assert cells == [("clay", 4.0), ("clay", 8.0), ("sand", 4.0), ("sand", 8.0)]
+    expected = boundary(run_rows(MEANS))["boundary"]
+    np.testing.assert_array_equal(table["boundary"][:2], expected)
+    assert (table["boundary"][2:].to_numpy() > expected.to_numpy()).all()
+    alone = boundaries.find_boundary(rows[rows.heading == 4.0], (gain,), *told)
+    assert list(alone.columns) == list(boundaries.COLUMNS)
+    assert alone["boundary"][0] == pytest.approx(expected[0], rel=1e-12)
+    cells = (("peat", 4.0), ("clay", 4.0))
+    with pytest.raises(InputError, match=r"^soil heading: no records at peat 4 deg; the rows have"):
+        boundaries.find_boundary_ratio(both, (soil, heading, gain), cells, *told)

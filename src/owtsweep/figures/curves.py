@@ -1,0 +1,224 @@
+"""A measure over one condition: a curve with its band for every scheme."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+from owtsweep.errors import InputError
+from owtsweep.figures import style
+from owtsweep.figures.palette import style_of
+from owtsweep.results.conditions import Condition, Value, order_values, show_value
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+#: Every value has its tick unless two would be closer than this part of a logarithmic axis.
+CLOSEST_TICKS = 0.045
+#: A logarithmic axis has no place for zero: intervals end at this part of their mean at the latest.
+LOWEST = 0.1
+#: How points from elsewhere look beside the curves.
+HOLLOW: dict[str, Any] = {
+    "markerfacecolor": "none", "markersize": 10, "markeredgewidth": 1.6, "linestyle": "none",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points from elsewhere, e.g. published ones, drawn hollow.
+
+    Attributes
+    ----------
+    table
+        scheme, measure, a column with the name of the condition, value; may be empty.
+    label
+        Their entry in the legend; "" for none.
+    """
+
+    table: pd.DataFrame
+    label: str = ""
+
+
+def choose(
+    summary: pd.DataFrame,
+    schemes: Sequence[str],
+    window: str,
+    fixed: Mapping[Condition, Value],
+) -> pd.DataFrame:
+    """The rows of a summary at fixed values of conditions.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    shown = in_window = summary[summary["window"] == window]
+    for condition, value in fixed.items():
+        column = shown[condition.name]
+        at = column == value if isinstance(value, str) else np.isclose(column, value, rtol=1e-9)
+        shown = shown[at]
+    shown = shown[shown["scheme"].isin(list(schemes))]
+    if shown.empty:
+        names = " and ".join(condition.name for condition in fixed)
+        where = ", ".join(condition.show(value) for condition, value in fixed.items())
+        present = "; ".join(
+            ", ".join(map(show_value, order_values(in_window[condition.name])))
+            for condition in fixed
+        )
+        raise InputError(
+            f"{names}: no result at {where} in window {window!r}; this run has {present or 'none'}"
+        )
+    return shown
+
+
+def draw(
+    shown: pd.DataFrame,
+    schemes: Sequence[str],
+    along: Condition,
+    panels: Mapping[str, str],
+    *,
+    title: str,
+    points: Points | None = None,
+    coinciding: Sequence[Sequence[str]] = (),
+    notes: Sequence[str] = (),
+) -> Figure:
+    """Draw measures of all schemes over a condition, one panel per measure.
+
+    Parameters
+    ----------
+    shown
+        Rows of a summary, with one value of every condition but `along` (`choose`).
+    schemes
+        Schemes to draw, in the order of the legend.
+    along
+        The condition; its axis is linear or logarithmic as it says.
+    panels
+        Measure -> label of its axis, which is logarithmic.
+    title
+        Of the figure.
+    points
+        Drawn beside the curves.
+    coinciding
+        Groups of schemes with the same numbers (`best_scheme.find_coinciding`), for the footnote.
+    notes
+        Sentences at the end of the footnote.
+    """
+    levels = order_values(shown[along.name], shown[along.name].unique())
+    with style.context():
+        figure = style.new_figure(5.0 * len(panels), 5.0)
+        grid = figure.subplots(1, len(panels), squeeze=False)[0]
+        for axes, (measure, label) in zip(grid, panels.items(), strict=True):
+            for name in schemes:
+                rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
+                _draw_curve(axes, rows, along, levels, name, schemes)
+                if points is not None:
+                    table = points.table
+                    chosen = table[(table["scheme"] == name) & (table["measure"] == measure)]
+                    _draw_points(axes, chosen, along, levels, name, schemes)
+            _scale(axes, along, levels)
+            axes.set_ylabel(label)
+        figure.suptitle(title, x=0.01, ha="left", fontsize=11)
+        figure.legend(
+            handles=_make_legend(shown, schemes, points), loc="outside right center", frameon=False
+        )
+        style.footnote(figure, " ".join([*_explain(shown, coinciding), *notes]))
+    return figure
+
+
+def _place(column: pd.Series[Any], levels: Sequence[Value]) -> Any:
+    """Where values stand on the axis: numbers as they are, texts one after the other."""
+    if isinstance(levels[0], str):
+        return column.map(levels.index).to_numpy()
+    return column.to_numpy()
+
+
+def _draw_curve(
+    axes: Axes,
+    rows: pd.DataFrame,
+    along: Condition,
+    levels: Sequence[Value],
+    name: str,
+    schemes: Sequence[str],
+) -> None:
+    look = style_of(name, schemes)
+    place = _place(rows[along.name], levels)
+    order = np.argsort(place, kind="stable")
+    place, rows = place[order], rows.iloc[order]
+    mean = rows["mean"].to_numpy()
+    axes.plot(
+        place, mean, color=look.color, linestyle=look.line, marker=look.marker, markersize=4.5
+    )
+    low = np.maximum(rows["ci_low"].to_numpy(), LOWEST * mean)
+    high = rows["ci_high"].to_numpy()
+    axes.fill_between(place, low, high, color=look.color, alpha=0.2, linewidth=0.0)
+    axes.vlines(place, low, high, color=look.color, linewidth=1.0)
+
+
+def _draw_points(
+    axes: Axes,
+    points: pd.DataFrame,
+    along: Condition,
+    levels: Sequence[Value],
+    name: str,
+    schemes: Sequence[str],
+) -> None:
+    look = style_of(name, schemes)
+    place = _place(points[along.name], levels)
+    axes.plot(place, points["value"].to_numpy(), color=look.color, marker=look.marker, **HOLLOW)
+
+
+def _scale(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:
+    axes.set_yscale("log")
+    axes.set_xlabel(along.title)
+    axes.tick_params(axis="x", labelsize=8)
+    if isinstance(levels[0], str):
+        axes.set_xticks(range(len(levels)), [show_value(value) for value in levels])
+        return
+    if along.scale == "linear":
+        return
+    axes.set_xscale("log")
+    numbers = [float(value) for value in levels]
+    ticks = np.log(numbers)
+    span = ticks[-1] - ticks[0]
+    if span == 0.0 or np.min(np.diff(ticks)) >= CLOSEST_TICKS * span:
+        axes.set_xticks(numbers)
+    else:
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    if span == 0.0:
+        axes.set_xlim(numbers[0] / 2.0, numbers[0] * 2.0)
+
+
+def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points: Points | None) -> list[Any]:
+    handles: list[Any] = []
+    for name in schemes:
+        look = style_of(name, schemes)
+        handles.append(
+            Line2D([], [], color=look.color, linestyle=look.line, marker=look.marker, label=name)
+        )
+    if shown["ci_low"].notna().any():
+        handles.append(Patch(facecolor="0.6", alpha=0.5, label="95 % interval\nof the mean"))
+    if points is not None and points.label:
+        handles.append(Line2D([], [], color="0.3", marker="o", label=points.label, **HOLLOW))
+    return handles
+
+
+def _explain(shown: pd.DataFrame, coinciding: Sequence[Sequence[str]]) -> list[str]:
+    sentences = [f"{' and '.join(group)} give the same numbers." for group in coinciding]
+    if shown["ci_low"].notna().any():
+        sentences.append(
+            "Intervals are of each mean by itself. All schemes saw the same records, so overlapping"
+            " intervals do not mean that two schemes cannot be told apart: see the map."
+        )
+    if (shown["ci_low"] < LOWEST * shown["mean"]).any():
+        sentences.append(f"Intervals are cut at {LOWEST:g} of the mean.")
+    return sentences

@@ -1,0 +1,108 @@
+"""Two conditions as the axes of a map of cells, one across and one upwards."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.results.conditions import Condition, Grid, Value, order_values, show_value
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+
+#: How far from the map's edge something is drawn that lies beyond it, in cells.
+EDGE = 0.5
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The cells of a map: cell (i, j) has its centre at column number i, line number j.
+
+    Attributes
+    ----------
+    across, upwards
+        The conditions; a single one leaves a map of one line.
+    columns, lines
+        Their values, in order.
+    """
+
+    across: Condition
+    columns: list[Value]
+    upwards: Condition | None
+    lines: list[Value]
+
+    @classmethod
+    def of(cls, table: pd.DataFrame, conditions: Sequence[Condition]) -> Plane:
+        """The plane of a table with a column per condition; raises as `over`."""
+        columns = {condition.name: table[condition.name] for condition in conditions}
+        return cls.over(
+            conditions, {name: order_values(c, c.unique()) for name, c in columns.items()}
+        )
+
+    @classmethod
+    def over(cls, conditions: Sequence[Condition], grid: Grid) -> Plane:
+        """The plane of conditions with these values.
+
+        Of more than two conditions those of a single value have no axis.
+
+        Raises
+        ------
+        InputError
+            If more than two conditions have several values.
+        """
+        shown = list(conditions)
+        if len(shown) > 2:
+            varied = [condition for condition in shown if len(grid[condition.name]) > 1]
+            if len(varied) > 2:
+                names = ", ".join(condition.name for condition in varied)
+                raise InputError(
+                    f"map: {names} all have several values, and a map shows two conditions; give "
+                    "others one value each, or sweep them with --multirun"
+                )
+            rest = [condition for condition in shown if condition not in varied]
+            shown = sorted([*varied, *rest][:2], key=shown.index)
+        across, upwards = shown[0], shown[1] if len(shown) > 1 else None
+        lines: list[Value] = list(grid[upwards.name]) if upwards else [""]
+        return cls(across, list(grid[across.name]), upwards, lines)
+
+    @property
+    def size(self) -> int:
+        """The number of cells."""
+        return len(self.columns) * len(self.lines)
+
+    def place(self, row: Mapping[Any, Any]) -> tuple[int, int]:
+        """Column and line number of a row of a table."""
+        line = self.lines.index(row[self.upwards.name]) if self.upwards else 0
+        return self.columns.index(row[self.across.name]), line
+
+    def height_of(self, values: Array) -> Array:
+        """Where values of `upwards` lie between the lines, at the map's edge if beyond it.
+
+        Between two lines by the condition's scale, linear or logarithmic.
+        """
+        lines = np.asarray(self.lines, dtype=float)
+        numbers = np.arange(len(lines), dtype=float)
+        if len(lines) == 1:
+            return np.where(np.isnan(values), np.nan, 0.0)
+        if self.upwards is not None and self.upwards.scale == "log":
+            values, lines = np.log(np.maximum(values, 1e-12)), np.log(lines)
+        steps = np.diff(lines)
+        ends = lines[0] - EDGE * steps[0], lines[-1] + EDGE * steps[-1]
+        padded = np.concatenate([ends[:1], lines, ends[1:]])
+        heights = np.concatenate([[-EDGE], numbers, [numbers[-1] + EDGE]])
+        return np.asarray(np.interp(values, padded, heights))
+
+    def label_axes(self, axes: Axes) -> None:
+        """Limits, ticks and labels."""
+        axes.set_xlim(-0.5, len(self.columns) - 0.5)
+        axes.set_ylim(-0.5, len(self.lines) - 0.5)
+        axes.set_xticks(range(len(self.columns)), [show_value(value) for value in self.columns])
+        axes.set_yticks(range(len(self.lines)), [show_value(value) for value in self.lines])
+        axes.set_xlabel(self.across.title)
+        axes.set_ylabel(self.upwards.title if self.upwards else "")

@@ -1,0 +1,132 @@
+"""The best scheme of every cell, and whether the data tell it from the next: best_scheme.csv.
+
+A cell is one value of each condition. Schemes are compared in pairs, replicate by replicate,
+because all of them saw the same motion and the same noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from owtsweep.errors import InputError
+from owtsweep.results.cube import Cube
+from owtsweep.results.unable import tell_in_best_scheme
+from owtsweep.statistics.contest import agree, contest, group_coinciding
+from owtsweep.statistics.holm import holm
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+VERDICT_COLUMNS = (
+    "criterion", "window", "best", "runner_up", "mse_best", "mse_runner_up", "difference",
+    "ci_low", "ci_high", "distinguishable",
+)  # fmt: skip
+
+
+def name_columns(conditions: Sequence[str]) -> list[str]:
+    """The columns of a best-scheme table over these conditions."""
+    return [*conditions, *VERDICT_COLUMNS]
+
+
+def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.DataFrame:
+    """The scheme of least mean in every cell, and whether the data tell it from the next.
+
+    Means are over the replicates that all schemes finished; a scheme that finished none in a cell
+    takes no part there, and a cell without a common replicate has no row. Schemes that agree to
+    `statistics.contest.COINCIDENCE` in every replicate count as one, under the name listed last in
+    `cube.schemes`; the runner-up is the best scheme that does not coincide with the best one.
+
+    Parameters
+    ----------
+    cube
+        The values.
+    window
+        E.g. "full" or "settled".
+    criteria
+        Measures to judge by, each on its own.
+
+    Returns
+    -------
+    DataFrame
+        `name_columns`, sorted by conditions and criterion. `ci_low` and `ci_high` are the 95 %
+        paired t interval of `difference` in that cell alone; `distinguishable` applies Holm's
+        step-down correction over all cells of the criterion at 5 %. With one scheme `runner_up` is
+        empty and the numbers that need it are NaN; with one replicate the interval is NaN. Neither
+        is distinguishable. If a scheme was unable to work in any cell, `status` and `reason` too.
+
+    Raises
+    ------
+    InputError
+        If a criterion or the window was not measured.
+    """
+    import pandas as pd
+
+    columns = name_columns(cube.names)
+    last = cube.names[-1]
+    schemes = range(len(cube.schemes))
+    names = np.array([*cube.schemes, ""], dtype=object)  # place -1: no runner-up
+    tables: list[pd.DataFrame] = []
+    for criterion in criteria if not cube.empty else ():
+        measure = _find_place(cube.measures, criterion, "criteria")
+        at = _find_place(cube.windows, window, "window")
+        parts = []
+        for place in cube.outer_places():
+            values = [cube.values(i, place, [measure])[:, 0, at] for i in schemes]
+            result = contest(np.stack(values))
+            cells = cube.name_outer(place) | {last: cube.levels[-1], "criterion": criterion}
+            part = pd.DataFrame(cells | {"window": window} | result._asdict())
+            part = part.assign(best=names[result.best], runner_up=names[result.runner_up])
+            parts.append(part[result.judged])
+        table = pd.concat(parts)
+        tables.append(table.assign(distinguishable=holm(table["p"].to_list())))
+    if not tables:
+        return pd.DataFrame(columns=columns)
+    order = dict(zip(cube.names, cube.levels, strict=True))
+    whole = pd.concat(tables).sort_values(
+        cube.names, kind="stable", ignore_index=True,
+        key=lambda column: column.map({v: i for i, v in enumerate(order[str(column.name)])}),
+    )  # fmt: skip
+    return tell_in_best_scheme(whole[columns], cube.unable, cube.names)
+
+
+def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]]:
+    """Groups of schemes that coincide by all criteria in every cell and replicate.
+
+    Each group is in the order of the schemes, so its last member is the name that
+    `find_best_schemes` uses.
+    """
+    judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
+    if cube.empty:
+        return []
+    return group_coinciding(cube.schemes, lambda i, j: _coincide(cube, i, j, judged))
+
+
+def _find_place(labels: Sequence[str], label: str, argument: str) -> int:
+    if label not in labels:
+        raise InputError(f"{argument}: {label!r} was not measured; use {' or '.join(labels)}")
+    return labels.index(label)
+
+
+def _coincide(cube: Cube, i: int, j: int, measures: list[int]) -> bool:
+    """Whether two schemes agree wherever both have a value, and there is any."""
+    pairs = (
+        (cube.values(i, place, measures), cube.values(j, place, measures))
+        for place in cube.outer_places()
+    )
+    verdicts = {_agree(*pair) for pair in pairs}
+    return True in verdicts and False not in verdicts
+
+
+def _agree(one: Floats, other: Floats) -> bool | None:
+    """Whether all values that both have coincide; None if there is none."""
+    both = np.isfinite(one) & np.isfinite(other)
+    one, other = one[both], other[both]
+    if not one.size:
+        return None
+    return bool(np.all(agree(one, other)))

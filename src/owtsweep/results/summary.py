@@ -1,0 +1,66 @@
+"""Means over the replicates with their intervals: summary.csv."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.results.conditions import order_values
+from owtsweep.results.cube import Cube
+from owtsweep.results.unable import tell_in_summary
+from owtsweep.statistics.student import t_quantile
+from owtsweep.statistics.sums import mean_and_error
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+def name_columns(conditions: Sequence[str]) -> list[str]:
+    """The columns of a summary over these conditions."""
+    return ["scheme", *conditions, "measure", "window", "mean", "ci_low", "ci_high", "n"]
+
+
+def summarise(cube: Cube) -> pd.DataFrame:
+    """Mean over the replicates with its 95 % Student-t interval (NaN for a single replicate).
+
+    Returns
+    -------
+    DataFrame
+        `name_columns`, sorted by scheme, conditions, measure, window; `n` is the number of
+        replicates that the scheme finished. If a scheme was unable to work in a cell, `status` and
+        `reason` too, and a line without measure that says so.
+    """
+    import pandas as pd
+
+    columns = name_columns(cube.names)
+    last = cube.names[-1]
+    axes = {last: cube.levels[-1], "measure": cube.measures, "window": cube.windows}
+    parts: list[pd.DataFrame] = []
+    for i, scheme in enumerate(cube.schemes if not cube.empty else ()):
+        for place in cube.outer_places():
+            with np.errstate(invalid="ignore"):  # cells without any value: 0 / 0
+                mean, error, n = mean_and_error(cube.values(i, place))
+            cells = np.nonzero(n)
+            mean, error, n = mean[cells], error[cells], n[cells]
+            margin = t_quantile(n - 1) * error
+            table: dict[str, Any] = {"scheme": scheme, **cube.name_outer(place)}
+            for (name, axis), index in zip(axes.items(), cells, strict=True):
+                table[name] = pd.Index(axis).take(index)
+            table |= {"mean": mean, "ci_low": mean - margin, "ci_high": mean + margin, "n": n}
+            parts.append(pd.DataFrame(table, columns=columns))
+    filled = [part for part in parts if len(part)]
+    whole = pd.concat(filled, ignore_index=True) if filled else pd.DataFrame(columns=columns)
+    return _sort(tell_in_summary(whole, cube.unable), cube) if len(cube.unable) else whole
+
+
+def _sort(table: pd.DataFrame, cube: Cube) -> pd.DataFrame:
+    """Lines of cells without results among the others, in the order of schemes and conditions."""
+    order: dict[str, list[Any]] = {"scheme": list(cube.schemes)}
+    for name, levels in zip(cube.names, cube.levels, strict=True):
+        order[name] = order_values([*levels, *cube.unable[name]], levels)
+    return table.sort_values(
+        list(order), kind="stable", ignore_index=True,
+        key=lambda column: column.map({v: i for i, v in enumerate(order[str(column.name)])}),
+    )  # fmt: skip

@@ -1,0 +1,49 @@
+"""Intervals from records drawn anew, with replacement.
+
+Source: Efron and Tibshirani (1993), An introduction to the bootstrap, chapters 10 and 13.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.statistics.student import CONFIDENCE
+
+RESAMPLES = 4000
+#: Draws of records are the same whenever the same records are compared.
+SEED = 20190601
+
+
+def resample_means(records: Array, key: Sequence[int], resamples: int = RESAMPLES) -> Array:
+    """(resamples, quantities): means over records that were drawn with replacement.
+
+    Parameters
+    ----------
+    records
+        (records, quantities). With fewer than two there is no resample.
+    key
+        Tells the draws of independent sets of records apart; not negative.
+    """
+    n = len(records)
+    if n < 2:
+        return np.empty((0, records.shape[1]))
+    sequence = np.random.SeedSequence(SEED, spawn_key=(*key, n))
+    draws = np.random.Generator(np.random.SFC64(sequence)).integers(0, n, size=(resamples, n))
+    return np.asarray(records[draws].mean(axis=1))
+
+
+def percentile_interval(samples: Array) -> tuple[float, float]:
+    """The central 95 % of the samples.
+
+    A sample that is NaN counts below the lower end and above the upper one; an end among such
+    samples is NaN.
+    """
+    tail = 0.5 * (1.0 - CONFIDENCE)
+    worst_low = np.sort(np.where(np.isnan(samples), -np.inf, samples))
+    worst_high = np.sort(np.where(np.isnan(samples), np.inf, samples))
+    low = worst_low[int(np.floor(tail * (len(samples) - 1)))]
+    high = worst_high[int(np.ceil((1.0 - tail) * (len(samples) - 1)))]
+    return float(low if low > -np.inf else np.nan), float(high)

@@ -1,0 +1,37 @@
+"""The interval of a ratio of two means.
+
+Source: Fieller (1954), Some problems in interval estimation.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from owtsweep.arrays import Array
+
+
+def fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
+    """The thresholds r that the paired t test of mean(a) = r mean(b) does not reject.
+
+    Parameters
+    ----------
+    a, b
+        (n,) paired samples, not negative.
+    quantile
+        Of Student's t with n - 1 degrees of freedom.
+
+    Returns
+    -------
+    tuple of float
+        The ends of the interval, the lower one at least 0; NaN where `b` scatters so much that
+        the interval has no end.
+    """
+    n = len(a)
+    A, B = np.mean(a), np.mean(b)
+    variance = np.cov(a, b) * quantile**2 / n
+    square = B * B - variance[1, 1]
+    if square <= 0.0:
+        return float("nan"), float("nan")
+    half = A * B - variance[0, 1]
+    root = np.sqrt(max(half * half - square * (A * A - variance[0, 0]), 0.0))
+    return max(float((half - root) / square), 0.0), float((half + root) / square)

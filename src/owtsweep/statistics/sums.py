@@ -1,0 +1,39 @@
+"""Sums and means whose bits depend on nothing but their own terms and the order of these."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def ordered_sum(samples: Floats) -> Floats:
+    """Sum over the last axis strictly in order.
+
+    `np.sum` groups its terms by the shape of the array; a running sum does not.
+    """
+    total: Floats
+    if samples.ndim > 1 and samples.strides[-1] > min(samples.strides[:-1]):
+        # The samples of all cells lie side by side: the same sums, all cells at once.
+        total = samples[..., 0].copy(order="K")
+        for place in range(1, samples.shape[-1]):
+            total += samples[..., place]
+    else:
+        total = np.cumsum(samples, axis=-1)[..., -1]
+    return total
+
+
+def mean_and_error(samples: Floats) -> tuple[Floats, Floats, NDArray[np.intp]]:
+    """Mean, its standard error (NaN for one sample) and count over the last axis without NaN."""
+    present = np.isfinite(samples)
+    n = present.sum(axis=-1)
+    whole = bool(present.all())
+    mean = ordered_sum(samples if whole else np.where(present, samples, 0.0)) / n
+    deviation = samples - mean[..., np.newaxis]
+    if not whole:
+        deviation = np.where(present, deviation, 0.0)
+    with np.errstate(over="ignore"):  # a scheme that diverges: no end of its interval is known
+        spread = ordered_sum(np.square(deviation, out=deviation))
+    error = np.sqrt(spread / np.where(n > 1, n * (n - 1.0), np.nan))
+    return mean, error, n

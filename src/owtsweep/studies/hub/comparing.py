@@ -1,0 +1,47 @@
+"""What the hub study says of a run that is compared with others."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from owtsweep.comparing.aspects import Aspects
+from owtsweep.comparing.comparison import Candidate
+from owtsweep.results.conditions import Grid
+from owtsweep.studies.hub import scheme_names
+from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, get_grid
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.engines import ENGINES
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import pandas as pd
+
+#: What the motion of a record depends on besides its natural period and replicate. Sigma, delay,
+#: rate, bias and tuning keep the phases of the motion and the draws of the noise.
+PAIRING = ("seed", "record", "spectrum", "band", "normalise")
+
+
+def describe_run(run: Candidate) -> Aspects:
+    """What a comparison needs to know of a run."""
+    config: HubConfig = run.config
+    window = config.measures.window
+    return Aspects(
+        conditions=CONDITIONS,
+        grid=get_grid(config),
+        schemes=scheme_names(config),
+        criterion=config.measures.criterion,
+        window=window,
+        pairing={key: getattr(config, key) for key in PAIRING},
+        boundary=BOUNDARY,
+        best_of=None if ENGINES[config.engine]().samples else partial(_best_expected, window),
+    )
+
+
+def _best_expected(
+    window: str, rows: pd.DataFrame, grid: Grid, schemes: Sequence[str], criterion: str
+) -> pd.DataFrame:
+    from owtsweep.studies.hub.expected.answers import best_scheme
+
+    return best_scheme(rows, schemes, [criterion], grid["amplitude"], window)

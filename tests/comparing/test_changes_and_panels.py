@@ -1,0 +1,50 @@
+"""Which cells change their best scheme, and where the panels of runs stand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from owtsweep.comparing.changes import compare_cells
+from owtsweep.comparing.comparison import Comparison, Pair
+from owtsweep.comparing.panels import arrange
+
+
+def test_a_change_needs_both_gaps_and_holm_counts_every_cell():
+    index = pd.MultiIndex.from_product(
+        [["P", "Q"], [1.0], [1.0, 2.0, 3.0]], names=["scheme", "natural_period", "amplitude"]
+    )
+    noise = 1e-3 * np.arange(6.0)
+
+    def table(gaps):  # Q less P in the three cells
+        return pd.DataFrame([np.ones(6)] * 3 + [1.0 + g + noise - noise.mean() for g in gaps],
+                            index=index)  # fmt: skip
+
+    first, second = table([0.1, 0.1, 0.0003]), table([-0.1, 0.1, -0.1])
+    best = {(1.0, N): "P" for N in (1.0, 2.0, 3.0)}
+    after = {(1.0, 1.0): "Q", (1.0, 2.0): "P", (1.0, 3.0): "Q"}
+    rows = compare_cells(first, second, best, after, paired=True)
+    assert [row["amplitude"] for row in rows] == [1.0, 3.0]
+    assert [row["established"] for row in rows] == [True, False]
+    assert rows[0]["change"] == pytest.approx(-0.2)
+
+
+def comparison(values: list[dict]) -> Comparison:
+    from types import SimpleNamespace
+
+    runs = tuple(SimpleNamespace(values=own) for own in values)
+    return Comparison(tuple(values[0]), (), runs, (Pair(0, 1, ""),))  # type: ignore[arg-type]
+
+
+def test_panels_put_the_first_key_across_and_leave_holes():
+    grid = [{"a": a, "b": b} for a in (1.0, 2.0) for b in (5.0, 6.0, 7.0)]
+    panels = arrange(comparison(grid[:-1]))
+    assert panels is not None
+    assert panels.runs == [[0, 3], [1, 4], [2, None]]
+    assert panels.titles[1][1] == "a = 2\nb = 6"
+    one = arrange(comparison([{"a": float(i)} for i in range(6)]))
+    assert one is not None
+    assert one.runs == [[0, 1, 2, 3], [4, 5, None, None]]
+    assert arrange(comparison([{"a": 1, "b": 2, "c": i} for i in range(2)])) is None
+    assert arrange(comparison([{"a": float(i)} for i in range(31)])) is None
