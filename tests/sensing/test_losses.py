@@ -13,7 +13,7 @@ COUNT = 200_000
 
 
 def uniforms() -> np.random.Generator:
-    return stream(2019, "hub", 4.0, 0, "loss")
+    return stream(2019, "hub", (4.0,), 0, "loss")
 
 
 @pytest.mark.parametrize("length", [1, 5, 40])

@@ -11,7 +11,7 @@ from owtsweep.streams import stream
 
 
 def normals(name: str = "imu_x") -> np.random.Generator:
-    return stream(2019, "hub", 4.0, 0, name)
+    return stream(2019, "hub", (4.0,), 0, name)
 
 
 def test_white_noise_has_its_deviation_and_no_memory() -> None:

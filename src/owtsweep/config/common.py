@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Literal
+from typing import ClassVar, Literal
 
 from owtsweep.config.checks import require
 from owtsweep.config.section import Section, key
@@ -31,6 +31,12 @@ class Compute(Section):
 
 class Config(Section):
     """The keys that every study has; a study's configuration adds its own."""
+
+    #: Keys and sections on which no stored number depends; a study adds its own. Every other key
+    #: changes the content of the blocks that depend on it (`owtsweep.testing.check_keys`).
+    inert: ClassVar[frozenset[str]] = frozenset(
+        {"study", "experiment", "results", "name", "config_version", "compute"}
+    )
 
     study: str = key("which study it is")
     experiment: str = key("begins the name of the run folder", default="study")

@@ -2,8 +2,8 @@
 
     from owtsweep.testing import check_study
 
-    def test_my_study(tmp_path):
-        check_study(MyStudy(), ["grid.replicates=2"], folder=tmp_path)
+    def test_my_study():
+        check_study(MyStudy())
 
 Every check raises `AssertionError` with one line that says what of the contract is broken. The
 contract itself is in `owtsweep.sweep.study`.
@@ -11,9 +11,8 @@ contract itself is in `owtsweep.sweep.study`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from owtsweep.testing.variations import one_case, reversed_grids, variations
 
@@ -38,44 +37,41 @@ SETBACK = ("status", "reason")
 
 
 def check_study(
-    study: Study,
-    overrides: Sequence[str] = (),
-    *,
-    folder: Path,
-    failing: Sequence[str] | None = None,
+    study: Study, config: Config | None = None, *, failing: Config | None = None
 ) -> None:
-    """Run all checks on a study that is installed.
+    """Run all checks on a study.
 
     Parameters
     ----------
     study
-        The study; `owtsweep.studies.compose` knows it by its name.
-    overrides
-        What makes its default configuration small: it is run some times.
-    folder
-        Where the runs go.
+        The study.
+    config
+        A small configuration of it: it is run some times, below its folder `results`. By default
+        what `study=<name>` composes, in a temporary folder.
     failing
-        Further overrides, under which some cases fail and others do not. Without them nothing is
-        checked about failures.
+        One under which some cases fail and others do not. Without it nothing is checked about
+        failures.
 
     Raises
     ------
     AssertionError
         With one line that names the study and what of the contract it breaks.
     """
-    from owtsweep.studies import compose
+    if config is None:
+        from owtsweep.studies import compose
 
-    place = [f"study={study.name}", f"results={folder}"]
-    config = compose([*place, *overrides])
+        with TemporaryDirectory() as folder:
+            check_study(study, compose([f"study={study.name}", f"results={folder}"]))
+        return
     check_plan(study, config)
     check_keys(study, config)
     run = check_run(study, config)
     check_rows(study, config, run.cases())
     check_tables(study, config, run.tables())
     check_blocks_alone(study, config)
-    check_run(study, one_case(config).changed(name="one-case"))
+    check_run(study, one_case(config))
     if failing is not None:
-        check_failures(study, compose([*place, *overrides, *failing, "name=failing"]))
+        check_failures(study, failing)
 
 
 def check_plan(study: Study, config: Config) -> None:
@@ -107,10 +103,10 @@ def check_keys(study: Study, config: Config) -> list[str]:
         if changes_numbers:
             assert not same, (
                 f"{study.name}: {name} changes no block's content; put it there, or declare it "
-                "with key(..., changes_numbers=False)"
+                "among the configuration's `inert` keys"
             )
         else:
-            assert same, f"{study.name}: {name} is declared to change no number, but changes keys"
+            assert same, f"{study.name}: {name} is declared inert, but changes keys"
     return untried
 
 
@@ -172,10 +168,10 @@ def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) 
 
 def check_blocks_alone(study: Study, config: Config) -> None:
     """A block gives the same rows whether it runs alone or in its group."""
-    from owtsweep.sweep.plan import make_plan, tasks
+    from owtsweep.sweep.plan import make_plan, make_tasks
 
     engine = study.engine(config)
-    for task in tasks(make_plan(study, config)):
+    for task in make_tasks(make_plan(study, config)):
         blocks = list(task.values())
         together = {block.label: rows for block, rows in engine.run(config, blocks)}
         for block in blocks[1:]:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
 if TYPE_CHECKING:
     from owtsweep.config import Config
 
-#: What is swept over: it says which blocks there are, and is no part of any.
-SWEPT = ("grid", "schemes")
+#: What is swept over says which blocks there are; study and version have one value alone.
+NOT_VARIED = frozenset({"grid", "schemes", "study", "config_version"})
 
 
 def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
@@ -21,12 +21,11 @@ def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
         The dotted key, whether it is declared to change numbers, and the other configuration;
         None instead if no value that was tried is accepted.
     """
-    from owtsweep.config.section import facts_of
-
     for name, field, value in _leaves(config):
-        if name.split(".")[0] in SWEPT:
-            continue
-        yield name, facts_of(field)["changes_numbers"], _vary(config, name, field, value)
+        sections = {name[:end] for end, sign in enumerate(name) if sign == "."}
+        if not {name, *sections} & NOT_VARIED:
+            inert = bool({name, *sections} & config.inert)
+            yield name, not inert, _vary(config, name, field, value)
 
 
 def reversed_grids(config: Any) -> Iterator[tuple[str, Any]]:
@@ -39,10 +38,10 @@ def reversed_grids(config: Any) -> Iterator[tuple[str, Any]]:
 
 
 def one_case(config: Any) -> Any:
-    """The first value of each axis, one replicate and the first scheme."""
+    """The first value of each axis, one replicate and the first scheme, in a folder of its own."""
     from owtsweep.config import with_values
 
-    values: dict[str, Any] = {}
+    values: dict[str, Any] = {"name": "one-case"}
     for name, item in config.grid:
         values[f"grid.{name}"] = item[:1] if isinstance(item, list) else 1
     if hasattr(config, "schemes"):
@@ -52,7 +51,7 @@ def one_case(config: Any) -> Any:
 
 def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
     """Dotted key, field and value of all keys that are no section."""
-    from owtsweep.config.section import Section
+    from owtsweep.config import Section
 
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
@@ -68,6 +67,8 @@ def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
     from owtsweep.errors import InputError
 
     for candidate in _candidates(field.annotation, value):
+        if candidate == value:
+            continue
         try:
             other = with_values(config, {name: candidate})
             other.check()
@@ -83,14 +84,15 @@ def _candidates(annotation: Any, value: Any) -> list[Any]:
 
     kind = bare_type(annotation)
     if get_origin(kind) is Literal:
-        return [option for option in get_args(kind) if option != value]
+        return list(get_args(kind))
     if value is None:
-        return {str: ["other"], float: [1.0, 10.0], int: [1, 10]}.get(kind, [])
+        options: dict[Any, list[Any]] = {str: ["other"], float: [1.0, 10.0], int: [1, 10]}
+        return options.get(kind, [])
     if isinstance(value, bool):
         return [not value]
     if isinstance(value, int | float):
         more = [value + 1, value - 1, 2 * value, value / 2, 1.1 * value, 0.9 * value]
-        return [int(item) if kind is int else item for item in more if item != value]
+        return [int(item) if kind is int else item for item in more]
     if isinstance(value, str):
         return [f"{value}-other"]
     if isinstance(value, list) and value and all(isinstance(item, float) for item in value):

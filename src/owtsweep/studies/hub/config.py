@@ -5,7 +5,7 @@ Units are SI; angles are in degrees, as users state a yaw or a wave direction.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
 
@@ -206,6 +206,10 @@ class Measures(Section):
 
 class HubConfig(Config):
     """All keys of the hub-motion study."""
+
+    inert: ClassVar[frozenset[str]] = Config.inert | {
+        "tuning", "measures.window", "measures.criterion",
+    }  # fmt: skip
 
     engine: Literal["batch", "reference", "expected"] = key(
         "batch: compiled; reference: the algorithms as written, slow; expected: the mean over all "

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
-from owtsweep.config import Section, key, require
+from owtsweep.config import Config, Section, key, require
 from owtsweep.studies.hub.public import HubConfig
 
 
@@ -29,6 +29,11 @@ class Calibration(Section):
 
 class ReadingsConfig(HubConfig):
     """All keys of the search."""
+
+    #: A target starts from a tuning of its own.
+    inert: ClassVar[frozenset[str]] = Config.inert | {
+        "tuning", "ekf", "mkf", "hme1", "hme2", "hme",
+    }  # fmt: skip
 
     calibration: Calibration = key("what to search")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from owtsweep.config import Positive, Section, key, require
 from owtsweep.studies.hub.public import Grid, HubConfig
@@ -60,6 +60,12 @@ class ReplaySettings(Section):
 
 class ReplayConfig(HubConfig):
     """All keys of a replay."""
+
+    #: The record is there: no key that says how to simulate one matters.
+    inert: ClassVar[frozenset[str]] = HubConfig.inert - {"measures.window"} | {
+        "evaluation", "record", "spectrum", "normalise", "wave_direction", "measures.extremes",
+        "replay.table",
+    }  # fmt: skip
 
     engine: Literal["batch", "reference"] = key(
         "batch: compiled; reference: the algorithms as written, slow", default="batch"
