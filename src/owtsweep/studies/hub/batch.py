@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.paging import release
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.feed import Feed, Span
@@ -88,22 +87,29 @@ def _run(
     consistency: bool,
 ) -> list[Sums]:
     weights = [weights_of(chain, consistency=consistency) for chain in chains]
-    scratch, output = shared_memory(chains, 3 if amplitude is None else 2)
-    parts = []
-    for first in range(0, len(records.replicates), WIDTH):
-        feed = Feed(records, first, amplitude)
+    memory = shared_memory(chains, 3 if amplitude is None else 2)
+
+    def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
+        """The chains' sums and squared errors of replicates first ... first + 7."""
+        feed = Feed(part, first, amplitude)
         runs = [
-            Run(*pair, feed, settled, scratch, output, keep=keep)
+            ChainRun(*pair, feed, settled, *memory, keep=keep)
             for pair in zip(chains, weights, strict=True)
         ]
         for span in feed.spans(max(run.lead for run in runs)):
             for run in runs:
                 run.advance(span)
-        parts.append(runs)
-    count = len(records.replicates)
+        count = len(feed.indices)
+        return [(run.sums[:, :count], run.squared[:, :count]) for run in runs]
+
+    eights = [
+        run_eight(part, first)
+        for part in records.parts()
+        for first in range(0, len(part.replicates), WIDTH)
+    ]
     return [
-        _sums(list(own), chain, count)
-        for own, chain in zip(zip(*parts, strict=True), chains, strict=True)
+        _joined(chain, records.steps, settled, arrays)
+        for chain, arrays in zip(chains, zip(*eights, strict=True), strict=True)
     ]
 
 
@@ -116,7 +122,7 @@ def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
     )
 
 
-class Run:
+class ChainRun:
     """One chain on eight replicates, fed span by span."""
 
     def __init__(
@@ -158,9 +164,6 @@ class Run:
             runs.superposed(*common, direction, *own)
         else:
             runs.direct(*common, direction * self.feed.amplitude, *own, self.squared)
-        filter_, weights = self.arrays.filter, self.weights
-        for rows in (filter_.K, filter_.C, filter_.D, weights.precision, weights.innovation):
-            release(rows, self.done, ready)  # of a long schedule: read, and done with
         self.done = ready
 
 
@@ -171,15 +174,15 @@ def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output
     return new_scratch(groups, chunk, window), new_output(groups, chunk)
 
 
-def _sums(runs: Sequence[Run], chain: Chain, replicates: int) -> Sums:
-    steps, settled = runs[0].steps, runs[0].settled
-    early, all_of_them = (chain.gains.fresh_before(step) for step in (settled, steps))
-    products = np.concatenate([run.sums for run in runs], axis=1)[:, :replicates]
+def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
+    """Put the sums and squared errors of up to eight replicates each side by side."""
+    early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
+    products, squared = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
     return Sums(
-        products=products.reshape(2, 6, 3, replicates),
+        products=products.reshape(2, 6, 3, -1),
         steps=np.array([settled, steps - settled]),
-        innovations=np.array([early, all_of_them - early]),
-        squared=np.concatenate([run.squared for run in runs], axis=1)[:, :replicates],
+        innovations=np.array([early, whole - early]),
+        squared=squared,
     )
 
 

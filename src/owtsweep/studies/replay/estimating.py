@@ -11,7 +11,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub import batch
-from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimate, Estimator, Scheme, Sensors
 from owtsweep.studies.hub.rows import Rows
@@ -105,7 +105,7 @@ def estimates(
     if config.engine == "batch":
         complete = all(bool(np.all(np.isfinite(signals.fixes))) for signals in several)
         if complete and hasattr(scheme, "kernel"):
-            chain = scheme.kernel(sensors, config, several[0].steps)
+            chain = chain_for_runs(scheme, sensors, config, several[0].steps)
             return _by_kernel(chain, sensors, several, edges)
         if hasattr(scheme, "stream"):
             return _side_by_side(

@@ -10,7 +10,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub import batch
-from owtsweep.studies.hub.chain import Chain
+from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.schemes import resolve_all
 from owtsweep.studies.replay.alike import Alike
 from owtsweep.studies.replay.config import ReplayConfig
@@ -104,7 +104,7 @@ def _chains(config: ReplayConfig, session: Session) -> dict[str, Chain]:
     if not np.all(np.isfinite(session.signals.fixes)):
         return {}
     return {
-        scheme.name: scheme.kernel(session.sensors, config, session.record.steps)
+        scheme.name: chain_for_runs(scheme, session.sensors, config, session.record.steps)
         for scheme in resolve_all(config.schemes, config)
         if scheme.name in session.names and hasattr(scheme, "kernel")
     }
