@@ -19,7 +19,7 @@ from owtsweep.studies.hub.kernels.filtering import PREDICTED
 from owtsweep.studies.hub.kernels.lagging import smooth_chunk
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve
-from owtsweep.vectors.memory import borrowed
+from owtsweep.vectors.lanes import borrowed
 
 pytestmark = pytest.mark.usefixtures("kernels")
 

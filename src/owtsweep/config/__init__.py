@@ -33,12 +33,14 @@ class Compute:
     """How to compute: never changes a result, so never part of a key.
 
     `workers: 0` means all cores (of the cluster, with `backend: dask`); `backend: auto` leaves the
-    choice to the study. `scheduler` is the address of a dask scheduler.
+    choice to the study. `scheduler` is the address of a dask scheduler. `vectors: false` compiles
+    kernels as plain loops: slower, the same bits (docs/vectors.md).
     """
 
     backend: str = "auto"
     workers: int = 0
     scheduler: str | None = None
+    vectors: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -26,6 +26,7 @@ from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, PredictorArrays
 from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
+from owtsweep.vectors import choose
 
 #: Longest transient that is stored (2621 s at 100 Hz). A bias without noise never settles: its
 #: covariance falls as a power of time, and after this many steps the last cycle is kept.
@@ -124,6 +125,7 @@ def shared(kernel: Kernel) -> Kernel:
         *,
         for_runs: bool = False,
     ) -> Chain:
+        choose(tuning.compute.vectors)  # every run needs a chain before its first kernel
         sections = tuple(repr(attrgetter(section)(tuning)) for section in self.sections)
         key = (type(self), sensors, steps, for_runs, *sections)
         with _LOCK:

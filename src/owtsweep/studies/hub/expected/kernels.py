@@ -12,8 +12,8 @@ import numpy as np
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.runs import estimates
-from owtsweep.vectors.memory import borrowed, groups, load, store
-from owtsweep.vectors.vector import WIDTH
+from owtsweep.vectors import WIDTH
+from owtsweep.vectors.lanes import borrowed, groups, load, store
 
 
 @njit

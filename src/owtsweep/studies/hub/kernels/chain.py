@@ -18,8 +18,7 @@ from owtsweep.studies.hub.kernels.lagging import (
     recall,
     smooth_chunk,
 )
-from owtsweep.vectors.memory import groups, load, store
-from owtsweep.vectors.vector import ROOMY
+from owtsweep.vectors.lanes import ROOMY, groups, load, store
 
 
 @njit

@@ -6,7 +6,7 @@ from owtsweep.compiled import njit
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.horizon import ALL as ALL  # where others look for it
 from owtsweep.studies.hub.kernels.horizon import AVERAGED as AVERAGED
-from owtsweep.vectors.memory import AHEAD, element, load, prefetch, store
+from owtsweep.vectors.lanes import AHEAD, element, load, prefetch, store
 
 #: Rows per state in the scratch: what the predictor takes of it, or all of it; none where it is
 #: the estimate.

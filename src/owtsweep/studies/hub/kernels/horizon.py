@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.vectors.memory import element, load, store, zero
+from owtsweep.vectors.lanes import element, load, store, zero
 
 ALL, AVERAGED, SAMPLED = 0, 1, 2
 

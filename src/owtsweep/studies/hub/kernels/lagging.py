@@ -5,7 +5,7 @@ from __future__ import annotations
 from owtsweep.compiled import njit
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.filtering import PREDICTED, WHOLE, corrected, row_before
-from owtsweep.vectors.memory import element, load, prefetch, store, zero
+from owtsweep.vectors.lanes import element, load, prefetch, store, zero
 
 
 @njit

@@ -9,10 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array, aligned
-
-#: Lanes that run side by side in one vector; `kernels.vector.WIDTH`, without importing numba.
-WIDTH = 8
-
+from owtsweep.vectors import WIDTH as WIDTH  # where others look for it
 
 #: An array per group of eight lanes; compiled code works on all of them side by side.
 Groups = tuple[Array, ...]

@@ -15,7 +15,7 @@ from __future__ import annotations
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.chain import finish, is_filter, prepare
 from owtsweep.studies.hub.kernels.sums import direct_span, superposed_span
-from owtsweep.vectors.memory import borrowed, groups, load, store
+from owtsweep.vectors.lanes import borrowed, groups, load, store
 
 #: Steps whose estimates are made before they are judged: few enough for the near caches, enough
 #: that calls do not count.

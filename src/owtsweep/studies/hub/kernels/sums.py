@@ -17,8 +17,7 @@ from __future__ import annotations
 from owtsweep.compiled import njit
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.lagging import begin_prediction, leave_prediction, predict
-from owtsweep.vectors.memory import AHEAD, element, groups, load, prefetch, store, zero
-from owtsweep.vectors.vector import rounded
+from owtsweep.vectors.lanes import AHEAD, element, groups, load, prefetch, rounded, store, zero
 
 
 @njit
