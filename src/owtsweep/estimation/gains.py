@@ -115,9 +115,11 @@ def schedule(
     InputError
         If the covariance does not stay finite and positive (an unstable rule or tuning).
     """
-    from owtsweep.estimation.riccati import recursion
+    from owtsweep.estimation.riccati import GainRows, Pattern, TwoRates, recursion
 
     n = len(slow)
+    rates = TwoRates(model.A, model.Q, slow, fast, slow_variance, fast_variance, RULES.index(rule))
+    pattern = Pattern(interval, start_interval or interval, start_steps)
     cycle = interval if cycle is None else cycle
     rows = min(4096, steps)
     K, S, Pm, Pf = (np.empty((0, *shape)) for shape in ((n, 2), (), (n, n), (n, n)))
@@ -129,15 +131,14 @@ def schedule(
         applied = np.concatenate([applied, np.empty(rows - filled, dtype=np.bool_)])
         first = filled
         filled, repeats, quiet = recursion(
-            first, rows, quiet, model.A, model.Q, slow, fast, slow_variance, fast_variance,
-            initial_covariance, applied, start_interval or interval, start_steps, interval,
-            RULES.index(rule), TOLERANCE, K, S, Pm, Pf,
+            first, rows, quiet, rates, initial_covariance, pattern, TOLERANCE,
+            GainRows(K, S, Pm, Pf, applied),
         )  # fmt: skip
         _check(Pf, first, filled, rule)
         rows *= 4
     filled = max(-(-filled // cycle) * cycle, cycle)
     step = np.arange(filled)
-    fresh = step % np.where(step < start_steps, start_interval or interval, interval) == 0
+    fresh = step % np.where(step < start_steps, pattern.start_interval, interval) == 0
     return GainSchedule(
         K[:filled], applied[:filled], fresh, S[:filled], Pm[:filled], Pf[:filled], cycle
     )

@@ -21,7 +21,7 @@ from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import GainSchedule, schedule
 from owtsweep.estimation.predictor import powers, prediction_noise
 from owtsweep.estimation.smoother import smoother_gains
-from owtsweep.estimation.windowing import covariances
+from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, PredictorArrays
@@ -263,16 +263,14 @@ def _output_covariance(
         return gains.filtered[:, :2, :2].copy()
     noise = prediction_noise(predict, steps)
     pick = SIGMA_2_STATES
-    table = C if window > 0 else gains.filtered  # with no window there is nothing to look up
+    # with no window there is nothing to look up among the smoother's gains
+    rows = FilterRows(gains.filtered, gains.predicted, C if window > 0 else gains.filtered)
     result = np.empty((gains.rows, 2, 2))
     for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
         count = min(_ROWS_AT_ONCE, gains.rows - first)
         smoothed = np.broadcast_to(axis.initial_covariance, (count, 4, 4)).copy()
         coupling = np.zeros((count, 4, 3))
-        covariances(
-            gains.filtered, gains.predicted, table, window, axis.force_row, noise.response,
-            smoothed, coupling, first,
-        )  # fmt: skip
+        covariances(rows, window, axis.force_row, noise.response, smoothed, coupling, first)
         own = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
         cross = noise.transition @ coupling[:, pick]
         own += cross + cross.transpose(0, 2, 1)

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.studies.hub.kernels.layout import WIDTH
+from owtsweep.studies.hub.kernels.layout import WIDTH, ImuNoise
 from owtsweep.studies.hub.records import Records
 from owtsweep.studies.hub.sensors import fix_count
 
@@ -161,6 +161,8 @@ class Feed:
 
             return turned
         sources = [records.force_noise(index) for index in self.indices]
+        one = sources[0]
+        imu = ImuNoise(one.walk, one.initial, one.sigma, one.gravity)
         normals, bias = np.empty((len(sources), 4, size)), np.zeros((len(sources), 2))
         begun = False
 
@@ -168,11 +170,7 @@ class Feed:
             nonlocal begun
             for source, own in zip(sources, normals, strict=True):
                 source.draw(own[:, :steps])
-            one = sources[0]
-            feeding.noise(
-                steps, lead, normals, begun, bias, one.walk, one.initial, one.sigma, one.gravity,
-                force,
-            )  # fmt: skip
+            feeding.noise(steps, lead, normals, begun, bias, imu, force)
             begun = True
 
         return straight
