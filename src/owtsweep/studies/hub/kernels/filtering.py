@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.estimation.windowing import schedule_row
-from owtsweep.studies.hub.kernels.horizon import ALL as ALL  # where others look for it
-from owtsweep.studies.hub.kernels.horizon import AVERAGED as AVERAGED
 from owtsweep.vectors.lanes import AHEAD, element, load, prefetch, store
 
 #: Rows per state in the scratch: what the predictor takes of it, or all of it; none where it is

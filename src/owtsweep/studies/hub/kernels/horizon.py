@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.layout import Positions
+from owtsweep.studies.hub.kernels.layout import ALL, AVERAGED, Positions
 from owtsweep.vectors.lanes import element, load, store, zero
-
-ALL, AVERAGED, SAMPLED = 0, 1, 2
 
 
 @njit

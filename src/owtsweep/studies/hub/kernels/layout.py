@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array, aligned
 from owtsweep.vectors import WIDTH as WIDTH  # where others look for it
 
+#: How the MHE takes the IMU's samples; the same order as `hub.horizon.INPUTS`.
+ALL, AVERAGED, SAMPLED = 0, 1, 2
+
 #: An array per group of eight lanes; compiled code works on all of them side by side.
 Groups = tuple[Array, ...]
 
