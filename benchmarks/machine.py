@@ -37,8 +37,7 @@ def last_cache() -> int:
 @cache
 def _compiled() -> tuple[Any, Any, Any]:
     from owtsweep.compiled import njit
-    from owtsweep.vectors.memory import borrowed, load, store
-    from owtsweep.vectors.vector import rounded
+    from owtsweep.vectors.lanes import borrowed, load, rounded, store
 
     @njit
     def triad(a, b, c, factor):

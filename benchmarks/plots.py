@@ -122,13 +122,14 @@ def _peers_mhe(found: dict[str, Any]) -> Any:
 
 
 def _study(found: dict[str, Any]) -> Any:
-    """Time along the four axes, log-log with slopes."""
+    """Time along each axis, log-log with slopes."""
     from owtsweep.figures.style import new_figure
 
-    figure = new_figure(11.0, 3.2)
-    axes = figure.subplots(1, 4, sharey=True)
+    measured = found["study"]["axes"]
+    figure = new_figure(2.75 * len(measured), 3.2)
+    axes = figure.subplots(1, len(measured), sharey=True)
     units = {"duration": "duration, s"}
-    for ax, axis in zip(axes, found["study"]["axes"], strict=True):
+    for ax, axis in zip(axes, measured, strict=True):
         x = [point["value"] for point in axis["points"]]
         key = "compute_wall" if axis["axis"] == "workers" else "compute"
         computing = [point[key] for point in axis["points"]]

@@ -1,4 +1,4 @@
-"""Whole studies: time and memory against replicates, duration, amplitudes and workers.
+"""Whole studies: time and memory against replicates, duration and workers.
 
 Memory is that of a process for each point, because a peak never goes down; the times of an axis are
 measured in one, turn about (`benchmarks.turns`).
@@ -20,13 +20,12 @@ from benchmarks.timing import REPEATS, timed
 
 #: What the goal is stated for: the default grid, records of 2000 s, 100 per cell.
 WHOLE = ("grid.replicates=100",)
+#: What the goal for the memory of long records is stated for.
+LONG = (
+    "grid.natural_period=[4.0]", "grid.replicates=16", "record.duration=16000", "compute.workers=2",
+)  # fmt: skip
 #: Of an axis' times.
 ROUNDS = 7
-
-
-def _amplitudes(count: int) -> str:
-    """So many amplitudes in steps of a centimetre, as an override's value."""
-    return "grid.amplitude=[" + ",".join(f"{0.01 * (i + 1):.2f}" for i in range(count)) + "]"
 
 
 class Point(NamedTuple):
@@ -56,10 +55,6 @@ def axes(scale: float = 1.0) -> dict[str, list[Point]]:
                   8000 // s)
             for s in (500, 1000, 2000, 4000, 8000)
         ],
-        "amplitudes": [
-            Point(n, (*base, "grid.replicates=48", "compute.workers=1", _amplitudes(n)))
-            for n in (10, 100, 1000)
-        ],
         # so many blocks that the last one, which a worker does alone, counts for little
         "workers": [
             Point(n, (*base, "grid.replicates=96", f"compute.workers={n}"))
@@ -78,6 +73,11 @@ def measure_whole(repeats: int = REPEATS, overrides: Sequence[str] = WHOLE) -> d
         run, time = timed(lambda: _process("one_study", overrides))
         found.append({**run, "process": time.wall})
     return {key: median(run[key] for run in found) for key in found[0]}
+
+
+def measure_long(overrides: Sequence[str] = LONG) -> float:
+    """Peak memory of a study of long records, MB."""
+    return float(_process("one_study", overrides)["peak"])
 
 
 def measure_axis(name: str, rounds: int = ROUNDS, scale: float = 1.0) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """numba, set up so that compiled code is cached and never stale.
 
 numba's own cache does not see edits in helper functions of other files. The cache folder is
-therefore named by a hash of every source file that holds kernels: an edit anywhere means a new
-folder. Kernels import `njit` from here.
+therefore named by a hash of every source file that kernels are made of: an edit anywhere means a
+new folder. Kernels import `njit` from here.
 """
 
 from __future__ import annotations
@@ -10,33 +10,60 @@ from __future__ import annotations
 import hashlib
 import logging
 import os
+import re
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-KERNEL_SOURCES = (
-    "estimation/riccati.py",
-    "estimation/windowing.py",
-    "vectors",
-    "studies/hub/kernels",
-    "studies/hub/expected/kernels.py",
-)
+_PACKAGE = Path(__file__).resolve().parent
+_IMPORT = re.compile(r"^ *from owtsweep\.([\w.]+) import ", re.MULTILINE)
+_variant = ""
 
 
+def set_variant(name: str) -> None:
+    """Keep the kernels that are imported from now on in a cache folder that ends with this."""
+    global _variant
+    _variant = name
+
+
+def variant() -> str:
+    """What the name of the cache folder ends with."""
+    return _variant
+
+
+@cache
+def kernel_sources() -> tuple[Path, ...]:
+    """Every file of the package that imports this one, and whatever these import, sorted."""
+    texts = {path: path.read_text("utf-8") for path in _PACKAGE.rglob("*.py")}
+    todo = [p for p, text in texts.items() if Path(__file__).resolve() in _imported(text)]
+    sources: set[Path] = set()
+    while todo:
+        path = todo.pop()
+        if path not in sources:
+            sources.add(path)
+            todo += _imported(texts[path])
+    return tuple(sorted(sources))
+
+
+def _imported(text: str) -> Iterator[Path]:
+    """The files of the package that a source imports from."""
+    for name in _IMPORT.findall(text):
+        path = _PACKAGE.joinpath(*name.split("."))
+        yield path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+
+
+@cache
 def source_hash() -> str:
     """Hash of all kernel sources and of the numba that compiles them."""
     import numba
 
-    package = Path(__file__).resolve().parent
     digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)
-    for entry in (*KERNEL_SOURCES, "compiled.py"):
-        path = package / entry
-        for file in sorted(path.glob("*.py")) if path.is_dir() else [path]:
-            digest.update(file.name.encode())
-            digest.update(file.read_bytes())
+    for path in kernel_sources():
+        digest.update(str(path.relative_to(_PACKAGE)).encode())
+        digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
@@ -47,37 +74,50 @@ def cache_directory() -> Path:
         base = Path(home)
     else:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "owtsweep"
-    return base / f"kernels-{source_hash()}"
+    return base / f"kernels-{source_hash()}{_variant}"
 
 
 @cache
 def announce(directory: Path) -> None:
-    """Say once that there is nothing compiled yet: the first run takes longer than all others."""
-    if any(directory.rglob("*.nbi")):
-        return
-    text = f"compiling kernels, once (some 30 s); they are kept in {directory}"
+    """Say once that kernels are compiled: the first run takes longer than all others."""
+    text = f"compiling kernels, once (up to a minute); they are kept in {directory}"
     logging.getLogger(__name__).info(text)
     print(f"owtsweep: {text}", file=sys.stderr)
 
 
-def _set_cache_directory() -> None:
-    import numba
+@cache
+def _announce_when_compiling() -> None:
+    """Call `announce` as soon as a kernel of this package is compiled, not read from the cache."""
+    from numba.core import event
 
+    class Listener(event.Listener):  # type: ignore[misc]
+        def on_start(self, started: Any) -> None:
+            if str(started.data["dispatcher"].py_func.__module__).startswith("owtsweep."):
+                announce(_usable_directory())
+
+        def on_end(self, ended: Any) -> None:
+            pass
+
+    event.register("numba:compile", Listener())
+
+
+def _usable_directory() -> Path:
+    """The cache folder; one for temporary files where a home cannot be written."""
     directory = cache_directory()
     try:
         directory.mkdir(parents=True, exist_ok=True)
-    except OSError:  # a home that cannot be written must not stop anybody from computing
-        directory = Path(tempfile.gettempdir()) / f"owtsweep-kernels-{source_hash()}"
-    announce(directory)
-    numba.config.CACHE_DIR = str(directory)
+    except OSError:  # must not stop anybody from computing
+        return Path(tempfile.gettempdir()) / f"owtsweep-{directory.name}"
+    return directory
 
 
 def njit(function: Callable[..., Any]) -> Any:
     """`numba.njit` as this package uses it: cached, without the GIL, exact (no fastmath)."""
     import numba
 
+    _announce_when_compiling()
     previous = numba.config.CACHE_DIR
-    _set_cache_directory()
+    numba.config.CACHE_DIR = str(_usable_directory())
     try:
         return numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy")(function)
     finally:

@@ -154,12 +154,12 @@ def test_casadi_finds_the_map(solver: str, tolerance: float, case: str, decades:
         np.array([0.03, deviation[1], deviation[2]]),
         z[None, :],
         np.vstack([effects, last]).T,
-        weights.transition,
-        A_f,
-        square_root_information(weights.link_covariance),
-        1.0 / 0.03,
-        x0,
-        square_root_information(ARRIVAL),
+        A=weights.transition,
+        A_f=A_f,
+        link=square_root_information(weights.link_covariance),
+        fix=1.0 / 0.03,
+        x0=x0,
+        prior=square_root_information(ARRIVAL),
     )
     expected = apply(G, z, effects, x0)
     assert np.max(np.abs(nodes[:, 6] - expected)) <= tolerance * np.max(np.abs(expected))

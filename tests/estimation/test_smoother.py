@@ -7,7 +7,7 @@ import problem
 import pytest
 
 from owtsweep.estimation.smoother import FixedLagSmoother, smoother_gains
-from owtsweep.estimation.windowing import covariances
+from owtsweep.estimation.windowing import FilterRows, covariances
 
 
 @pytest.mark.parametrize("window", [0, 1, 5, 9])
@@ -87,9 +87,8 @@ def test_window_covariances_are_the_dense_ones(window: int, inputs: int) -> None
     response = np.random.default_rng(3).normal(size=(inputs, 3))
     smoothed = np.zeros_like(gains.filtered)
     coupling = np.zeros((gains.rows, 4, 3))
-    covariances(
-        gains.filtered, gains.predicted, C, window, problem.FAST, response, smoothed, coupling
-    )
+    rows = FilterRows(gains.filtered, gains.predicted, C)
+    covariances(rows, window, problem.FAST, response, smoothed, coupling)
     for k in (window, 10, problem.STEPS - 1):
         joint = problem.smoothed(k).covariance
         s = k - window + 1

@@ -198,12 +198,12 @@ def test_nothing_drifts_and_memory_stays() -> None:
     positions = np.full((steps, 2), np.nan)
     positions[::M] = random.normal(size=(steps // M, 2))
     for name, old in estimators.items():
-        size = sum(np.asarray(item).nbytes for item in old._memory)
+        size = sum(np.asarray(item).nbytes for item in old._registers)
         for begin in range(0, steps, 30_000):
             part = slice(begin, begin + 30_000)
             found = old.run(force[part], positions[part])
         young = stream(name, config, sensors).run(force[-last:], positions[-last:])
-        assert sum(np.asarray(item).nbytes for item in old._memory) == size
+        assert sum(np.asarray(item).nbytes for item in old._registers) == size
         assert_same(found.state[-1000:], young.state[-1000:], name, 1e-9)
         np.testing.assert_allclose(found.covariance[-1], young.covariance[-1], rtol=1e-9)
 

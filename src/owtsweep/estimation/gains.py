@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, aligned
 from owtsweep.errors import InputError
 from owtsweep.estimation.discretisation import Discrete
-from owtsweep.paging import release, room
 
 #: Rules for steps without a slow measurement; REPRODUCTION.md, rows "Alg. 6" and "EKF".
 #: proper: the rows of H are dropped (Joseph form). mask_columns: K from all rows, then its slow
@@ -22,9 +21,6 @@ from owtsweep.paging import release, room
 #: as printed in Algorithm 6, the last fix being held. every_step: the innovation is zeroed while
 #: gain and covariance are computed as if there were a fix at every step (section 5.3's EKF).
 RULES = ("proper", "mask_columns", "mask_rows", "every_step")
-
-#: Rows that are worked out before their memory is given back.
-_ROWS_AT_ONCE = 8192
 
 #: Largest scaled change of the covariance over a cycle that still counts as converged.
 TOLERANCE = 1e-13
@@ -119,9 +115,11 @@ def schedule(
     InputError
         If the covariance does not stay finite and positive (an unstable rule or tuning).
     """
-    from owtsweep.estimation.riccati import recursion
+    from owtsweep.estimation.riccati import GainRows, Pattern, TwoRates, recursion
 
     n = len(slow)
+    rates = TwoRates(model.A, model.Q, slow, fast, slow_variance, fast_variance, RULES.index(rule))
+    pattern = Pattern(interval, start_interval or interval, start_steps)
     cycle = interval if cycle is None else cycle
     rows = min(4096, steps)
     K, S, Pm, Pf = (np.empty((0, *shape)) for shape in ((n, 2), (), (n, n), (n, n)))
@@ -129,35 +127,27 @@ def schedule(
     filled, quiet, repeats = 0, 0, False
     while not repeats and (filled == 0 or filled < steps):
         rows = min(-(-rows // cycle) * cycle, -(-steps // cycle) * cycle)
-        K, S, Pm, Pf = (_longer(known, rows, filled) for known in (K, S, Pm, Pf))
+        K, S, Pm, Pf = (_lengthen(array, rows, filled) for array in (K, S, Pm, Pf))
         applied = np.concatenate([applied, np.empty(rows - filled, dtype=np.bool_)])
-        while filled < rows and not repeats:
-            first, stop = filled, min(filled + _ROWS_AT_ONCE, rows)
-            filled, repeats, quiet = recursion(
-                first, stop, quiet, model.A, model.Q, slow, fast, slow_variance, fast_variance,
-                initial_covariance, applied, start_interval or interval, start_steps, interval,
-                RULES.index(rule), TOLERANCE, K, S, Pm, Pf,
-            )  # fmt: skip
-            _check(Pf, first, filled, rule)
-            for worked_through in (K, S, Pm, Pf):
-                release(worked_through, first, filled - interval)
+        first = filled
+        filled, repeats, quiet = recursion(
+            first, rows, quiet, rates, initial_covariance, pattern, TOLERANCE,
+            GainRows(K, S, Pm, Pf, applied),
+        )  # fmt: skip
+        _check(Pf, first, filled, rule)
         rows *= 4
     filled = max(-(-filled // cycle) * cycle, cycle)
     step = np.arange(filled)
-    fresh = step % np.where(step < start_steps, start_interval or interval, interval) == 0
+    fresh = step % np.where(step < start_steps, pattern.start_interval, interval) == 0
     return GainSchedule(
         K[:filled], applied[:filled], fresh, S[:filled], Pm[:filled], Pf[:filled], cycle
     )
 
 
-def _longer(known: Array, rows: int, filled: int) -> Array:
-    """Room for more rows, the first `filled` of them as they are known."""
-    result = room(rows, *known.shape[1:])
-    for first in range(0, filled, _ROWS_AT_ONCE):
-        stop = min(first + _ROWS_AT_ONCE, filled)
-        result[first:stop] = known[first:stop]
-        release(known, first, stop)
-        release(result, first, stop)
+def _lengthen(array: Array, rows: int, filled: int) -> Array:
+    """A longer array that begins with the first `filled` rows of this one."""
+    result = aligned(rows, *array.shape[1:])
+    result[:filled] = array[:filled]
     return result
 
 

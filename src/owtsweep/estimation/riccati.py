@@ -6,21 +6,65 @@ Algorithm 6 of Ren et al. (2019): P covariance, K gain, H measurement rows, S = 
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
 from owtsweep.compiled import njit
 
 #: How the gain and the covariance treat a step without a slow measurement.
 PROPER, MASK_COLUMNS, MASK_ROWS, EVERY_STEP = 0, 1, 2, 3
 
 
+class TwoRates(NamedTuple):
+    """A model with a slow and a fast measurement.
+
+    A, Q (n, n); slow, fast (n,) measurement rows, of variances r_slow and r_fast; rule as above.
+    With `fast` all zero there is no fast measurement (the model takes it as an input).
+    """
+
+    A: Array
+    Q: Array
+    slow: Array
+    fast: Array
+    r_slow: float
+    r_fast: float
+    rule: int
+
+
+class Pattern(NamedTuple):
+    """Steps between slow measurements: `start_interval` until `start_steps`, then `interval`."""
+
+    interval: int
+    start_interval: int
+    start_steps: int
+
+
+class GainRows(NamedTuple):
+    """What the recursion fills: one row per step.
+
+    K (rows, n, 2) gains; S (rows,) variance of the slow innovation; Pm, Pf (rows, n, n) P_k|k-1
+    and P_k|k; applied (rows,) whether the slow measurement corrects the state.
+    """
+
+    K: Array
+    S: Array
+    Pm: Array
+    Pf: Array
+    applied: NDArray[np.bool_]
+
+
 @njit
-def riccati_step(A, Q, slow, fast, r_slow, r_fast, P, is_slow, rule, K, Pm, Pf, work):
+def riccati_step(model, P, is_slow, K, Pm, Pf, work):
     """One step from P: fill K (n, 2), Pm and Pf (n, n); returns the slow innovation's variance.
 
-    `is_slow` says whether there is a slow measurement, `work` is (3, n, n). With `fast` all zero
-    there is no fast measurement (the model takes it as an input).
+    `model` has the fields of `TwoRates`; `is_slow` says whether there is a slow measurement; `work`
+    is (3, n, n).
     """
+    A, Q, slow, fast = model.A, model.Q, model.slow, model.fast
+    r_slow, r_fast, rule = model.r_slow, model.r_fast, model.rule
     n = A.shape[0]
     has_fast = np.any(fast != 0.0)
     AP, L, LP = work[0], work[1], work[2]
@@ -101,16 +145,21 @@ def riccati_step(A, Q, slow, fast, r_slow, r_fast, P, is_slow, rule, K, Pm, Pf, 
 
 
 @njit
-def recursion(first, stop, quiet, A, Q, slow, fast, r_slow, r_fast, P0, applied, start_interval,
-              start_steps, interval, rule, tolerance, K, S, Pm, Pf):  # fmt: skip
-    """Fill rows first ... stop - 1 of K, S, Pm, Pf, or fewer, until a whole cycle repeats.
+def recursion(first, stop, quiet, model, P0, pattern, tolerance, filled):
+    """Fill the rows from `first` to stop - 1, or fewer, until a whole cycle repeats.
 
-    `applied` (rows,) receives where the slow measurement corrects the state. A cycle repeats when
-    no element of Pf, scaled by its diagonal, has moved by more than `tolerance` over `interval`
-    steps. Rows before `first` are there. Returns how many rows there are, whether they repeat, and
-    for how many rows they have been `quiet`, which the next call takes.
+    A cycle repeats when no element of Pf, scaled by its diagonal, has moved by more than
+    `tolerance` over `interval` steps. The rows before `first` must be there.
+
+    Returns
+    -------
+    int, bool, int
+        How many rows there are, whether they repeat, and for how many rows they have been `quiet`,
+        which the next call takes.
     """
-    n = A.shape[0]
+    interval, start_interval, start_steps = pattern
+    K, S, Pm, Pf, applied = filled
+    n = model.A.shape[0]
     P = P0.copy() if first == 0 else Pf[first - 1].copy()
     work = np.empty((3, n, n))
     moved = np.inf
@@ -119,10 +168,8 @@ def recursion(first, stop, quiet, A, Q, slow, fast, r_slow, r_fast, P0, applied,
             is_slow = k % start_interval == 0
         else:
             is_slow = k % interval == 0
-        applied[k] = is_slow or rule == MASK_ROWS
-        S[k] = riccati_step(
-            A, Q, slow, fast, r_slow, r_fast, P, is_slow, rule, K[k], Pm[k], Pf[k], work
-        )
+        applied[k] = is_slow or model.rule == MASK_ROWS
+        S[k] = riccati_step(model, P, is_slow, K[k], Pm[k], Pf[k], work)
         P[:, :] = Pf[k]
 
         if k >= start_steps + interval:

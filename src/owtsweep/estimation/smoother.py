@@ -10,9 +10,8 @@ from collections import deque
 
 import numpy as np
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.gains import GainSchedule
-from owtsweep.paging import release, room
 
 #: Rows of a schedule whose gains are solved for at once.
 _ROWS_AT_ONCE = 8192
@@ -68,7 +67,7 @@ def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple
     """
     from owtsweep.estimation.windowing import leaving
 
-    C, D = room(*gains.filtered.shape), room(*gains.K.shape)
+    C, D = aligned(*gains.filtered.shape), aligned(*gains.K.shape)
     for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
         stop = min(first + _ROWS_AT_ONCE, gains.rows)
         rows = np.arange(first, stop)
@@ -77,11 +76,5 @@ def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple
         C[rows] = np.linalg.solve(
             following.transpose(0, 2, 1), numerator.transpose(0, 2, 1)
         ).transpose(0, 2, 1)
-        for worked_through in (gains.filtered, gains.predicted, C):
-            release(worked_through, first, stop)
-    for first in range(0, gains.rows, _ROWS_AT_ONCE):
-        stop = min(first + _ROWS_AT_ONCE, gains.rows)
-        leaving(first, stop, C, gains.K, window, gains.cycle, D)
-        for worked_through in (C, gains.K, D):
-            release(worked_through, first, stop)
+    leaving(0, gains.rows, C, gains.K, window, gains.cycle, D)
     return C, D

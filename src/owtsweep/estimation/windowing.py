@@ -7,13 +7,27 @@ that could overlap.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.compiled import njit
 
 _ZERO = (0.0, 0.0, 0.0, 0.0)
 _NOTHING = (_ZERO, _ZERO, _ZERO, _ZERO)
 _ONE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+
+
+class FilterRows(NamedTuple):
+    """What a filter leaves to a smoother, by row, (rows, 4, 4) each.
+
+    filtered P_k|k, predicted P_k|k-1, and C the RTS gains.
+    """
+
+    filtered: Array
+    predicted: Array
+    C: Array
 
 
 @njit
@@ -44,15 +58,16 @@ def leaving(first, stop, C, K, window, cycle, D):
 
 
 @njit
-def covariances(Pf, Pm, C, window, h, response, smoothed, coupling, first=0):
+def covariances(rows, window, h, response, smoothed, coupling, first=0):
     """Smoothed covariance at the start of each window, and its coupling to the inputs' noise.
 
-    There are four states. Row i of `smoothed` and `coupling` belongs to k = first + i; rows with
+    `rows` are `FilterRows`. Row i of `smoothed` and `coupling` belongs to k = first + i; rows with
     k < window are left as they are. For the window s ... k = s + window: smoothed = P_{s|k} and
     coupling = sum over i of
     C_s ... C_{s+i-1} P_{s+i|k} h response_i', the cross-covariance of the smoothing error of s
     with what the noise of the measurements h x + v of the window does to a prediction from s.
     """
+    Pf, Pm, C = rows
     outputs = response.shape[1]
     inputs = min(window + 1, response.shape[0])
     row = (h[0], h[1], h[2], h[3])

@@ -10,7 +10,6 @@ from owtsweep.errors import InputError
 from owtsweep.motion.source import Motion
 from owtsweep.motion.spectra import Spectrum
 from owtsweep.motion.transform import interleaved
-from owtsweep.paging import fill
 
 NORMALISATIONS = ("peak", "rms")
 
@@ -43,7 +42,6 @@ def synthesise(
     band: tuple[float, float],
     normalise: str = "peak",
     history: int = 0,
-    out: Array | None = None,
 ) -> Motion:
     """Draw one record of a spectrum.
 
@@ -67,11 +65,9 @@ def synthesise(
         "peak": the largest |d| of the record is 1 m; "rms": its standard deviation is 1 m.
     history
         How many steps before t = 0 to keep.
-    out
-        (3, steps) to put position, velocity and acceleration into.
     """
     numbers, frequency, line = _drawn_lines(spectrum, phase, steps, step, band)
-    result = np.empty((3, steps)) if out is None else out
+    result = np.empty((3, steps))
     omega = 2.0 * np.pi * frequency
     whole = _sampled(numbers, line, steps)
     record = _first_half(whole)
@@ -140,4 +136,4 @@ def _newest(whole: Array, count: int) -> Array:
 
 def _put(rows: Array, scale: float, out: Array) -> None:
     """Write scale * the samples of some interleaved columns, in their order."""
-    fill(out.reshape(rows.T.shape), rows.T, scale)
+    np.multiply(rows.T, scale, out=out.reshape(rows.T.shape))

@@ -12,7 +12,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from owtsweep import paging
 from owtsweep.config import Config, dump, require
 from owtsweep.config.stored import load
 from owtsweep.io.files import check_writable, remove_stale, unwritable, write_atomically
@@ -117,14 +116,11 @@ def sweep(
     """
     plan = make_plan(study, config)
     run = Run(run_folder(config), config, study)
-    try:
-        with _executor(run) as executor:
-            text = dump(config)
-            _prepare(run, text, fresh=fresh)
-            with _log_of(run.folder):
-                return _Sweep(run, plan, executor, progress or SilentProgress(), argv)(text)
-    finally:
-        paging.forget()
+    with _executor(run) as executor:
+        text = dump(config)
+        _prepare(run, text, fresh=fresh)
+        with _log_of(run.folder):
+            return _Sweep(run, plan, executor, progress or SilentProgress(), argv)(text)
 
 
 def _prepare(run: Run, text: str, *, fresh: bool) -> None:

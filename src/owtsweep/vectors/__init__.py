@@ -1,1 +1,42 @@
-"""A value of eight lanes for compiled kernels, and the memory it comes from."""
+"""Values of eight lanes for compiled kernels, in one of two forms that give the same bits.
+
+`rows` and `vector` make them LLVM vectors, through interfaces of numba and llvmlite that may
+change; `plain` makes them tuples of floats. Kernels import the chosen form from `lanes`. See
+docs/vectors.md.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from owtsweep.compiled import set_variant, variant
+from owtsweep.errors import InputError
+
+#: Lanes of a value: one register of 512 bits, two of 256, four of 128.
+WIDTH = 8
+
+#: The folder of compiled kernels ends with this where they are plain loops.
+_PLAIN = "-plain"
+
+
+def choose(vectors: bool) -> None:
+    """Compile kernels with LLVM vectors or as plain loops; before the first kernel is imported.
+
+    Raises
+    ------
+    InputError
+        If this process has imported kernels of the other form.
+    """
+    if vectors == uses_vectors():
+        return
+    if f"{__name__}.lanes" in sys.modules:
+        raise InputError(
+            f"compute.vectors: this process has compiled its kernels with "
+            f"vectors={str(not vectors).lower()}; start another process"
+        )
+    set_variant("" if vectors else _PLAIN)
+
+
+def uses_vectors() -> bool:
+    """Whether kernels are compiled with LLVM vectors."""
+    return variant() != _PLAIN

@@ -16,7 +16,7 @@ A filter's step waits for the step before it. A vector may hold several groups o
 side, one instruction each: the processor works on one group while the other waits, and the gains
 are read once for all.
 
-Inside kernels `+ - * /` take vectors and floats; `kernels.memory` loads vectors and stores them.
+Inside kernels `+ - * /` take vectors and floats; `rows` loads vectors and stores them.
 """
 
 from __future__ import annotations
@@ -33,8 +33,7 @@ from numba.core.typeconv import Conversion
 from numba.core.typing.templates import ConcreteTemplate, infer_global, signature
 from numba.extending import intrinsic, lower_builtin, register_model
 
-#: Lanes of a vector: one 512-bit register, two of 256 bits, four of 128.
-WIDTH = 8
+from owtsweep.vectors import WIDTH
 
 #: Whether registers hold all that two groups of lanes need at once: 32 of 512 bits, or 16 of 256.
 ROOMY = "+avx512f" in (
@@ -82,9 +81,9 @@ class _ProductModel(models.PrimitiveModel):
         super().__init__(manager, kind, ir.LiteralStructType([LANES] * (2 * kind.parts)))
 
 
-def join(builder: Any, parts: Any) -> Any:
+def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
     """Registers, or addresses, as one value."""
-    value = ir.Constant(ir.LiteralStructType([part.type for part in parts]), ir.Undefined)
+    value = ir.Constant(ir.LiteralStructType([kind] * len(parts)), ir.Undefined)
     for i, part in enumerate(parts):
         value = builder.insert_value(value, part, i)
     return value
@@ -121,8 +120,8 @@ def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
 
 def _factors(builder: Any, kind: Any, value: Any) -> list[tuple[Any, Any]]:
     """The two factors of each group of lanes."""
-    found = [builder.extract_value(value, i) for i in range(2 * kind.parts)]
-    return list(zip(found[: kind.parts], found[kind.parts :], strict=True))
+    factors = [builder.extract_value(value, i) for i in range(2 * kind.parts)]
+    return list(zip(factors[: kind.parts], factors[kind.parts :], strict=True))
 
 
 def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:

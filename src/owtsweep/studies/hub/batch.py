@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.paging import release
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.feed import Feed, Span
@@ -17,8 +16,14 @@ from owtsweep.studies.hub.feed import Lanes as Lanes  # where others look for it
 from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
     ChainArrays,
+    Fed,
+    Memory,
     Output,
+    Registers,
     Scratch,
+    Stretch,
+    Totals,
+    Truth,
     Weights,
     new_output,
     new_registers,
@@ -88,22 +93,29 @@ def _run(
     consistency: bool,
 ) -> list[Sums]:
     weights = [weights_of(chain, consistency=consistency) for chain in chains]
-    scratch, output = shared_memory(chains, 3 if amplitude is None else 2)
-    parts = []
-    for first in range(0, len(records.replicates), WIDTH):
-        feed = Feed(records, first, amplitude)
+    memory = shared_memory(chains, 3 if amplitude is None else 2)
+
+    def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
+        """The chains' sums and squared errors of replicates first ... first + 7."""
+        feed = Feed(part, first, amplitude)
         runs = [
-            Run(*pair, feed, settled, scratch, output, keep=keep)
+            ChainRun(*pair, feed, settled, *memory, keep=keep)
             for pair in zip(chains, weights, strict=True)
         ]
         for span in feed.spans(max(run.lead for run in runs)):
             for run in runs:
                 run.advance(span)
-        parts.append(runs)
-    count = len(records.replicates)
+        count = len(feed.indices)
+        return [(run.sums[:, :count], run.squared[:, :count]) for run in runs]
+
+    eights = [
+        run_eight(part, first)
+        for part in records.parts()
+        for first in range(0, len(part.replicates), WIDTH)
+    ]
     return [
-        _sums(list(own), chain, count)
-        for own, chain in zip(zip(*parts, strict=True), chains, strict=True)
+        _joined(chain, records.steps, settled, arrays)
+        for chain, arrays in zip(chains, zip(*eights, strict=True), strict=True)
     ]
 
 
@@ -116,7 +128,7 @@ def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
     )
 
 
-class Run:
+class ChainRun:
     """One chain on eight replicates, fed span by span."""
 
     def __init__(
@@ -134,8 +146,8 @@ class Run:
         self.steps = feed.records.steps
         self.arrays = arrays_of(chain)
         self.chunk, self.lead = chunk_of(chain)
-        self.registers = new_registers(feed.groups, chain.filter.window, chain.mhe.horizon)
-        self.scratch, self.output = scratch, output
+        registers = new_registers(feed.groups, chain.filter.window, chain.mhe.horizon)
+        self.memory = Memory(registers, scratch, output)
         self.fixes = tuple(feed.fixes)
         self.sums = np.zeros((36, WIDTH))
         self.squared = np.empty((self.steps if keep else 0, WIDTH))
@@ -146,21 +158,17 @@ class Run:
         from owtsweep.studies.hub.kernels import runs
 
         ready = span.stop if span.stop == self.steps else span.stop // self.chunk * self.chunk
-        common: tuple[Any, ...] = (
-            self.done, ready, self.chunk, self.settled, tuple(span.force), span.base, self.fixes,
-            span.position, span.velocity,
-        )  # fmt: skip
-        own = (
-            self.arrays, self.weights, self.registers, self.scratch, self.output, self.sums
-        )  # fmt: skip
-        direction = self.feed.records.direction
+        stretch = Stretch(self.done, ready, self.chunk, self.settled)
+        fed = Fed(tuple(span.force), span.base, self.fixes)
+        amplitude = 1.0 if self.feed.amplitude is None else self.feed.amplitude
+        direction = self.feed.records.direction * amplitude
+        truth = Truth((span.position,), (span.velocity,), direction)
+        work = (stretch, fed, truth, self.arrays, self.weights, self.memory)
         if self.feed.amplitude is None:
-            runs.superposed(*common, direction, *own)
+            runs.superposed(*work, (self.sums,))
         else:
-            runs.direct(*common, direction * self.feed.amplitude, *own, self.squared)
-        filter_, weights = self.arrays.filter, self.weights
-        for rows in (filter_.K, filter_.C, filter_.D, weights.precision, weights.innovation):
-            release(rows, self.done, ready)  # of a long schedule: read, and done with
+            keep = len(self.squared) > 0
+            runs.direct(*work, Totals((self.sums,), (self.squared,), keep))
         self.done = ready
 
 
@@ -171,15 +179,15 @@ def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output
     return new_scratch(groups, chunk, window), new_output(groups, chunk)
 
 
-def _sums(runs: Sequence[Run], chain: Chain, replicates: int) -> Sums:
-    steps, settled = runs[0].steps, runs[0].settled
-    early, all_of_them = (chain.gains.fresh_before(step) for step in (settled, steps))
-    products = np.concatenate([run.sums for run in runs], axis=1)[:, :replicates]
+def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
+    """Put the sums and squared errors of up to eight replicates each side by side."""
+    early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
+    products, squared = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
     return Sums(
-        products=products.reshape(2, 6, 3, replicates),
+        products=products.reshape(2, 6, 3, -1),
         steps=np.array([settled, steps - settled]),
-        innovations=np.array([early, all_of_them - early]),
-        squared=np.concatenate([run.squared for run in runs], axis=1)[:, :replicates],
+        innovations=np.array([early, whole - early]),
+        squared=squared,
     )
 
 
@@ -235,8 +243,8 @@ def chunks(chain: Chain, force: Array | Rows, fixes: Array) -> Iterator[tuple[in
     width = force.shape[1]
     chunk, memory = chunk_of(chain)[0], shared_memory([chain], 1)
     flat = Estimates(*(np.zeros((chunk, width)) for _ in Estimates._fields))
-    for k0, n, lanes, group in _one_by_one(chain, force, fixes, chunk):
-        runs.estimates(k0, n, *group, *memory)
+    for k0, n, lanes, fed, registers in _one_by_one(chain, force, fixes, chunk):
+        runs.estimates(k0, n, fed, arrays_of(chain), Memory(registers, *memory))
         for out, source in zip(flat, memory[1], strict=True):
             out[:, lanes] = source[0][:, : lanes.stop - lanes.start]
         if lanes.stop == width:
@@ -255,8 +263,8 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
         (steps, 4, lanes) in m, m/s, m/s^2, m/s^2; b is x4 of Eq. (6), -R b^b + g.
     """
     result = np.empty((force.shape[0], 4, force.shape[1]))
-    for k0, n, found in state_chunks(chain, force, fixes):
-        result[k0 : k0 + n] = found[:n]
+    for k0, n, some in state_chunks(chain, force, fixes):
+        result[k0 : k0 + n] = some[:n]
     return result
 
 
@@ -268,27 +276,27 @@ def state_chunks(
 
     width = force.shape[1]
     chunk, memory = chunk_of(chain)[0], shared_memory([chain], 1)
-    found, flat = np.empty((chunk, 4, WIDTH)), np.empty((chunk, 4, width))
-    for k0, n, lanes, group in _one_by_one(chain, force, fixes, chunk):
-        runs.states(k0, n, *group, *memory, (found.reshape(-1, WIDTH),))
-        flat[:, :, lanes] = found[:, :, : lanes.stop - lanes.start]
+    eight, flat = np.empty((chunk, 4, WIDTH)), np.empty((chunk, 4, width))
+    rows = (eight.reshape(-1, WIDTH),)
+    for k0, n, lanes, fed, registers in _one_by_one(chain, force, fixes, chunk):
+        runs.states(k0, n, fed, arrays_of(chain), Memory(registers, *memory), rows)
+        flat[:, :, lanes] = eight[:, :, : lanes.stop - lanes.start]
         if lanes.stop == width:
             yield k0, n, flat
 
 
 def _one_by_one(
     chain: Chain, force: Array | Rows, fixes: Array, chunk: int
-) -> Iterator[tuple[int, int, slice, tuple[Any, ...]]]:
-    """Chunk by chunk and group by group: first step, steps, lanes, and what the kernels take."""
+) -> Iterator[tuple[int, int, slice, Fed, Registers]]:
+    """Chunk by chunk and group by group: first step, steps, lanes, inputs and registers."""
     (steps, width), lead = force.shape, lead_of(chain)
     positions = _in_groups(fixes, 0, len(fixes))
     registers = [new_registers(1, chain.filter.window, chain.mhe.horizon) for _ in positions]
-    arrays = arrays_of(chain)
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
         for g, rows in enumerate(_in_groups(force, k0 - lead, k0 + n)):
             lanes = slice(g * WIDTH, min((g + 1) * WIDTH, width))
-            yield k0, n, lanes, ((rows,), k0 - lead, (positions[g],), arrays, registers[g])
+            yield k0, n, lanes, Fed((rows,), k0 - lead, (positions[g],)), registers[g]
 
 
 def lead_of(chain: Chain) -> int:
@@ -301,6 +309,6 @@ def _in_groups(values: Array | Rows, first: int, stop: int) -> Array:
     result = aligned(-(-values.shape[1] // WIDTH), stop - first, WIDTH)
     given = values[max(first, 0) : stop]
     for g, rows in enumerate(result):
-        own = given[:, g * WIDTH : (g + 1) * WIDTH]
-        rows[max(-first, 0) :, : own.shape[1]] = own
+        some = given[:, g * WIDTH : (g + 1) * WIDTH]
+        rows[max(-first, 0) :, : some.shape[1]] = some
     return result

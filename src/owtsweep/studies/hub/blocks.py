@@ -266,13 +266,13 @@ def _by_loop(
     amplitude: float | None,
 ) -> Iterator[measures.Columns]:
     period = records.natural_period
-    for index, replicate in enumerate(records.replicates):
-        try:
-            measured = _looped(config, scheme, records, settled, amplitude, index)
-            yield measures.table(period, [replicate], scheme.name, measured, amplitude)
-        except (Exception, SystemExit) as error:  # whatever a user's scheme does: the rest goes on
-            reason = as_text(error)
-            yield measures.failed(period, replicate, scheme.name, reason, amplitude)
+    for part in records.parts():
+        for index, replicate in enumerate(part.replicates):
+            try:
+                measured = _looped(config, scheme, part, settled, amplitude, index)
+                yield measures.table(period, [replicate], scheme.name, measured, amplitude)
+            except (Exception, SystemExit) as error:  # whatever a user's scheme does, go on
+                yield measures.failed(period, replicate, scheme.name, as_text(error), amplitude)
 
 
 def _looped(

@@ -7,7 +7,7 @@ Every scheme of the study is the same chain with parts left out: [MHE ->] multir
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, wraps
 from operator import attrgetter
@@ -16,17 +16,17 @@ from typing import Any
 
 import numpy as np
 
-from owtsweep.arrays import Array
+from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.discretisation import Discrete
 from owtsweep.estimation.gains import GainSchedule, schedule
 from owtsweep.estimation.predictor import powers, prediction_noise
 from owtsweep.estimation.smoother import smoother_gains
-from owtsweep.estimation.windowing import covariances
-from owtsweep.paging import packed, release, room
+from owtsweep.estimation.windowing import FilterRows, covariances
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, PredictorArrays
 from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
+from owtsweep.vectors import choose
 
 #: Longest transient that is stored (2621 s at 100 Hz). A bias without noise never settles: its
 #: covariance falls as a power of time, and after this many steps the last cycle is kept.
@@ -55,50 +55,47 @@ class Chain:
     @cached_property
     def covariance(self) -> Array:
         """(rows, 2, 2): covariance of the output's (p, v), one axis, for NEES."""
-        return np.concatenate([part for _, part in self._covariances()])
+        return self._covariance()
 
     @cached_property
     def precision(self) -> Array:
         """(rows, 3): elements pp, pv, vv of the inverse of the output's covariance."""
-        return self._precision()
+        return _precision(self.covariance)
 
     @cached_property
     def innovation_weight(self) -> Array:
         """(rows,): inverse of the innovation's variance."""
-        result = room(self.gains.rows)
-        for first in range(0, self.gains.rows, _ROWS_AT_ONCE):
-            stop = min(first + _ROWS_AT_ONCE, self.gains.rows)
-            result[first:stop] = 1.0 / self.gains.innovation_variance[first:stop]
-            for worked_through in (result, self.gains.innovation_variance):
-                release(worked_through, first, stop)
-        return packed(result)
+        return np.asarray(1.0 / self.gains.innovation_variance)
 
     def for_runs(self) -> Chain:
-        """This chain with all that the kernels need and without covariances, half of its memory."""
-        none = np.empty((0, 4, 4))
-        K = packed(self.gains.K)
-        result = replace(
-            self,
-            gains=replace(self.gains, K=K, predicted=none, filtered=none),
-            filter=self.filter._replace(K=K, C=packed(self.filter.C), D=packed(self.filter.D)),
-        )
-        # Until Python 3.12 a cached property has one lock for all chains: they would wait in turn.
-        vars(result)["precision"] = self._precision()
+        """This chain with all that a run needs, without the filter's covariances: half the memory.
+
+        The covariance of the output and its inverse are computed now. As cached properties they
+        would make threads wait for each other: until Python 3.12 all chains share one lock.
+        """
+        none, covariance = np.empty((0, 4, 4)), self._covariance()
+        result = replace(self, gains=replace(self.gains, predicted=none, filtered=none))
+        vars(result).update(covariance=covariance, precision=_precision(covariance))
         return result
 
-    def _precision(self) -> Array:
-        result = room(self.gains.rows, 3)
-        for first, part in self._covariances():
-            stop = first + len(part)
-            result[first:stop] = np.linalg.inv(part)[:, [0, 0, 1], [0, 1, 1]]
-            release(result, first, stop)
-        return packed(result)
-
-    def _covariances(self) -> Iterator[tuple[int, Array]]:
-        steps = self.predictor.steps
-        return _output_covariances(
-            self.axis, self.gains, self.filter.C, self.filter.window, steps, self.input_model
+    def _covariance(self) -> Array:
+        return _output_covariance(
+            self.axis,
+            self.gains,
+            self.filter.C,
+            self.filter.window,
+            self.predictor.steps,
+            self.input_model,
         )
+
+
+def _precision(covariance: Array) -> Array:
+    """(rows, 3): elements pp, pv, vv of the inverse of each covariance (rows, 2, 2)."""
+    result = aligned(len(covariance), 3)
+    for first in range(0, len(covariance), _ROWS_AT_ONCE):  # the working copies stay small
+        part = slice(first, first + _ROWS_AT_ONCE)
+        result[part] = np.linalg.inv(covariance[part])[:, [0, 0, 1], [0, 1, 1]]
+    return result
 
 
 Kernel = Callable[..., Chain]
@@ -128,6 +125,7 @@ def shared(kernel: Kernel) -> Kernel:
         *,
         for_runs: bool = False,
     ) -> Chain:
+        choose(tuning.compute.vectors)  # every run needs a chain before its first kernel
         sections = tuple(repr(attrgetter(section)(tuning)) for section in self.sections)
         key = (type(self), sensors, steps, for_runs, *sections)
         with _LOCK:
@@ -244,15 +242,15 @@ def _predictor_arrays(model: Discrete | None, steps: int, step: float) -> Predic
     )
 
 
-def _output_covariances(
+def _output_covariance(
     axis: AxisFilter,
     gains: GainSchedule,
     C: Array,
     window: int,
     steps: int,
     predict: Discrete | None,
-) -> Iterator[tuple[int, Array]]:
-    """Covariance of the output's (p, v) for one axis: a first row, and (rows, 2, 2) from it on.
+) -> Array:
+    """Covariance of the output's (p, v) for one axis, (rows, 2, 2).
 
     The predictor starts from the smoothed state of `window` steps before the filter's newest
     sample and feeds it inputs whose noise v_i the smoother has partly seen. For the filter's own
@@ -261,27 +259,21 @@ def _output_covariances(
     independent. (The bias' own walk over these steps is added as if independent: it is 1e-3 of
     the rest for the default sensors.)
     """
-    worked_through = (gains.filtered, gains.predicted, C)
     if predict is None or steps == 0:
-        for first in range(0, gains.rows, _ROWS_AT_ONCE):
-            yield first, gains.filtered[first : first + _ROWS_AT_ONCE, :2, :2].copy()
-            release(gains.filtered, first, first + _ROWS_AT_ONCE)
-        return
+        return gains.filtered[:, :2, :2].copy()
     noise = prediction_noise(predict, steps)
     pick = SIGMA_2_STATES
-    table = C if window > 0 else gains.filtered  # with no window there is nothing to look up
+    # with no window there is nothing to look up among the smoother's gains
+    rows = FilterRows(gains.filtered, gains.predicted, C if window > 0 else gains.filtered)
+    result = np.empty((gains.rows, 2, 2))
     for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
         count = min(_ROWS_AT_ONCE, gains.rows - first)
         smoothed = np.broadcast_to(axis.initial_covariance, (count, 4, 4)).copy()
         coupling = np.zeros((count, 4, 3))
-        covariances(
-            gains.filtered, gains.predicted, table, window, axis.force_row, noise.response,
-            smoothed, coupling, first,
-        )  # fmt: skip
+        covariances(rows, window, axis.force_row, noise.response, smoothed, coupling, first)
         own = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
         cross = noise.transition @ coupling[:, pick]
         own += cross + cross.transpose(0, 2, 1)
         own += noise.process + axis.force_variance * noise.response.T @ noise.response
-        yield first, own[:, :2, :2]
-        for array in worked_through:
-            release(array, first, first + count)
+        result[first : first + count] = own[:, :2, :2]
+    return result

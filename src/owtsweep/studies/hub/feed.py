@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.paging import outside, read, release
-from owtsweep.studies.hub.kernels.layout import WIDTH
+from owtsweep.studies.hub.kernels.layout import WIDTH, ImuNoise
 from owtsweep.studies.hub.records import Records
 from owtsweep.studies.hub.sensors import fix_count
 
@@ -119,7 +118,6 @@ class Feed:
             motion[:, lane] = self.records.motion[index].position_at(
                 -sensors.delay, sensors.fix_interval, count
             )
-            release(self.records.motion[index].position)
             noise[:, :, lane] = self.records.fix_noise(index).T
         return self._grouped(motion, noise)
 
@@ -133,9 +131,6 @@ class Feed:
         truth = aligned(2, lead + size, WIDTH)
         whole = apart if self.amplitude is None else aligned(2, lead + size, WIDTH)
         motion = [self.records.motion[index] for index in self.indices]
-        # of long records a span at a time comes from their file, always into the same memory
-        far = any(outside(series.position) for series in motion)
-        held = tuple(np.empty((len(motion), size))) if far else None
         fill = self._noise(size)
         for k0 in range(0, steps, SPAN):
             stop = min(k0 + SPAN, steps)
@@ -145,12 +140,7 @@ class Feed:
             for rows, name in ((truth[0], "position"), (truth[1], "velocity"),
                                (apart[0], "acceleration")):  # fmt: skip
                 sources = tuple(getattr(series, name) for series in motion)
-                if held is None:
-                    feeding.gather(k0, stop - k0, lead, sources, rows)
-                else:
-                    for source, own in zip(sources, held, strict=True):
-                        read(source, k0, own[: stop - k0])
-                    feeding.gather(0, stop - k0, lead, held, rows)
+                feeding.gather(k0, stop - k0, lead, sources, rows)
             fill(stop - k0, lead, apart)
             if self.amplitude is not None:
                 direction = self.records.direction
@@ -171,6 +161,8 @@ class Feed:
 
             return turned
         sources = [records.force_noise(index) for index in self.indices]
+        one = sources[0]
+        imu = ImuNoise(one.walk, one.initial, one.sigma, one.gravity)
         normals, bias = np.empty((len(sources), 4, size)), np.zeros((len(sources), 2))
         begun = False
 
@@ -178,11 +170,7 @@ class Feed:
             nonlocal begun
             for source, own in zip(sources, normals, strict=True):
                 source.draw(own[:, :steps])
-            one = sources[0]
-            feeding.noise(
-                steps, lead, normals, begun, bias, one.walk, one.initial, one.sigma, one.gravity,
-                force,
-            )  # fmt: skip
+            feeding.noise(steps, lead, normals, begun, bias, imu, force)
             begun = True
 
         return straight

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes, chunks, state_chunks
     from owtsweep.studies.hub.blocks import backend, scheme_content
-    from owtsweep.studies.hub.chain import Chain
+    from owtsweep.studies.hub.chain import Chain, chain_for_runs
     from owtsweep.studies.hub.config import Grid, HubConfig
     from owtsweep.studies.hub.contract import Scheme, Sensors
     from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
@@ -33,7 +33,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "Lanes", "Measurements",
-    "NoiseFloor", "Rows", "Scheme", "Sensors", "at_amplitude", "backend", "bias_of", "chunks",
+    "NoiseFloor", "Rows", "Scheme", "Sensors", "at_amplitude", "backend", "bias_of",
+    "chain_for_runs", "chunks",
     "compare", "error_spectrum", "expected_mse", "fix_count", "fix_noise", "has_acceleration",
     "lag_of", "make_lanes", "make_sensors", "noise_floor", "resolve_all",
     "scheme_content", "scheme_products", "score", "simulate_bias", "state_chunks",
@@ -58,6 +59,7 @@ _HOMES = {
     "scheme_content": "blocks",  # what a block's key holds of a scheme
     "backend": "blocks",  # threads or processes
     "Chain": "chain",  # a scheme as the kernels run it
+    "chain_for_runs": "chain",  # make one
     "WIDTH": "kernels.layout",  # series that a kernel runs side by side
     "Rows": "rows",  # a series that is made as the kernels need it
     "chunks": "batch",  # the estimates of a chain, chunk by chunk

@@ -5,16 +5,15 @@ All schemes and amplitudes of a (period, replicate) see the same phases and the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
 
-from owtsweep import paging
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
-from owtsweep.motion.spectra import spectrum
+from owtsweep.motion.spectra import Spectrum, spectrum
 from owtsweep.motion.synthesis import synthesise
 from owtsweep.streams import stream
 from owtsweep.studies.hub import sensors as sensing
@@ -22,14 +21,16 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 
 STUDY = "hub"
-#: Numbers of a block's motion that are kept in memory (40 MB); more of them lie in a file. Eight
-#: records of the default length stay just below, which is faster.
-MOST_IN_MEMORY = 5_000_000
+#: A block's share of memory: bytes of motion that a worker holds at a time. Replicates whose motion
+#: does not fit in it run one part after the other. Eight records fit up to 6600 s at 100 Hz.
+MEMORY_SHARE = 128_000_000
+#: Position, velocity and acceleration, eight bytes each.
+BYTES_PER_STEP = 24
 
 
 @dataclass(frozen=True)
 class Records:
-    """Unit-amplitude motions and noises of some replicates.
+    """Motion of unit amplitude and noise of some replicates.
 
     Attributes
     ----------
@@ -37,16 +38,49 @@ class Records:
         Their numbers, in order.
     direction
         (2,): the wave's direction in NED.
-    motion
-        One per replicate, scaled to the unit amplitude.
     """
 
     config: HubConfig
     natural_period: float
+    spectrum: Spectrum
     sensors: Sensors
     replicates: tuple[int, ...]
     direction: Array
-    motion: tuple[Motion, ...]
+
+    @property
+    def steps(self) -> int:
+        """IMU steps of a record."""
+        return round(self.config.record.duration / self.sensors.step)
+
+    def parts(self) -> Iterator[Records]:
+        """These records, as many replicates at a time as fit into a block's share of memory.
+
+        A part makes its motion when it is first asked for, and drops it with itself.
+        """
+        count = len(self.replicates)
+        each = max(MEMORY_SHARE // (BYTES_PER_STEP * self.steps), 1)
+        if each >= count:
+            yield self
+            return
+        for first in range(0, count, each):
+            yield replace(self, replicates=self.replicates[first : first + each])
+
+    @cached_property
+    def motion(self) -> tuple[Motion, ...]:
+        """One per replicate, scaled to the unit amplitude."""
+        config = self.config
+        return tuple(
+            synthesise(
+                self.spectrum,
+                self.stream(index)("phase"),
+                steps=self.steps,
+                step=self.sensors.step,
+                band=(config.band[0], config.band[1]),
+                normalise=config.normalise,
+                history=self.sensors.delay,
+            )
+            for index in range(len(self.replicates))
+        )
 
     @cached_property
     def noise(self) -> tuple[sensing.Measurements, ...]:
@@ -75,44 +109,15 @@ class Records:
             stream, self.config.seed, STUDY, (self.natural_period,), self.replicates[index]
         )
 
-    @property
-    def steps(self) -> int:
-        """IMU steps of a record."""
-        return len(self.motion[0].position)
-
 
 def make_records(config: HubConfig, natural_period: float, replicates: Sequence[int]) -> Records:
-    """The records of one period and some replicates: motion now, noise when it is needed."""
-    known = sensing.sensors(config.sensors)
-    steps = round(config.record.duration / known.step)
-    shape = spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth)
+    """The records of one period and some replicates; motion and noise are made when needed."""
     angle = np.deg2rad(config.wave_direction)
-    size = (len(replicates), 3, steps)
-    count = int(np.prod(size))
-    # small pieces in memory are used again by the next block; one large one is made anew
-    kept = (
-        paging.room(count, again=True).reshape(size)
-        if count > MOST_IN_MEMORY
-        else [None] * len(replicates)
-    )
-    motions = [
-        synthesise(
-            shape,
-            stream(config.seed, STUDY, (natural_period,), replicate, "phase"),
-            steps=steps,
-            step=known.step,
-            band=(config.band[0], config.band[1]),
-            normalise=config.normalise,
-            history=known.delay,
-            out=out,
-        )
-        for replicate, out in zip(replicates, kept, strict=True)
-    ]
     return Records(
         config=config,
         natural_period=natural_period,
-        sensors=known,
+        spectrum=spectrum(config.spectrum.kind, natural_period, config.spectrum.bandwidth),
+        sensors=sensing.sensors(config.sensors),
         replicates=tuple(replicates),
         direction=np.array([np.cos(angle), np.sin(angle)]),
-        motion=tuple(motions),
     )

@@ -17,6 +17,7 @@ from owtsweep.studies.hub.public import (
     Rows,
     Scheme,
     Sensors,
+    chain_for_runs,
     chunks,
 )
 from owtsweep.studies.replay.measuring import PIECE, Signals, make_signals
@@ -63,7 +64,7 @@ def estimate_pieces(
     if config.engine == "batch":
         complete = all(bool(np.all(np.isfinite(signals.fixes))) for signals in replicates)
         if complete and hasattr(scheme, "kernel"):
-            chain = scheme.kernel(sensors, config, replicates[0].steps)
+            chain = chain_for_runs(scheme, sensors, config, replicates[0].steps)
             return _run_kernel(chain, sensors, replicates, edges)
         start = getattr(scheme, "stream", start)
     runs = [

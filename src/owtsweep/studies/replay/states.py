@@ -13,6 +13,7 @@ from owtsweep.figures.lines import POINTS
 from owtsweep.studies.hub.public import (
     Chain,
     bias_of,
+    chain_for_runs,
     has_acceleration,
     lag_of,
     resolve_all,
@@ -110,7 +111,7 @@ def _make_chains(config: ReplayConfig, session: Session) -> dict[str, Chain]:
     if not np.all(np.isfinite(session.signals.fixes)):
         return {}
     return {
-        scheme.name: scheme.kernel(session.sensors, config, session.record.steps)
+        scheme.name: chain_for_runs(scheme, session.sensors, config, session.record.steps)
         for scheme in resolve_all(config.schemes, config)
         if scheme.name in session.names and hasattr(scheme, "kernel")
     }

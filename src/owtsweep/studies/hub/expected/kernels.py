@@ -2,8 +2,7 @@
 
 One call takes two groups of eight lanes through a whole stretch of the record: sinusoids are made
 just before the chain needs them, in buffers that stay in the cache, and errors are squared as soon
-as there are some. Phasors have their cosines in group 0 and their sines in group 1; else each group
-holds eight sines of its own.
+as there are some. The structures are those of `expected.layout` and `kernels.layout`.
 """
 
 from __future__ import annotations
@@ -11,47 +10,43 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.compiled import njit
+from owtsweep.studies.hub.kernels.layout import Fed
 from owtsweep.studies.hub.kernels.runs import estimates
-from owtsweep.vectors.memory import borrowed, groups, load, store
-from owtsweep.vectors.vector import WIDTH
+from owtsweep.vectors import WIDTH
+from owtsweep.vectors.lanes import borrowed, groups, load, store
 
 
 @njit
-def advance(k0, stop, judged, every, lanes, tolerance, chunk, settled, cycle, waves, state, moving,
-            phasor, truth, lead, force, wave, fixes, chain, registers, scratch, output, sums,
-            ring):  # fmt: skip
+def advance(k0, stop, judged, course, waves, buffers, chain, memory):
     """Take two groups on from step k0 until their answer repeats, or to the step `stop`.
 
-    From the first whole chunk up to `judged` on it is judged every so many steps. `state` holds the
-    step of the buffers' row 0 and the one up to which they are filled; `moving` tells whether there
-    is any force; `sums` and `ring` are those of `add_squares`.
+    From the first whole chunk up to `judged` on it is judged every so many steps.
 
     Returns
     -------
     int, bool
         The step that was reached, and whether the answer repeats there.
     """
-    room = force[0].shape[0]
+    lead, filled, force = course.lead, buffers.filled, buffers.force
     while k0 < stop:
-        count = min(chunk, stop - k0)
-        if moving:
-            if k0 + count - state[0] > room:
-                _move(force, k0 - lead - state[0], state[1] - state[0])
-                if truth:
-                    _move(wave, k0 - lead - state[0], state[1] - state[0])
-                state[0] = k0 - lead
-            make_waves(state[1], k0 + count, state[0], waves, phasor, truth, force, wave)
-            state[1] = k0 + count
+        count = min(course.chunk, stop - k0)
+        if waves.moving:
+            if k0 + count - filled[0] > force[0].shape[0]:
+                _move(force, k0 - lead - filled[0], filled[1] - filled[0])
+                if waves.truth:
+                    _move(buffers.wave, k0 - lead - filled[0], filled[1] - filled[0])
+                filled[0] = k0 - lead
+            make_waves(k0 + count, waves, buffers)
+            filled[1] = k0 + count
         else:
-            state[0] = k0 - lead  # zeros, whichever step they belong to
-        estimates(k0, count, force, state[0], fixes, chain, registers, scratch, output)
-        add_squares(k0, count, settled, cycle, output.position, output.velocity, state[0], wave,
-                    waves.rate, phasor, truth, sums, ring)  # fmt: skip
+            filled[0] = k0 - lead  # zeros, whichever step they belong to
+        estimates(k0, count, Fed(force, filled[0], buffers.fixes), chain, memory)
+        add_squares(k0, count, course, waves, buffers, memory.output)
         k0 += count
         if k0 >= judged:
-            if repeats(k0 // cycle, lanes, tolerance, ring):
+            if repeats(k0 // course.cycle, course.lanes, course.tolerance, buffers.ring):
                 return k0, True
-            judged = k0 + every
+            judged = k0 + course.every
     return k0, False
 
 
@@ -86,14 +81,16 @@ def _move(buffers, first, stop):
 
 
 @njit
-def make_waves(k, stop, base, waves, phasor, keep, force, wave):
-    """Fill the rows of steps k ... stop - 1 of force (and wave, if kept), step `base` in row 0.
+def make_waves(stop, waves, buffers):
+    """Fill the rows of force (and wave, if there is a truth) up to the step stop - 1.
 
     The sinusoids are turned on from step to step, and begin anew with every block, so that rounding
     does not add up; in between `now` keeps them.
     """
-    u0, u1 = groups(borrowed(force))
-    w0, w1 = groups(borrowed(wave))
+    base, k = buffers.filled[0], buffers.filled[1]
+    phasor, keep = waves.phasor, waves.truth
+    u0, u1 = groups(borrowed(buffers.force))
+    w0, w1 = groups(borrowed(buffers.wave))
     starts, now = borrowed((waves.starts,)), borrowed((waves.now,))
     fixed = borrowed((waves.turn_gain,))
     turn0, turn1 = load(fixed, 0), load(fixed, 1)  # cosine and sine of group 0's angle
@@ -129,32 +126,32 @@ def make_waves(k, stop, base, waves, phasor, keep, force, wave):
 
 
 @njit
-def add_squares(k0, count, settled, cycle, position, velocity, base, wave, rate, phasor, truth,
-                sums, ring):  # fmt: skip
-    """Add squared errors to the sums of the record and of the cycle.
+def add_squares(k0, count, course, waves, buffers, output):
+    """Add the squared errors of a chunk to the sums of the record and of the cycle.
 
-    `sums` has the rows (2 parts of the record, 2 measures, 2 groups), `ring` (slots, 2, 2): the
-    sums of the newest cycles, cycle q in slot q % slots. With `truth` the wave is what the position
-    should be, and its `rate` the velocity. A phasor's squares are added in group 0.
+    Where there is a truth the wave is what the position should be, and its rate the velocity. A
+    phasor's squares are added in group 0.
     """
-    p0, p1 = groups(borrowed(position))
-    v0, v1 = groups(borrowed(velocity))
-    w0, w1 = groups(borrowed(wave))
-    omega = load(borrowed((rate,)), 0)
-    total, newest = borrowed((sums,)), borrowed((ring,))
+    settled, cycle, base, ring = course.settled, course.cycle, buffers.filled[0], buffers.ring
+    phasor, truth = waves.phasor, waves.truth
+    p0, p1 = groups(borrowed(output.position))
+    v0, v1 = groups(borrowed(output.velocity))
+    w0, w1 = groups(borrowed(buffers.wave))
+    omega = load(borrowed((waves.rate,)), 0)
+    total, newest = borrowed((buffers.sums,)), borrowed((ring,))
     slots = ring.shape[0] // 4
     k, end = k0, k0 + count
     while k < end:
         stop = min((k // cycle + 1) * cycle, end)
         if k < settled:
             stop = min(stop, settled)
-        own = 0 if k < settled else 4
+        part = 0 if k < settled else 4
         slot = 4 * ((k // cycle) % slots)
         if k % cycle == 0:
             for i in range(slot, slot + 4):
                 store(newest, i, 0.0 * omega)
-        a0, a1 = load(total, own), load(total, own + 1)
-        b0, b1 = load(total, own + 2), load(total, own + 3)
+        a0, a1 = load(total, part), load(total, part + 1)
+        b0, b1 = load(total, part + 2), load(total, part + 3)
         c0, c1 = load(newest, slot), load(newest, slot + 1)
         d0, d1 = load(newest, slot + 2), load(newest, slot + 3)
         if phasor:
@@ -171,10 +168,10 @@ def add_squares(k0, count, settled, cycle, position, velocity, base, wave, rate,
                 p, q, v, w = p * p, q * q, v * v, w * w
                 a0, a1, b0, b1 = a0 + p, a1 + q, b0 + v, b1 + w
                 c0, c1, d0, d1 = c0 + p, c1 + q, d0 + v, d1 + w
-        store(total, own, a0)
-        store(total, own + 1, a1)
-        store(total, own + 2, b0)
-        store(total, own + 3, b1)
+        store(total, part, a0)
+        store(total, part + 1, a1)
+        store(total, part + 2, b0)
+        store(total, part + 3, b1)
         store(newest, slot, c0)
         store(newest, slot + 1, c1)
         store(newest, slot + 2, d0)

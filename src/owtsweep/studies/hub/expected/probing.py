@@ -11,8 +11,9 @@ from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.expected.inputs import Probe
+from owtsweep.studies.hub.expected.layout import Buffers, Course, Waves
 from owtsweep.studies.hub.kernels.layout import WIDTH as LANES
-from owtsweep.studies.hub.kernels.layout import Registers, new_registers
+from owtsweep.studies.hub.kernels.layout import Memory, Registers, new_registers
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 
@@ -28,7 +29,7 @@ BLOCK = 2048
 
 
 class Workspace:
-    """Memory for the runs of one chain, used again by each: fresh pages are dear."""
+    """Memory for the runs of one chain, used again by each: new memory takes time to get."""
 
     def __init__(self, chain: Chain, steps: int, sensors: Sensors) -> None:
         self.chain, self.arrays = chain, batch.arrays_of(chain)
@@ -48,12 +49,10 @@ class Workspace:
                     (aligned(rows, LANES), aligned(rows, LANES)),
                 )
             )
-        found = self.pairs[number]
-        for array in (part for groups in found.registers for part in groups):
+        pair = self.pairs[number]
+        for array in (part for groups in (*pair.registers, pair.force) for part in groups):
             array.fill(0.0)
-        for array in found.force:
-            array.fill(0.0)
-        return found
+        return pair
 
 
 class PairMemory(NamedTuple):
@@ -122,21 +121,6 @@ def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
     return done
 
 
-class Waves(NamedTuple):
-    """The sinusoids of two groups of lanes, as the kernels take them.
-
-    starts (4 blocks, 8): cosines and sines of both groups where blocks begin; now (4, 8): those of
-    the step that comes next; turn_gain (6, 8): cosines and sines of an angle per step, and what
-    makes forces of the sinusoids; rate (1, 8): angular frequencies, rad/s; block: its steps.
-    """
-
-    starts: Array
-    now: Array
-    turn_gain: Array
-    rate: Array
-    block: int
-
-
 class _Pair:
     """Two groups of lanes: what the chain carries for them, and the sums of their squared errors.
 
@@ -152,40 +136,43 @@ class _Pair:
         steps: int,
         settled: int,
     ) -> None:
-        self.space, self.probe, self.settled = space, probe, settled
+        self.space, self.probe = space, probe
         self.cycle = cycle_of(space.chain)
-        self.registers, self.force, self.wave = space.pair(number)
+        registers, force, wave = space.pair(number)
+        self.memory = Memory(registers, space.scratch, space.output)
         self.waves = _waves(probe, sensors, steps)
-        self.moving = bool(np.any(probe.force))
-        self.fixes = (
-            _fixes(probe, sensors, steps) if np.any(probe.fix) else (space.no_fixes, space.no_fixes)
+        self.course = Course(
+            lead=space.lead, chunk=space.chunk, settled=settled, cycle=self.cycle,
+            every=JUDGED * self.cycle, lanes=len(probe.angle), tolerance=TOLERANCE,
+        )  # fmt: skip
+        self.buffers = Buffers(
+            filled=np.array([-space.lead, 0]),
+            force=force,
+            wave=wave,
+            fixes=_fixes(probe, sensors, steps) if np.any(probe.fix) else (space.no_fixes,) * 2,
+            sums=aligned(8, LANES),
+            ring=aligned(4 * (JUDGED + 1), LANES),
         )
-        #: The step of the buffers' first row, and the one up to which they are filled.
-        self.state = np.array([-space.lead, 0])
         self.done, self.repeats = 0, False
-        self._sums, self._ring = aligned(8, LANES), aligned(4 * (JUDGED + 1), LANES)
 
     def advance(self, stop: int, judged: int) -> None:
         """Go on until the answer repeats, from the step `judged` on, or up to the step `stop`."""
         from owtsweep.studies.hub.expected.kernels import advance
 
-        space, probe = self.space, self.probe
         self.done, self.repeats = advance(
-            self.done, stop, judged, JUDGED * self.cycle, len(probe.angle), TOLERANCE, space.chunk,
-            self.settled, self.cycle, self.waves, self.state, self.moving, probe.phasor,
-            probe.truth, space.lead, self.force, self.wave, self.fixes, space.arrays,
-            self.registers, space.scratch, space.output, self._sums, self._ring,
+            self.done, stop, judged, self.course, self.waves, self.buffers, self.space.arrays,
+            self.memory,
         )  # fmt: skip
 
     @property
     def sums(self) -> Array:
         """(part of the record, measure, n) squared errors."""
-        return self._of_lanes(self._sums)
+        return self._of_lanes(self.buffers.sums)
 
     @property
     def ring(self) -> Array:
         """(slot, measure, n) those of the newest cycles."""
-        return self._of_lanes(self._ring)
+        return self._of_lanes(self.buffers.ring)
 
     def _of_lanes(self, rows: Array) -> Array:
         return rows.reshape(-1, 2, 2 * LANES)[..., : len(self.probe.angle)]
@@ -206,6 +193,9 @@ def _waves(probe: Probe, sensors: Sensors, steps: int) -> Waves:
         turn_gain=_rows(np.concatenate([np.stack([turn.real, turn.imag], axis=1), gain[None]])),
         rate=_rows(rate[:1]),
         block=BLOCK,
+        moving=bool(np.any(probe.force)),
+        phasor=probe.phasor,
+        truth=probe.truth,
     )
 
 
@@ -223,8 +213,8 @@ def _fixes(probe: Probe, sensors: Sensors, steps: int) -> tuple[Array, Array]:
 
 def _in_groups(values: Array, phasor: bool) -> Array:
     """(..., n) as (..., 2 groups, 8), filled up with zeros; phasors are in both."""
-    room = (1 if phasor else 2) * LANES - values.shape[-1]
-    filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, room)])
+    missing = (1 if phasor else 2) * LANES - values.shape[-1]
+    filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, missing)])
     if phasor:
         return np.stack([filled, filled], axis=-2)
     return filled.reshape(*values.shape[:-1], 2, LANES)
@@ -232,6 +222,6 @@ def _in_groups(values: Array, phasor: bool) -> Array:
 
 def _rows(values: Array) -> Array:
     """(..., 8) as rows that begin where cache lines do."""
-    found = aligned(values.size // LANES, LANES)
-    found[:] = values.reshape(-1, LANES)
-    return found
+    rows = aligned(values.size // LANES, LANES)
+    rows[:] = values.reshape(-1, LANES)
+    return rows

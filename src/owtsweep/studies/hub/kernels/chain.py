@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.studies.hub.kernels.filtering import FINAL, PREDICTED, WHOLE, filter_steps
-from owtsweep.studies.hub.kernels.horizon import horizon_fix, horizon_steps, tick_of
+from owtsweep.studies.hub.kernels.horizon import horizon_fix, horizon_steps, positions_from
 from owtsweep.studies.hub.kernels.lagging import (
     begin_prediction,
     keep,
@@ -18,43 +18,40 @@ from owtsweep.studies.hub.kernels.lagging import (
     recall,
     smooth_chunk,
 )
-from owtsweep.vectors.memory import groups, load, store
-from owtsweep.vectors.vector import ROOMY
+from owtsweep.studies.hub.kernels.layout import Positions, Steps, Window
+from owtsweep.vectors.lanes import ROOMY, groups, load, store
 
 
 @njit
-def filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, shift,
-                width, late):  # fmt: skip
-    """The filter over a chunk's steps, fed by the fixes or, interval by interval, by the MHE."""
-    arrays, mhe, x = chain.filter, chain.mhe, registers.x
-    M = arrays.fix_interval
-    source = k0 - arrays.input_delay - base
+def filter_span(steps, fed, chain, memory, width, late):
+    """The filter over some steps, fed by the fixes or, interval by interval, by the MHE."""
+    k0, first, stop, shift = steps
+    mhe, registers, M = chain.mhe, memory.registers, chain.filter.fix_interval
     if not mhe.active:
         q = (k0 + first) // M
-        filter_steps(k0, first, stop, force, source, fixes, q, k0 + first - q * M, M, chain, x,
-                     scratch, output, shift, width, late)  # fmt: skip
+        positions = Positions(fed.fixes, q, k0 + first - q * M, M)
+        filter_steps(steps, fed, positions, chain, memory, width, late)
         return
-    positions, begun = scratch.positions, first
+    made, begun = memory.scratch.positions, first
     while first < stop:
         q = (k0 + first) // M
         end = min((q + 1) * M - k0, stop)
         at_fix = q * M == k0 + first
         if at_fix:
-            horizon_fix(q, fixes, mhe, registers)
-        horizon_steps(k0, first, end, force, source, q, fixes, mhe, M, registers, positions)
+            horizon_fix(q, fed.fixes, mhe, registers)
+        horizon_steps(Steps(k0, first, end, shift), fed, q, chain, memory)
         if at_fix and mhe.arrival:  # register 3 takes the state that this fix has corrected
-            filter_steps(k0, begun, first + 1, force, source, positions,
-                         tick_of(k0, begun, mhe.interval), (k0 + begun) % mhe.interval,
-                         mhe.interval, chain, x, scratch, output, shift, width, late)  # fmt: skip
-            oldest = 3 * (q % (mhe.horizon + 1))
+            positions = positions_from(k0, begun, mhe.interval, made)
+            some = Steps(k0, begun, first + 1, shift)
+            filter_steps(some, fed, positions, chain, memory, width, late)
+            oldest, x = 3 * (q % (mhe.horizon + 1)), registers.x
             store(registers.arrival, oldest, load(x, 0))
             store(registers.arrival, oldest + 1, load(x, 1))
             store(registers.arrival, oldest + 2, load(x, 3))
             begun = first + 1
         first = end
-    filter_steps(k0, begun, stop, force, source, positions, tick_of(k0, begun, mhe.interval),
-                 (k0 + begun) % mhe.interval, mhe.interval, chain, x, scratch, output, shift, width,
-                 late)  # fmt: skip
+    positions = positions_from(k0, begun, mhe.interval, made)
+    filter_steps(Steps(k0, begun, stop, shift), fed, positions, chain, memory, width, late)
 
 
 @njit
@@ -64,49 +61,51 @@ def is_filter(chain):
 
 
 @njit
-def prepare(k0, count, force, base, fixes, chain, registers, scratch, output, whole, late):
-    """Leave filtered or smoothed states in scratch.X, `window` steps late.
+def prepare(k0, count, fed, chain, memory, whole, late):
+    """Leave filtered or smoothed states of a chunk's steps in scratch.X, `window` steps late.
 
     There are four rows per step, (p, v, b, a); unless they are wanted `whole`, two, of what the
     predictor takes of them.
     `late` are rows, based as the force's, that are read once the states are there.
     """
-    window = chain.filter.window
+    window, registers, scratch = chain.filter.window, memory.registers, memory.scratch
     width = WHOLE if whole or chain.predictor.steps == 0 else PREDICTED
     recall(window, width, registers, scratch)
-    filter_span(k0, 0, count, force, base, fixes, chain, registers, scratch, output, 0, width,
-                late)  # fmt: skip
+    filter_span(steps_of(k0, 0, count, 0), fed, chain, memory, width, late)
     keep(count, window, width, registers, scratch)
     if window == 0:
         return
+    rows, source = Window(scratch.X, scratch.r, scratch.s), k0 - fed.base
     if ROOMY:
-        smooth_chunk(k0, count, chain, width, scratch.X, scratch.r, scratch.s, force, k0 - base)
+        smooth_chunk(k0, count, chain, width, rows, fed.force, source)
     else:  # group by group: a group has enough to do while a step waits, and all of it fits
-        X, r, s = groups(scratch.X), groups(scratch.r), groups(scratch.s)
-        u = groups(force)
+        X, r, s, force = groups(rows.X), groups(rows.r), groups(rows.s), groups(fed.force)
         for g in range(len(X)):
-            smooth_chunk(k0, count, chain, width, X[g], r[g], s[g], u[g], k0 - base)
+            smooth_chunk(k0, count, chain, width, Window(X[g], r[g], s[g]), force[g], source)
 
 
 @njit
-def finish(k0, first, stop, force, base, fixes, chain, registers, scratch, output, late):
-    """Estimates of the chunk's steps first ... stop - 1, from row 0 of the output on.
+def steps_of(k0, first, stop, shift):
+    """`Steps` of numbers, some of which may be written as such."""
+    return Steps(k0, first, stop, shift)
 
-    `force` holds step k in row k - base. Innovations stay in the row of their step.
-    """
+
+@njit
+def finish(steps, fed, chain, memory, late):
+    """Estimates of some steps of a chunk; innovations stay in the row of their step."""
+    scratch, output = memory.scratch, memory.output
     if is_filter(chain):
-        filter_span(k0, first, stop, force, base, fixes, chain, registers, scratch, output, first,
-                    FINAL, late)  # fmt: skip
+        filter_span(steps, fed, chain, memory, FINAL, late)
     elif chain.predictor.steps > 0:
-        predictor = chain.predictor
-        dv, dp = begin_prediction(k0, first, force, base, predictor, scratch)
-        for i in range(first, stop):
-            at = k0 + i - base
-            x, w, dv, dp = predict(i, at, dv, dp, force, predictor, scratch.X)
-            store(output.position, i - first, x)
-            store(output.velocity, i - first, w)
+        k0, predictor = steps.k0, chain.predictor
+        dv, dp = begin_prediction(k0, steps.first, fed.force, fed.base, predictor, scratch)
+        for i in range(steps.first, steps.stop):
+            at = k0 + i - fed.base
+            x, w, dv, dp = predict(i, at, dv, dp, fed.force, predictor, scratch.X)
+            store(output.position, i - steps.shift, x)
+            store(output.velocity, i - steps.shift, w)
         leave_prediction(dv, dp, scratch)
     else:
-        for i in range(first, stop):
-            store(output.position, i - first, load(scratch.X, WHOLE * i))
-            store(output.velocity, i - first, load(scratch.X, WHOLE * i + 1))
+        for i in range(steps.first, steps.stop):
+            store(output.position, i - steps.shift, load(scratch.X, WHOLE * i))
+            store(output.velocity, i - steps.shift, load(scratch.X, WHOLE * i + 1))

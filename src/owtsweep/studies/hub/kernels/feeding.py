@@ -14,11 +14,13 @@ def gather(first, count, lead, sources, rows):
 
 
 @njit
-def noise(count, lead, normals, begun, bias, walk, initial, sigma, gravity, force):
+def noise(count, lead, normals, begun, bias, imu, force):
     """Turn unit normals (lanes, 4, steps) of bias_x, imu_x, bias_y, imu_y into groups 1 and 2.
 
-    The bias walks on from `bias` (lanes, 2), or begins at `initial`; the IMU is not turned.
+    The bias walks on from `bias` (lanes, 2), or begins at its initial value. `imu` is `ImuNoise`;
+    its axes are those of NED.
     """
+    walk, initial, sigma, gravity = imu
     for axis in range(2):
         for lane in range(normals.shape[0]):
             drawn, white = normals[lane, 2 * axis], normals[lane, 2 * axis + 1]

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from owtsweep.compiled import njit
 from owtsweep.estimation.windowing import schedule_row
-from owtsweep.studies.hub.kernels.horizon import ALL as ALL  # where others look for it
-from owtsweep.studies.hub.kernels.horizon import AVERAGED as AVERAGED
-from owtsweep.vectors.memory import AHEAD, element, load, prefetch, store
+from owtsweep.vectors.lanes import AHEAD, element, load, prefetch, store
 
 #: Rows per state in the scratch: what the predictor takes of it, or all of it; none where it is
 #: the estimate.
@@ -34,21 +32,22 @@ def corrected(x0, x1, x2, x3, gains, row, column, innovation):
 
 
 @njit
-def filter_steps(k0, first, stop, force, source, fixes, q, phase, M, chain, x, scratch, output,
-                 shift, width, late):  # fmt: skip
-    """Algorithm 6 over steps k0 + first ... k0 + stop - 1.
+def filter_steps(steps, fed, positions, chain, memory, width, late):
+    """Algorithm 6 over some steps of a chunk, with these positions.
 
-    The specific force of step k0 + i is row source + i. The position that the first step may take
-    is row q of `fixes`; the next is due after M - phase steps, then every M. Filtered states and
-    innovations go behind the window in the scratch (of step k0 + i, the position's only where there
-    is one), `width` rows a state: position, velocity, bias and acceleration if it is WHOLE; what
-    they add to position and velocity at the end of the prediction if it is PREDICTED. Where it is
-    FINAL, with neither smoother nor predictor to come, position and velocity go to row
-    i - shift of the output. `late` are rows, based as the force's, that the next stages read: they
-    are asked for ahead, and so is the force where there is no smoother to do so.
-    Each step waits for the one before, so sums are ordered for few operations in a row: what a
-    state moves by is summed before the state is added, and what is known last comes last.
+    Filtered states and innovations go behind the window in the scratch (of the position only where
+    there is one), `width` rows a state: position, velocity, bias and acceleration if it is WHOLE;
+    what they add to position and velocity at the end of the prediction if it is PREDICTED. Where it
+    is FINAL, with neither smoother nor predictor to come, position and velocity go to the output.
+    `late` are rows, based as the force's, that the next stages read: they are asked for ahead, and
+    so is the force where there is no smoother to do so.
+    Each step waits for the one before. So what a state moves by is summed before the state is
+    added, and what is known last comes last: few operations then follow one another.
     """
+    k0, first, stop, shift = steps
+    force, source = fed.force, k0 - chain.filter.input_delay - fed.base  # the row of the chunk's 0
+    fixes, q, phase, M = positions
+    x, scratch, output = memory.registers.x, memory.scratch, memory.output
     arrays, predictor = chain.filter, chain.predictor
     pv, pb, vb = predictor.pv, predictor.pb, predictor.vb
     A, B, h, K = arrays.A, arrays.B, arrays.h, arrays.K

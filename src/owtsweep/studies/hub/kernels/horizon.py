@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.vectors.memory import element, load, store, zero
-
-ALL, AVERAGED, SAMPLED = 0, 1, 2
+from owtsweep.studies.hub.kernels.layout import ALL, AVERAGED, Positions
+from owtsweep.vectors.lanes import element, load, store, zero
 
 
 @njit
@@ -61,15 +60,23 @@ def tick_of(k0, i, interval):
 
 
 @njit
-def horizon_steps(
-    k0, first, stop, force, source, q, fixes, mhe, fix_interval, registers, positions
-):
-    """The MHE's positions of steps k0 + first ... k0 + stop - 1, all after fix number q.
+def positions_from(k0, i, interval, rows):
+    """What the filter takes of the MHE's positions from a chunk's step i on."""
+    return Positions(rows, tick_of(k0, i, interval), (k0 + i) % interval, interval)
+
+
+@njit
+def horizon_steps(steps, fed, q, chain, memory):
+    """The MHE's positions at some steps of a chunk, all after fix number q.
 
     A position is (11d) with nothing to contradict its last link at the ticks of T_m, and holds
     until the next (until there is a solution it is the last fix). Row `tick_of` a step is its. The
-    specific force of step k0 + i, row source + i, is integrated as it reaches the MHE.
+    specific force is integrated as it reaches the MHE.
     """
+    k0, first, stop, _ = steps
+    mhe, fix_interval = chain.mhe, chain.filter.fix_interval
+    force, source = fed.force, k0 - chain.filter.input_delay - fed.base
+    fixes, registers, positions = fed.fixes, memory.registers, memory.scratch.positions
     T = mhe.step
     half = 0.5 * T * T
     running, node = registers.running, registers.node

@@ -5,7 +5,7 @@ from __future__ import annotations
 from owtsweep.compiled import njit
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.filtering import PREDICTED, WHOLE, corrected, row_before
-from owtsweep.vectors.memory import element, load, prefetch, store, zero
+from owtsweep.vectors.lanes import element, load, prefetch, store, zero
 
 
 @njit
@@ -53,8 +53,8 @@ def add_smoothing(X, j, width, s0, s1, s2, s3, predictor):
 
 
 @njit
-def smooth_chunk(k0, count, chain, width, X, r, s, force, source):
-    """Replace X of the steps k0 - window ... by their smoothed states (Algorithm 8).
+def smooth_chunk(k0, count, chain, width, window_rows, force, source):
+    """Replace the states X of the steps k0 - window ... by their smoothed states (Algorithm 8).
 
     With innovations i_k, e_k = K_k i_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed
     state is x_{k|k} + S_k, where S_k = C_k (e_{k+1} + S_{k+1} + D_{k+1} i_{k+1+window}). The
@@ -64,6 +64,7 @@ def smooth_chunk(k0, count, chain, width, X, r, s, force, source):
     The force of the next chunk is asked for on the way, row source + count + i: memory can give it
     here while the filter, which reads it, works through its rows faster than memory gives them.
     """
+    X, r, s = window_rows
     arrays, predictor = chain.filter, chain.predictor
     window, C, D = arrays.window, arrays.C, arrays.D
     rows, cycle = C.shape[0], arrays.cycle

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array, aligned
+from owtsweep.vectors import WIDTH as WIDTH  # where others look for it
 
-#: Lanes that run side by side in one vector; `kernels.vector.WIDTH`, without importing numba.
-WIDTH = 8
-
+#: How the MHE takes the IMU's samples; the same order as `hub.horizon.INPUTS`.
+ALL, AVERAGED, SAMPLED = 0, 1, 2
 
 #: An array per group of eight lanes; compiled code works on all of them side by side.
 Groups = tuple[Array, ...]
@@ -123,6 +123,104 @@ class Output(NamedTuple):
     position: Groups
     velocity: Groups
     innovation: Groups
+
+
+class Memory(NamedTuple):
+    """All that a chain works in: what it carries on, what a chunk needs, and its estimates."""
+
+    registers: Registers
+    scratch: Scratch
+    output: Output
+
+
+class Fed(NamedTuple):
+    """What a chain is fed with.
+
+    force (rows, 8) for each group of lanes: the specific force of step k in row k - base, m/s^2;
+    fixes (fixes, 8) for each group: positions, m.
+    """
+
+    force: Groups
+    base: int
+    fixes: Groups
+
+
+class Truth(NamedTuple):
+    """What the estimates are judged by.
+
+    position and velocity: one array (rows, 8) each, the displacement along the wave and its rate,
+    of step k in the row that `Fed` has it; direction (2,): the wave's cosines, times an amplitude.
+    """
+
+    position: Groups
+    velocity: Groups
+    direction: Array
+
+
+class Totals(NamedTuple):
+    """Where squared errors go.
+
+    sums: one array (36, 8), see `kernels.sums`; squared: one array (steps, 8) of the squared error
+    of the position, filled where `keep` says so.
+    """
+
+    sums: Groups
+    squared: Groups
+    keep: bool
+
+
+class Stretch(NamedTuple):
+    """Steps begin ... stop - 1 of a record, worked through `chunk` at a time.
+
+    From step `settled` on errors count as settled.
+    """
+
+    begin: int
+    stop: int
+    chunk: int
+    settled: int
+
+
+class Steps(NamedTuple):
+    """Steps first ... stop - 1 of the chunk that begins at the record's step k0.
+
+    The estimates of step i stand in row i - shift of the output.
+    """
+
+    k0: int
+    first: int
+    stop: int
+    shift: int
+
+
+class Positions(NamedTuple):
+    """Positions that a filter takes: fixes, or what the MHE makes of them.
+
+    The first one it may take is row `row`; the next is due after interval - phase steps, then
+    every `interval` steps.
+    """
+
+    rows: Groups
+    row: int
+    phase: int
+    interval: int
+
+
+class Window(NamedTuple):
+    """What a smoother works on: states, and innovations of force and position; see `Scratch`."""
+
+    X: Groups
+    r: Groups
+    s: Groups
+
+
+class ImuNoise(NamedTuple):
+    """What makes an IMU's noise of unit normals: the bias' step and start, sigma, gravity (2,)."""
+
+    walk: float
+    initial: float
+    sigma: float
+    gravity: Array
 
 
 def new_registers(groups: int, window: int, horizon: int) -> Registers:

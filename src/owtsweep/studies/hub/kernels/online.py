@@ -11,8 +11,9 @@ import numpy as np
 
 from owtsweep.compiled import njit
 from owtsweep.estimation.riccati import MASK_ROWS, riccati_step
-from owtsweep.estimation.windowing import covariances
-from owtsweep.studies.hub.kernels.filtering import ALL, AVERAGED
+from owtsweep.estimation.windowing import FilterRows, covariances
+from owtsweep.studies.hub.kernels.layout import ALL, AVERAGED
+from owtsweep.studies.hub.kernels.online_layout import DETERMINED, LINKS, ROW, STEP
 from owtsweep.studies.hub.kernels.window import (
     FIXED,
     NO_ARRIVAL,
@@ -25,21 +26,20 @@ from owtsweep.studies.hub.kernels.window import (
     violates,
 )
 
-#: Where the counters stand: step, row of the registers, links in the window, whether the window
-#: is determined.
-STEP, ROW, LINKS, DETERMINED = 0, 1, 2, 3
 #: (p, v, b) among the four states of the filter.
 PICK = (0, 1, 3)
 
 
 @njit
-def advance(begin, resume, force, fixes, f, h, m, state, covariance, innovation, variance):
-    """Take samples force[begin:] (IMU's frame) and fixes (NaN: none); fill the outputs' rows.
+def advance(begin, resume, samples, f, h, m, estimates):
+    """Take samples from row `begin` on and fill the estimates' rows.
 
     Returns the row at which the MHE's constraints are violated, or the number of rows: solve the
     window with its constraints, put the answer into m.given (and m.node), and call again from that
-    row with `resume`. f, h, m: filter and horizon settings and memory (`online.memory`).
+    row with `resume`. f, h, m: `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
     """
+    force, fixes = samples
+    state, covariance, innovation, variance = estimates
     rows = len(force)
     for i in range(begin, rows):
         fresh = not np.isnan(fixes[i, 0])
@@ -93,10 +93,7 @@ def take_sample(force, f, m):
 def filter_step(fresh, f, m):
     """Algorithm 6 with the live covariance; returns the variance of the innovation."""
     row = m.counter[ROW]
-    ss = riccati_step(
-        f.A, f.Q, f.slow, f.fast, f.r_slow, f.r_fast, m.P, fresh, f.rule, m.K, m.Pm[row],
-        m.Pf[row], m.work,
-    )  # fmt: skip
+    ss = riccati_step(f, m.P, fresh, m.K, m.Pm[row], m.Pf[row], m.work)
     put(m.P, 0, 0, m.Pf[row])
     applied = fresh or f.rule == MASK_ROWS
     now, before = row - f.delay, row - f.delay - 1
@@ -146,10 +143,10 @@ def take_fix(fresh, fix, f, h, m):
         m.z[n, axis] = fix[axis] if fresh else 0.0
     uses_filter = h.arrival != NO_ARRIVAL and m.counter[STEP] >= h.length * f.fix_interval
     first = 1 if uses_filter else 0
-    found = 0
+    there = 0
     for i in range(first, n + 1):
-        found += m.have[i]
-    m.counter[DETERMINED] = found >= (3 if h.arrival == NO_ARRIVAL else 1)
+        there += m.have[i]
+    m.counter[DETERMINED] = there >= (3 if h.arrival == NO_ARRIVAL else 1)
     if not m.counter[DETERMINED]:
         return
     kind = h.arrival
@@ -161,10 +158,7 @@ def take_fix(fresh, fix, f, h, m):
             prior = m.prior
     elif kind == FIXED:
         kind = PRIOR  # while the window fills, its oldest state is uncertain
-    solve_window(
-        n, h.transition, h.link, h.inverse_sigma, m.z, m.have, m.effects, x0, prior, kind, first,
-        m.blocks, m.nodes,
-    )  # fmt: skip
+    solve_window(n, h, m, x0, prior, kind, first)
     put(m.node, 0, 0, m.nodes[n])
     if h.constrained:
         older_nodes(n, m.blocks, m.nodes)
@@ -305,7 +299,7 @@ def output(f, m, state, covariance):
 
 @njit
 def output_covariance(f, m, covariance):
-    """(2, 2) of the prediction's (p, v), as `chain._output_covariance` has it for a schedule."""
+    """(2, 2) of the prediction's (p, v), as `hub.chain` has it for a schedule."""
     row, window = m.counter[ROW], f.window
     if f.delay + window == 0:
         take(covariance, m.P, 0, 0)
@@ -313,10 +307,8 @@ def output_covariance(f, m, covariance):
     smoothed, coupling = m.smoothed, m.coupling
     if m.counter[STEP] >= window:
         begin = row - window
-        covariances(
-            m.Pf[begin : row + 1], m.Pm[begin : row + 1], m.C[begin : row + 1], window, f.fast,
-            f.response, smoothed, coupling,
-        )  # fmt: skip
+        rows = FilterRows(m.Pf[begin : row + 1], m.Pm[begin : row + 1], m.C[begin : row + 1])
+        covariances(rows, window, f.fast, f.response, smoothed, coupling)
         P, cross = smoothed[window], coupling[window]
     else:
         P, cross = f.P0, m.no_coupling

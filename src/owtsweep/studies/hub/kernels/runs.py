@@ -1,9 +1,8 @@
 """Whole records through a chain, chunk by chunk, with their errors summed on the fly.
 
 One call works through many chunks without coming back to Python. Everything a chunk leaves between
-its stages stays in the second cache, and so do estimates until they are judged. `force`,
-`fixes` and all fields of registers, scratch and output are tuples, an array per group of lanes; the
-groups go through each stage side by side.
+its stages stays in the second cache, and so do estimates until they are judged. The groups of lanes
+go through each stage side by side. Arguments are the structures of `kernels.layout`.
 
 What memory must give is asked for ahead, by each stage about as much as its time is long: by the
 filter the true velocity (and its own force, without a smoother), by the smoother the next chunk's
@@ -13,9 +12,10 @@ force, by the sums the true position.
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.chain import finish, is_filter, prepare
+from owtsweep.studies.hub.kernels.chain import finish, is_filter, prepare, steps_of
+from owtsweep.studies.hub.kernels.layout import Steps
 from owtsweep.studies.hub.kernels.sums import direct_span, superposed_span
-from owtsweep.vectors.memory import borrowed, groups, load, store
+from owtsweep.vectors.lanes import borrowed, load, store
 
 #: Steps whose estimates are made before they are judged: few enough for the near caches, enough
 #: that calls do not count.
@@ -23,80 +23,71 @@ PIECE = 250
 
 
 @njit
-def estimates(k0, count, force, base, fixes, chain, registers, scratch, output):
-    """One chunk's estimates."""
-    u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
-    own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
+def estimates(k0, count, fed, chain, memory):
+    """The estimates of the chunk of `count` steps that begins at step k0."""
+    inputs, c, own = borrowed(fed), borrowed(chain), borrowed(memory)
     if not is_filter(c):
-        prepare(k0, count, u, base, z, c, own, memory, out, False, u)
-    finish(k0, 0, count, u, base, z, c, own, memory, out, u)
+        prepare(k0, count, inputs, c, own, False, inputs.force)
+    finish(steps_of(k0, 0, count, 0), inputs, c, own, inputs.force)
 
 
 @njit
-def superposed(k0, stop, chunk, settled, force, base, fixes, position, velocity, direction, chain,
-               weights, registers, scratch, output, sums):  # fmt: skip
-    """Steps k0 ... stop - 1 of eight replicates in the groups motion, noise x, noise y."""
-    u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
-    own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
-    p, v = groups(borrowed((position, velocity)))
-    w = borrowed(weights)
-    cosines, total = borrowed(direction), borrowed((sums,))
+def superposed(stretch, fed, truth, chain, weights, memory, sums):
+    """Add up the products of eight replicates in the groups motion, noise x, noise y.
+
+    `sums`: one array (36, 8), as in `kernels.sums`.
+    """
+    inputs, c, own = borrowed(fed), borrowed(chain), borrowed(memory)
+    true, w, total = borrowed(truth), borrowed(weights), borrowed(sums)
+    k0, stop, chunk, settled = stretch
     while k0 < stop:
         count = min(chunk, stop - k0)
         if not is_filter(c):
-            prepare(k0, count, u, base, z, c, own, memory, out, False, v)
+            prepare(k0, count, inputs, c, own, False, true.velocity)
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
             if c.predictor.steps == 0:
-                finish(k0, first, end, u, base, z, c, own, memory, out, v)
+                finish(Steps(k0, first, end, first), inputs, c, own, true.velocity)
             early = min(max(settled - k0, first), end)
             if early > first:
-                superposed_span(k0, first, early, first, 0, p, v, u, base, memory, out, cosines, c,
-                                w, total)  # fmt: skip
+                some = Steps(k0, first, early, first)
+                superposed_span(some, inputs, true, c, own, w, total, 0)
             if early < end:
-                superposed_span(k0, early, end, first, 18, p, v, u, base, memory, out, cosines, c,
-                                w, total)  # fmt: skip
+                some = Steps(k0, early, end, first)
+                superposed_span(some, inputs, true, c, own, w, total, 18)
         k0 += count
 
 
 @njit
-def direct(k0, stop, chunk, settled, force, base, fixes, position, velocity, direction, chain,
-           weights, registers, scratch, output, sums, squared):  # fmt: skip
-    """Steps k0 ... stop - 1 of eight replicates in the groups x and y of whole series."""
-    u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
-    own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
-    p, v = groups(borrowed((position, velocity)))
-    w = borrowed(weights)
-    cosines, total = borrowed(direction), borrowed((sums,))
-    keep = squared.shape[0] > 0
-    kept = borrowed((squared,))
+def direct(stretch, fed, truth, chain, weights, memory, totals):
+    """Add up the squared errors of eight replicates in the groups x and y of whole series."""
+    inputs, c, own = borrowed(fed), borrowed(chain), borrowed(memory)
+    true, w, total = borrowed(truth), borrowed(weights), borrowed(totals)
+    k0, stop, chunk, settled = stretch
     while k0 < stop:
         count = min(chunk, stop - k0)
         if not is_filter(c):
-            prepare(k0, count, u, base, z, c, own, memory, out, False, v)
+            prepare(k0, count, inputs, c, own, False, true.velocity)
         for first in range(0, count, PIECE):
             end = min(first + PIECE, count)
             if c.predictor.steps == 0:
-                finish(k0, first, end, u, base, z, c, own, memory, out, v)
+                finish(Steps(k0, first, end, first), inputs, c, own, true.velocity)
             early = min(max(settled - k0, first), end)
             if early > first:
-                direct_span(k0, first, early, first, 0, p, v, u, base, memory, out, cosines, c,
-                            w, total, keep, kept)  # fmt: skip
+                direct_span(Steps(k0, first, early, first), inputs, true, c, own, w, total, 0)
             if early < end:
-                direct_span(k0, early, end, first, 18, p, v, u, base, memory, out, cosines, c,
-                            w, total, keep, kept)  # fmt: skip
+                direct_span(Steps(k0, early, end, first), inputs, true, c, own, w, total, 18)
         k0 += count
 
 
 @njit
-def states(k0, count, force, base, fixes, chain, registers, scratch, output, found):
-    """Filtered or smoothed states (p, v, a, b) of one chunk, found (4 count, 8) of each group."""
-    u, z, c = borrowed(force), borrowed(fixes), borrowed(chain)
-    own, memory, out = borrowed(registers), borrowed(scratch), borrowed(output)
-    target = borrowed(found)
-    prepare(k0, count, u, base, z, c, own, memory, out, True, u)
+def states(k0, count, fed, chain, memory, result):
+    """Filtered or smoothed states (p, v, a, b) of one chunk, into (4 count, 8) of each group."""
+    inputs, c, own = borrowed(fed), borrowed(chain), borrowed(memory)
+    target, X = borrowed(result), own.scratch.X
+    prepare(k0, count, inputs, c, own, True, inputs.force)
     for row in range(0, 4 * count, 4):
-        store(target, row, load(memory.X, row))
-        store(target, row + 1, load(memory.X, row + 1))
-        store(target, row + 2, load(memory.X, row + 3))
-        store(target, row + 3, load(memory.X, row + 2))
+        store(target, row, load(X, row))
+        store(target, row + 1, load(X, row + 1))
+        store(target, row + 2, load(X, row + 3))
+        store(target, row + 3, load(X, row + 2))

@@ -17,8 +17,7 @@ from __future__ import annotations
 from owtsweep.compiled import njit
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.studies.hub.kernels.lagging import begin_prediction, leave_prediction, predict
-from owtsweep.vectors.memory import AHEAD, element, groups, load, prefetch, store, zero
-from owtsweep.vectors.vector import rounded
+from owtsweep.vectors.lanes import AHEAD, element, groups, load, prefetch, rounded, store, zero
 
 
 @njit
@@ -35,19 +34,22 @@ def precision_of(precision, row):
 
 
 @njit
-def begin(k0, first, force, base, predictor, scratch):
+def begin(k0, first, fed, predictor, scratch):
     """What the first step's prediction starts from; zeros where nothing is predicted."""
     if predictor.steps > 0:
-        return begin_prediction(k0, first, force, base, predictor, scratch)
-    return zero(force), zero(force)
+        return begin_prediction(k0, first, fed.force, fed.base, predictor, scratch)
+    return zero(fed.force), zero(fed.force)
 
 
 @njit
-def estimate(i, at, shift, dv, dp, force, predictor, scratch, position, velocity):
-    """Position and velocity of the chunk's step i, and what the next step's prediction needs."""
+def estimate(i, at, row, dv, dp, force, predictor, memory):
+    """Position and velocity of the chunk's step i, and what the next step's prediction needs.
+
+    `at` is the row of the force, `row` that of the output.
+    """
     if predictor.steps > 0:
-        return predict(i, at, dv, dp, force, predictor, scratch.X)
-    return load(position, i - shift), load(velocity, i - shift), dv, dp
+        return predict(i, at, dv, dp, force, predictor, memory.scratch.X)
+    return load(memory.output.position, row), load(memory.output.velocity, row), dv, dp
 
 
 @njit
@@ -63,8 +65,10 @@ def weighted(pp, pv, vv, position, cross, velocity):
 
 
 @njit
-def add_axes(sums, top, cx, cy, mm, mx, my, xx, yy):
+def add_axes(sums, top, direction, products):
     """Add what the motion and the noise have given to the rows of x and y."""
+    cx, cy = direction[0], direction[1]
+    mm, mx, my, xx, yy = products
     add(sums, top, cx * cx * mm)
     add(sums, top + 1, cx * mx)
     add(sums, top + 2, xx)
@@ -74,14 +78,14 @@ def add_axes(sums, top, cx, cy, mm, mx, my, xx, yy):
 
 
 @njit
-def superposed_innovations(k0, first, stop, top, output, direction, chain, weights, sums):
-    """Add the innovations of the chunk's steps first ... stop - 1 to the rows from `top`."""
+def superposed_innovations(steps, direction, chain, output, weights, sums, top):
+    """Add the innovations of some steps of a chunk to the rows from `top`."""
     cx, cy = direction[0], direction[1]
     weight, fresh = weights.innovation, weights.fresh
     rows = fresh.shape[0]
     sm, sx, sy = groups(output.innovation)
-    for i in range(first, stop):
-        row = schedule_row(k0 + i, rows, chain.filter.cycle)
+    for i in range(steps.first, steps.stop):
+        row = schedule_row(steps.k0 + i, rows, chain.filter.cycle)
         if element(fresh, row):
             w = weight[row]
             s, x, y = load(sm, i), load(sx, i), load(sy, i)
@@ -91,29 +95,24 @@ def superposed_innovations(k0, first, stop, top, output, direction, chain, weigh
 
 
 @njit
-def superposed_span(k0, first, stop, shift, top, position, velocity, force, base, scratch, output,
-                    direction, chain, weights, sums):  # fmt: skip
-    """Add the products of the chunk's steps first ... stop - 1 to the rows from `top`.
-
-    `position` and `velocity` (rows, 8) hold the truth of step k in row k - base, as `force` does
-    the specific force.
-    """
+def superposed_span(steps, fed, truth, chain, memory, weights, sums, top):
+    """Add the products of some steps of a chunk to the rows from `top`."""
+    k0, first, stop, shift = steps
+    force, base, scratch = fed.force, fed.base, memory.scratch
+    position, velocity, direction = truth
     cx, cy = direction[0], direction[1]
     precision, cycle, predictor = weights.precision, chain.filter.cycle, chain.predictor
     rows = precision.shape[0]
-    positions, velocities = output.position, output.velocity
     nought = zero(sums)
     # products of position errors, of velocity errors, and NEES: m motion, x and y noise
     mm, mx, my, xx, yy = nought, nought, nought, nought, nought
     vmm, vmx, vmy, vxx, vyy = nought, nought, nought, nought, nought
     motion, both, noise = nought, nought, nought
     row = schedule_row(k0 + first, rows, cycle)
-    dv, dp = begin(k0, first, force, base, predictor, scratch)
+    dv, dp = begin(k0, first, fed, predictor, scratch)
     for i in range(first, stop):
         at = k0 + i - base
-        x, w, dv, dp = estimate(
-            i, at, shift, dv, dp, force, predictor, scratch, positions, velocities
-        )
+        x, w, dv, dp = estimate(i, at, i - shift, dv, dp, force, predictor, memory)
         prefetch(position, at + AHEAD)
         m, px, py = groups(x)
         mv, vx, vy = groups(w)
@@ -131,37 +130,33 @@ def superposed_span(k0, first, stop, shift, top, position, velocity, force, base
         if row == rows:
             row = rows - cycle
     leave_prediction(dv, dp, scratch)
-    add_axes(sums, top, cx, cy, mm, mx, my, xx, yy)
-    add_axes(sums, top + 6, cx, cy, vmm, vmx, vmy, vxx, vyy)
+    add_axes(sums, top, direction, (mm, mx, my, xx, yy))
+    add_axes(sums, top + 6, direction, (vmm, vmx, vmy, vxx, vyy))
     add(sums, top + 12, motion)
     add(sums, top + 13, both)
     add(sums, top + 14, noise)
-    superposed_innovations(k0, first, stop, top + 15, output, direction, chain, weights, sums)
+    superposed_innovations(steps, direction, chain, memory.output, weights, sums, top + 15)
 
 
 @njit
-def direct_span(k0, first, stop, shift, top, position, velocity, force, base, scratch, output,
-                direction, chain, weights, sums, keep, squared):  # fmt: skip
-    """Add the squared errors (product 2) of the chunk's steps first ... stop - 1.
-
-    Truth and force lie as in `superposed_span`; where they are to be kept, `squared` (steps, 8)
-    takes the squared errors of the position.
-    """
+def direct_span(steps, fed, truth, chain, memory, weights, totals, top):
+    """Add the squared errors (product 2) of some steps of a chunk to the rows from `top`."""
+    k0, first, stop, shift = steps
+    force, base, scratch = fed.force, fed.base, memory.scratch
+    position, velocity, direction = truth
+    sums, squared, keep = totals
     cx, cy = direction[0], direction[1]
     precision, cycle, fresh = weights.precision, chain.filter.cycle, weights.fresh
     rows, predictor = precision.shape[0], chain.predictor
-    positions, velocities = output.position, output.velocity
-    sx, sy = groups(output.innovation)
+    sx, sy = groups(memory.output.innovation)
     weight = weights.innovation
     t2, t5, t8 = load(sums, top + 2), load(sums, top + 5), load(sums, top + 8)
     t11, t14, t17 = load(sums, top + 11), load(sums, top + 14), load(sums, top + 17)
     row = schedule_row(k0 + first, rows, cycle)
-    dv, dp = begin(k0, first, force, base, predictor, scratch)
+    dv, dp = begin(k0, first, fed, predictor, scratch)
     for i in range(first, stop):
         at = k0 + i - base
-        x, w, dv, dp = estimate(
-            i, at, shift, dv, dp, force, predictor, scratch, positions, velocities
-        )
+        x, w, dv, dp = estimate(i, at, i - shift, dv, dp, force, predictor, memory)
         prefetch(position, at + AHEAD)
         ex, ey = groups(x)
         evx, evy = groups(w)

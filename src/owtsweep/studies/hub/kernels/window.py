@@ -77,14 +77,16 @@ def triangularise(M, columns):
 
 
 @njit
-def solve_window(n, A, U, inverse_sigma, z, have, effects, x0, prior, kind, first, blocks, nodes):
-    """Fill nodes[: n + 1] (each (3, 2): p, v, b of both axes) with the window's solution.
+def solve_window(n, h, m, x0, prior, kind, first):
+    """Fill m.nodes[: n + 1] (each (3, 2): p, v, b of both axes) with the window's solution.
 
-    n links with transition A and square-root information U; fixes z (n + 1, 2) where `have`;
-    effects (n, 3, 2) of the inputs; arrival state x0 (3, 2) with square-root information `prior`;
-    fixes before node `first` are left out. The data must determine the states. blocks (n, 3, 8)
-    receives the factors.
+    The window has n links. `h` holds the weights (`HorizonSettings`), `m` fixes, effects of the
+    inputs and room for the factors and nodes (`OnlineRegisters`); x0 (3, 2) is the arrival state,
+    with square-root information `prior`. Fixes before node `first` are left out. The data must
+    determine the states.
     """
+    A, U, inverse_sigma = h.transition, h.link, h.inverse_sigma
+    z, have, effects, blocks, nodes = m.z, m.have, m.effects, m.blocks, m.nodes
     R = np.zeros((3, 3))
     r = np.zeros((3, 2))
     step = np.empty((6, 8))

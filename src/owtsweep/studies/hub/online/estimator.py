@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,14 +10,20 @@ from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate, Innovation
 from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.models import axis_filter, input_model
-from owtsweep.studies.hub.online.memory import (
+from owtsweep.studies.hub.kernels.online_layout import (
+    LINKS,
+    STEP,
     FilterSettings,
     HorizonSettings,
-    OnlineMemory,
+    OnlineEstimates,
+    OnlineRegisters,
+    Samples,
+)
+from owtsweep.studies.hub.models import axis_filter, input_model
+from owtsweep.studies.hub.online.registers import (
     filter_settings,
     horizon_settings,
-    new_memory,
+    new_registers,
 )
 
 if TYPE_CHECKING:
@@ -29,19 +35,6 @@ OFF_GRID = (
     "IMU steps, where its window has nodes; move it to the next of them, or leave it out"
 )
 _EYE = np.eye(2)
-
-
-class OnlineEstimates(NamedTuple):
-    """What an estimator gave over some steps.
-
-    state (steps, 4): x, y, v_x, v_y in NED; covariance (steps, 2, 2) of (p, v), alike for both
-    axes; innovation (steps, 2) and innovation_variance (steps,), NaN at steps without one.
-    """
-
-    state: Array
-    covariance: Array
-    innovation: Array
-    innovation_variance: Array
 
 
 class OnlineEstimator:
@@ -61,7 +54,7 @@ class OnlineEstimator:
     ) -> None:
         self._sensors, self._mhe, self._solver = sensors, mhe, solver
         self._filter, self._horizon = settings, horizon
-        self._memory: OnlineMemory = new_memory(settings, horizon)
+        self._registers: OnlineRegisters = new_registers(settings, horizon)
         self._force, self._fix = np.empty((1, 2)), np.empty((1, 2))
         #: How often the constraints were violated, so that a problem had to be solved.
         self.solved = 0
@@ -124,22 +117,19 @@ class OnlineEstimator:
         specific_force = np.ascontiguousarray(specific_force, dtype=float)
         positions = np.ascontiguousarray(positions, dtype=float)
         self._check(specific_force, positions)
-        steps = len(specific_force)
+        steps, samples = len(specific_force), Samples(specific_force, positions)
         out = OnlineEstimates(
             np.empty((steps, 4)), np.empty((steps, 2, 2)), np.empty((steps, 2)), np.empty(steps)
         )
         done, resume = 0, False
         while True:
-            done = advance(
-                done, resume, specific_force, positions, self._filter, self._horizon,
-                self._memory, *out,
-            )  # fmt: skip
+            done = advance(done, resume, samples, self._filter, self._horizon, self._registers, out)
             if done == steps:
                 return out
             try:
                 self._solve_with_constraints()
             except ArithmeticError as error:
-                step = int(self._memory.counter[0])
+                step = int(self._registers.counter[STEP])
                 self._lost = f"{error}, at step {step}; start a new estimator"
                 raise ArithmeticError(self._lost) from error
             resume = True
@@ -162,7 +152,7 @@ class OnlineEstimator:
                 f"specific_force, positions: their shapes are {force.shape} and "
                 f"{positions.shape}; give (steps, 2) twice"
             )
-        first = int(self._memory.counter[0])
+        first = int(self._registers.counter[STEP])
         if not np.isfinite(force).all():
             step = first + int(np.argmax(~np.isfinite(force).all(axis=1)))
             raise ValueError(f"specific_force: it is not finite at step {step}")
@@ -183,8 +173,8 @@ class OnlineEstimator:
 
         if self._mhe is None:
             raise TypeError("there is no window without an MHE")
-        m, n = self._memory, int(self._memory.counter[2])
-        number, since = divmod(int(m.counter[0]), self._sensors.fix_interval)
+        m, n = self._registers, int(self._registers.counter[LINKS])
+        number, since = divmod(int(m.counter[STEP]), self._sensors.fix_interval)
         effects = m.effects[:n].reshape(n, 6)
         if since:
             effects = np.vstack([effects, [*m.running[0], *m.running[1], 0.0, 0.0]])

@@ -1,4 +1,4 @@
-"""Vectors and the memory they come from: rows of lanes, and single elements of other arrays.
+"""Rows of lanes in memory, from which vectors are loaded, and single elements of other arrays.
 
 `borrowed` makes rows of tuples of C-contiguous (n, 8) arrays, one array per group; `load(rows, i)`
 and `store(rows, i, vector)` move row i, unchecked; `prefetch(rows, i)` asks for one early;
@@ -16,10 +16,11 @@ from numba.core.datamodel import models
 from numba.core.types import containers
 from numba.extending import intrinsic, register_model
 
-from owtsweep.vectors.vector import LANES, PARTS, VECTOR, VECTORS, WIDTH, join, split
+from owtsweep.vectors import WIDTH
+from owtsweep.vectors.vector import LANES, PARTS, VECTOR, VECTORS, join, split
 
-#: Rows ahead of their use that streams from memory are asked for.
-AHEAD = 64
+#: The address of anything.
+POINTER = ir.PointerType()
 
 
 class _RowsType(types.Type):
@@ -36,8 +37,7 @@ ROWS = {parts: _RowsType(parts) for parts in range(1, PARTS + 1)}
 @register_model(_RowsType)
 class _RowsModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
-        address = LANES.as_pointer()
-        super().__init__(manager, kind, ir.LiteralStructType([address] * kind.parts))
+        super().__init__(manager, kind, ir.LiteralStructType([POINTER] * kind.parts))
 
 
 def _holds_rows(kind: Any) -> bool:
@@ -65,10 +65,9 @@ def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
     target = _borrowed_type(kind)
     if isinstance(target, _RowsType):
         arrays = [context.make_array(one)(context, builder, part) for one, part in parts]
-        lanes = [builder.bitcast(array.data, LANES.as_pointer()) for array in arrays]
-        return join(builder, lanes)
-    found = [_borrow(context, builder, one, part) for one, part in parts]
-    return context.make_tuple(builder, target, found)
+        return join(builder, [array.data for array in arrays], POINTER)
+    fields = [_borrow(context, builder, one, part) for one, part in parts]
+    return context.make_tuple(builder, target, fields)
 
 
 @intrinsic
@@ -90,12 +89,12 @@ def borrowed(typingctx: Any, value: Any) -> Any:
 def groups(typingctx: Any, whole: Any) -> Any:
     """The rows, or the vector, of each group alone."""
 
-    kind, alone = (
-        (whole, ROWS[1]) if isinstance(whole, _RowsType) else (VECTORS[whole.parts], VECTOR)
-    )
+    rows = isinstance(whole, _RowsType)
+    kind: Any = whole if rows else VECTORS[whole.parts]
+    alone, part = (ROWS[1], POINTER) if rows else (VECTOR, LANES)
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        parts = [join(builder, [one]) for one in split(builder, kind, args[0])]
+        parts = [join(builder, [one], part) for one in split(builder, kind, args[0])]
         return context.make_tuple(builder, sig.return_type, parts)
 
     return containers.UniTuple(alone, whole.parts)(kind), codegen
@@ -113,7 +112,9 @@ def element(typingctx: Any, array: Any, i: Any) -> Any:
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         whole = context.make_array(sig.args[0])(context, builder, args[0])
-        value = builder.load(builder.gep(whole.data, [args[1]]))
+        kind = context.get_data_type(array.dtype)
+        address = builder.gep(whole.data, [args[1]], source_etype=kind)
+        value = builder.load(address, typ=kind)
         return context.data_model_manager[array.dtype].from_data(builder, value)
 
     return array.dtype(array, types.intp), codegen
@@ -121,7 +122,7 @@ def element(typingctx: Any, array: Any, i: Any) -> Any:
 
 def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
     """Where the row lies, in each of the groups."""
-    return [builder.gep(first, [row]) for first in split(builder, kind, rows)]
+    return [builder.gep(first, [row], source_etype=LANES) for first in split(builder, kind, rows)]
 
 
 @intrinsic
@@ -129,8 +130,8 @@ def load(typingctx: Any, rows: Any, i: Any) -> Any:
     """Row i of each group of lanes."""
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        found = _addresses(builder, rows, *args)
-        return join(builder, [builder.load(address, align=8) for address in found])
+        addresses = _addresses(builder, rows, *args)
+        return join(builder, [builder.load(one, align=8, typ=LANES) for one in addresses])
 
     return VECTORS[rows.parts](rows, types.intp), codegen
 
@@ -141,8 +142,8 @@ def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
     kind = VECTORS[rows.parts]
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        found = _addresses(builder, rows, *args[:2])
-        for part, address in zip(split(builder, kind, args[2]), found, strict=True):
+        addresses = _addresses(builder, rows, *args[:2])
+        for part, address in zip(split(builder, kind, args[2]), addresses, strict=True):
             builder.store(part, address, align=8)
         return context.get_dummy_value()
 
@@ -160,10 +161,9 @@ def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         flag = ir.IntType(32)
         for address in _addresses(builder, rows, *args):
-            at = builder.bitcast(address, ir.IntType(8).as_pointer())
-            kind = ir.FunctionType(ir.VoidType(), [at.type, flag, flag, flag])
+            kind = ir.FunctionType(ir.VoidType(), [POINTER, flag, flag, flag])
             function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
-            builder.call(function, [at, flag(0), flag(2), flag(1)])
+            builder.call(function, [address, flag(0), flag(2), flag(1)])
         return context.get_dummy_value()
 
     return types.void(rows, types.intp), codegen

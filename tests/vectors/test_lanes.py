@@ -1,4 +1,4 @@
-"""Vectors of lanes: what is fused and what is rounded, against exact arithmetic, on any machine."""
+"""Values of eight lanes: what is fused and what is rounded, in both forms, on any machine."""
 
 from __future__ import annotations
 
@@ -15,10 +15,21 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import aligned
 from owtsweep.compiled import njit
-from owtsweep.vectors.memory import borrowed, element, groups, load, store
-from owtsweep.vectors.vector import rounded
+from owtsweep.errors import InputError
+from owtsweep.vectors import choose, uses_vectors
 
-ELSEWHERE = "OWTSWEEP_TEST_GENERIC_PROCESSOR"
+#: In which of `ELSEWHERE` this very process runs; a test starts one for each of them.
+HERE = os.environ.get("OWTSWEEP_TEST_LANES", "")
+choose(HERE != "plain loops")
+
+from owtsweep.vectors.lanes import borrowed, element, groups, load, rounded, store  # noqa: E402
+
+#: Environment variables, and how many tests pass and are skipped.
+ELSEWHERE = {
+    "no fused instructions": ({"NUMBA_CPU_NAME": "generic"}, "15 passed, 3 skipped"),
+    "no typed pointers": ({"LLVMLITE_ENABLE_IR_LAYER_TYPED_POINTERS": "0"}, "15 passed, 3 skipped"),
+    "plain loops": ({}, "10 passed, 4 skipped"),
+}
 NAMES = (
     "x + a * b", "a * b + x", "x - a * b", "a * b - x", "a * b + c * d", "a * b - c * d", "a * b",
     "a * b * c", "a * b / c", "f * a + x", "f - a * b", "x + a - b", "x + (a * b + c * d)",
@@ -59,10 +70,17 @@ def _evaluated(values, f, more, found):
         kept = c * d
     store(target, 16, x)
     store(target, 17, load(rows, 0) + rounded(a * b))
-    sometimes = a * b
+    both = a * b + c * d
+    store(target, 13, both if more else rounded(a * b))
+
+
+@njit
+def _sometimes_a_product(values, more, found):
+    rows = borrowed(values)
+    sometimes = load(rows, 1) * load(rows, 2)
     if more:
-        sometimes = sometimes + c * d
-    store(target, 13, sometimes)
+        sometimes = sometimes + load(rows, 3) * load(rows, 4)
+    store(borrowed(found), 0, sometimes)
 
 
 def fma(a: float, b: float, c: float) -> float:
@@ -79,7 +97,7 @@ def _exact(x: float, a: float, b: float, c: float, d: float, f: float, more: boo
 
 
 @pytest.mark.parametrize("more", [False, True])
-@pytest.mark.parametrize("parts", [1, 2, 3])
+@pytest.mark.parametrize("parts", [1, 2, 3] if uses_vectors() else [2])
 def test_products_are_fused_with_what_they_are_added_to(parts: int, more: bool) -> None:
     draw = np.random.default_rng(parts)
     values = tuple(aligned(5, 8) for _ in range(parts))
@@ -94,8 +112,24 @@ def test_products_are_fused_with_what_they_are_added_to(parts: int, more: bool) 
         for name, one, other in zip(NAMES, own, expected, strict=True):
             np.testing.assert_array_equal(one, other, err_msg=name)
     assert not _all_rounded(values[0], found[0])
-    if ELSEWHERE in os.environ:
+    if HERE == "no fused instructions":
         assert not any("vfmadd" in text for text in _evaluated.inspect_asm().values())
+
+
+@pytest.mark.skipif(not uses_vectors(), reason="the plain form has no such conversion")
+def test_a_product_is_a_vector_where_a_branch_makes_it_one() -> None:
+    values, found = (aligned(5, 8),), (aligned(1, 8),)
+    values[0][...] = np.random.default_rng(1).normal(size=(5, 8))
+    for more in (False, True):
+        _sometimes_a_product(values, more, found)
+        expected = [_exact(*lane, 0.0, more)[13] for lane in values[0].T.tolist()]
+        np.testing.assert_array_equal(found[0][0], expected)
+
+
+def test_the_form_stays_once_kernels_are_imported() -> None:
+    with pytest.raises(InputError, match=r"compute\.vectors: this process has compiled"):
+        choose(not uses_vectors())
+    choose(uses_vectors())
 
 
 @njit
@@ -121,15 +155,16 @@ def _all_rounded(rows: NDArray[np.float64], found: NDArray[np.float64]) -> bool:
     return bool(np.array_equal(found[0], x + a * b))
 
 
-@pytest.mark.skipif(ELSEWHERE in os.environ, reason="this is the other processor")
-def test_bits_are_those_of_a_processor_without_fused_instructions(tmp_path: Path) -> None:
-    changes = {ELSEWHERE: "1", "NUMBA_CPU_NAME": "generic", "NUMBA_CACHE_DIR": str(tmp_path)}
-    mine = {
-        k: v for k, v in os.environ.items() if k not in ("NUMBA_CPU_FEATURES", "PYTEST_ADDOPTS")
-    }
+@pytest.mark.skipif(HERE != "", reason="this is such a process")
+@pytest.mark.parametrize("where", ELSEWHERE)
+def test_bits_are_the_same(where: str, tmp_path: Path) -> None:
+    changes, outcome = ELSEWHERE[where]
+    others = ("NUMBA_CPU_FEATURES", "PYTEST_ADDOPTS")
+    mine = {name: value for name, value in os.environ.items() if name not in others}
+    here = {"OWTSWEEP_TEST_LANES": where, "NUMBA_CACHE_DIR": str(tmp_path)}
     command = [sys.executable, "-m", "pytest", "-p", "no:xdist", "-p", "no:cacheprovider"]
     done = subprocess.run(
-        [*command, __file__], env={**mine, **changes}, capture_output=True, text=True
+        [*command, __file__], env={**mine, **changes, **here}, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stdout
-    assert "13 passed, 1 skipped" in done.stdout
+    assert outcome in done.stdout

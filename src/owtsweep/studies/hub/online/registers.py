@@ -1,11 +1,8 @@
-"""What the online kernels are given: a scheme's numbers, and the registers of one estimator."""
+"""A scheme's numbers as the online kernels take them, and new registers of one estimator."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import Discrete
@@ -14,93 +11,14 @@ from owtsweep.estimation.mhe import square_root_information
 from owtsweep.estimation.predictor import prediction_noise
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import INPUTS, Horizon
+from owtsweep.studies.hub.kernels.online_layout import (
+    COUNTERS,
+    ROW,
+    FilterSettings,
+    HorizonSettings,
+    OnlineRegisters,
+)
 from owtsweep.studies.hub.models import POSITION, AxisFilter
-
-
-class FilterSettings(NamedTuple):
-    """Filter, smoother and predictor: one axis' model, and times in IMU steps.
-
-    A, Q (4, 4), B (4,), slow and fast (4,) measurement rows with variances r_slow and r_fast, rule
-    (index of `RULES`), P0 (4, 4); input_A (3, 3) and input_B (3,) of the predictor; ahead (3, 3)
-    its transition over all steps, response (steps, 3) to the inputs' noise, added (3, 3) what that
-    noise alone adds; rotation (2, 2) from the IMU's frame to NED, gravity (2,).
-    """
-
-    A: Array
-    B: Array
-    Q: Array
-    slow: Array
-    fast: Array
-    r_slow: float
-    r_fast: float
-    rule: int
-    P0: Array
-    fix_interval: int
-    delay: int
-    window: int
-    predicts: bool
-    input_A: Array
-    input_B: Array
-    ahead: Array
-    response: Array
-    added: Array
-    rotation: Array
-    gravity: Array
-
-
-class HorizonSettings(NamedTuple):
-    """The MHE: T_m in steps, N_m, and Eq. (11)'s weights as square roots of information.
-
-    arrival: 0 none, 1 prior, 2 fixed. bounds (3,) of |p|, |v|, |b^b|; infinite where there is none.
-    """
-
-    active: bool
-    interval: int
-    length: int
-    arrival: int
-    inputs: int
-    step: float
-    transition: Array
-    link: Array
-    inverse_sigma: float
-    prior: Array
-    constrained: bool
-    bounds: Array
-
-
-class OnlineMemory(NamedTuple):
-    """Registers; see `new_memory` for their shapes."""
-
-    counter: NDArray[np.int64]
-    x: Array
-    P: Array
-    K: Array
-    work: Array
-    predicted: Array
-    innovation: Array
-    given: Array
-    force: Array
-    X: Array
-    e: Array
-    C: Array
-    Pm: Array
-    Pf: Array
-    smoothed: Array
-    coupling: Array
-    no_coupling: Array
-    zero: Array
-    z: Array
-    have: NDArray[np.bool_]
-    effects: Array
-    states: Array
-    covariances: Array
-    running: Array
-    recent: Array
-    held: Array
-    prior: Array
-    node: Array
-    nodes: Array
-    blocks: Array
 
 
 def filter_settings(
@@ -161,14 +79,14 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
     )
 
 
-def new_memory(f: FilterSettings, h: HorizonSettings) -> OnlineMemory:
+def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
     """Registers at zero, as every algorithm of the paper starts."""
     keep = f.delay + f.window + 2
     rows = 3 * keep + 64
-    counter = np.zeros(4, dtype=np.int64)
-    counter[1] = keep  # rows before the first step: zeros
+    counter = np.zeros(COUNTERS, dtype=np.int64)
+    counter[ROW] = keep  # rows before the first step: zeros
     n = h.length
-    return OnlineMemory(
+    return OnlineRegisters(
         counter=counter,
         x=np.zeros((4, 2)),
         P=f.P0.copy(),

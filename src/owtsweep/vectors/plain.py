@@ -1,0 +1,199 @@
+"""Values of eight lanes in plain numba: the functions and operators of `rows` and `vector`.
+
+A value is a named tuple of floats, eight for each group of lanes. A product keeps its two factors
+until it is added to something, as in `vector`, and rows are the tuples of arrays themselves. Only
+`numba.extending` and one instruction of llvmlite's builder, the fused multiply-add, are used.
+
+numba compiles one function for each combination of types. Its source is made as text, because a
+tuple can only be written out element by element.
+"""
+
+from __future__ import annotations
+
+import operator
+from typing import Any, NamedTuple
+
+from numba import types
+from numba.extending import intrinsic, overload
+
+from owtsweep.vectors import WIDTH
+
+#: Whether registers hold two groups of lanes: without vectors no order of work is faster.
+ROOMY = True
+
+
+class Vector(NamedTuple):
+    """Eight floats for each group of lanes."""
+
+    lanes: tuple[float, ...]
+
+
+class Product(NamedTuple):
+    """Two vectors that have not been multiplied yet."""
+
+    left: Vector
+    right: Vector
+
+
+@intrinsic
+def fused(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
+    """a * b + c of three floats, rounded once."""
+
+    def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return builder.fma(*args)
+
+    return types.float64(types.float64, types.float64, types.float64), codegen
+
+
+def _count(kind: Any) -> int:
+    """How many lanes a type has; 0 if it is none of these values."""
+    if not isinstance(kind, types.BaseNamedTuple):
+        return 0
+    if kind.instance_class is Product:
+        return _count(kind[0])
+    return len(kind[0]) if kind.instance_class is Vector else 0
+
+
+def _is_product(kind: Any) -> bool:
+    return _count(kind) > 0 and kind.instance_class is Product
+
+
+def _lane(kind: Any, name: str) -> str:
+    """Lane {i} of an operand as source text: a product is multiplied, a float is in all lanes."""
+    if _is_product(kind):
+        return f"({name}.left.lanes[{{i}}] * {name}.right.lanes[{{i}}])"
+    return f"{name}.lanes[{{i}}]" if _count(kind) else name
+
+
+def _vector(text: str, lanes: range) -> str:
+    return f"Vector(({' '.join(text.format(i=i) + ',' for i in lanes)}))"
+
+
+def _function(parameters: str, body: str) -> Any:
+    scope = {"__name__": __name__, "Vector": Vector, "Product": Product, "fused": fused}
+    exec(f"def function({parameters}):\n    {body}", scope)
+    return scope["function"]
+
+
+def _define(function: Any, text: Any) -> None:
+    """Define an operator by the text of a lane of its result, made from its operands' types."""
+
+    @overload(function, jit_options={"error_model": "numpy"})
+    def implementation(a, b):
+        count = max(_count(a), _count(b))
+        if not count:
+            return None
+        return _function("a, b", f"return {_vector(text(a, b), range(count))}")
+
+
+def _sum(a: Any, b: Any, sign: str) -> str:
+    if _is_product(b):
+        return f"fused({sign}b.left.lanes[{{i}}], b.right.lanes[{{i}}], {_lane(a, 'a')})"
+    if _is_product(a):
+        return f"fused(a.left.lanes[{{i}}], a.right.lanes[{{i}}], {sign}{_lane(b, 'b')})"
+    return f"{_lane(a, 'a')} + {sign}{_lane(b, 'b')}"
+
+
+_define(operator.add, lambda a, b: _sum(a, b, ""))
+_define(operator.sub, lambda a, b: _sum(a, b, "-"))
+_define(operator.truediv, lambda a, b: f"{_lane(a, 'a')} / {_lane(b, 'b')}")
+
+
+@overload(operator.mul)
+def _multiply(a, b):
+    count = max(_count(a), _count(b))
+    if not count:
+        return None
+    left, right = (_vector(_lane(*operand), range(count)) for operand in ((a, "a"), (b, "b")))
+    return _function("a, b", f"return Product({left}, {right})")
+
+
+def rounded(product):
+    """A product multiplied here, once, for several sums."""
+
+
+def borrowed(value):
+    """Data as kernels take it: as it is."""
+
+
+def groups(whole):
+    """The rows, or the vector, of each group alone."""
+
+
+def element(array, i):
+    """Element i of a C-contiguous array as it lies in memory, whatever its shape."""
+
+
+def load(rows, i):
+    """Row i of each group of lanes."""
+
+
+def store(rows, i, vector):
+    """Write a vector to row i of each group of lanes."""
+
+
+def prefetch(rows, i):
+    """Ask for row i early: nothing."""
+
+
+def zero(rows):
+    """Zeros, as many as a row of these has."""
+
+
+@overload(rounded)
+def _rounded(product):
+    return _function(
+        "product", f"return {_vector(_lane(product, 'product'), range(_count(product)))}"
+    )
+
+
+@overload(borrowed)
+def _borrowed(value):
+    return lambda value: value
+
+
+@overload(groups)
+def _groups(whole):
+    count = _count(whole)
+    if not count:
+        alone = [f"(whole[{g}],)" for g in range(len(whole))]
+    else:
+        alone = [
+            _vector(_lane(whole, "whole"), range(first, first + WIDTH))
+            for first in range(0, count, WIDTH)
+        ]
+    return _function("whole", f"return ({' '.join(one + ',' for one in alone)})")
+
+
+@overload(element)
+def _element(array, i):
+    if array.layout != "C":
+        return None
+    return lambda array, i: array.ravel()[i]
+
+
+@overload(load)
+def _load(rows, i):
+    lanes = [f"rows[{g}][i, {lane}]," for g in range(len(rows)) for lane in range(WIDTH)]
+    return _function("rows, i", f"return Vector(({' '.join(lanes)}))")
+
+
+@overload(store)
+def _store(rows, i, vector):
+    value = _lane(vector, "vector")
+    written = [
+        f"rows[{g}][i, {lane}] = {value.format(i=WIDTH * g + lane)}"
+        for g in range(len(rows))
+        for lane in range(WIDTH)
+    ]
+    return _function("rows, i, vector", "; ".join(written))
+
+
+@overload(prefetch)
+def _prefetch(rows, i):
+    return lambda rows, i: None
+
+
+@overload(zero)
+def _zero(rows):
+    return _function("rows", f"return {_vector('0.0', range(WIDTH * len(rows)))}")

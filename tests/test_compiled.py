@@ -1,0 +1,53 @@
+"""What the cache of compiled kernels hangs on, and when compiling is told."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from owtsweep import compiled
+
+IMPORTED = "import owtsweep.studies.hub.kernels.runs, owtsweep.studies.hub.kernels.online"
+CALLED = """
+import numpy as np
+from owtsweep.studies.hub.kernels.feeding import keep_lead
+keep_lead(0, np.zeros((1, 1, 8)))
+"""
+
+
+def test_sources_are_all_that_kernels_are_made_of() -> None:
+    package = Path(compiled.__file__).parent
+    names = {str(path.relative_to(package)) for path in compiled.kernel_sources()}
+    assert {
+        "compiled.py", "estimation/riccati.py", "estimation/windowing.py", "vectors/vector.py",
+        "vectors/rows.py", "vectors/plain.py", "studies/hub/kernels/runs.py",
+        "studies/hub/expected/kernels.py",
+    } <= names  # fmt: skip
+    assert not any("figures" in name or "config" in name for name in names)
+    assert len(names) < 30
+    assert compiled.cache_directory().name.endswith(compiled.source_hash())
+
+
+def _errors(code: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(folder))
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == ""
+    return done.stderr
+
+
+def test_compiling_is_told_when_it_happens(tmp_path, monkeypatch) -> None:
+    assert _errors(IMPORTED, tmp_path, monkeypatch) == ""
+    told = _errors(CALLED, tmp_path, monkeypatch)
+    assert told.count("owtsweep: compiling kernels, once") == 1
+    assert str(tmp_path) in told
+    assert _errors(CALLED, tmp_path, monkeypatch) == ""  # read from the cache
+
+
+def test_a_folder_that_cannot_be_written_stops_nobody(tmp_path, monkeypatch) -> None:
+    occupied = tmp_path / "file"
+    occupied.write_text("")
+    told = _errors(CALLED, occupied / "kernels", monkeypatch)
+    assert "owtsweep-kernels-" in told
