@@ -23,7 +23,7 @@ export NUMBA_CACHE_DIR := $(CURDIR)/$(VENV)/numba-cache
 
 help:
 	@echo 'make sweep   run the default study; overrides: make sweep ARGS="grid.replicates=2"'
-	@echo 'make test    lint, format check, types, tests; one test: make test ARGS="-k store"'
+	@echo 'make test    lint, format, imports, types, tests; one test: make test ARGS="-k store"'
 	@echo 'make test-faults   the slow tests: kills, full disks, a cluster, a million cases'
 	@echo 'make reproduce   the search, both runs with 100 records per cell, all figures, the report;'
 	@echo '             ARGS=--check: only say whether results/reference agrees'
@@ -39,6 +39,7 @@ test: $(INSTALLED_TEST)
 	$(VENV_PYTHON) tests/compile_kernels.py studies & \
 	$(VENV_PYTHON) -m ruff check . && \
 	$(VENV_PYTHON) -m ruff format --check . && \
+	$(VENV)/bin/lint-imports --no-cache --no-logo && \
 	$(VENV_PYTHON) -m mypy; status=$$?; wait; exit $$status
 	$(VENV_PYTHON) -m pytest --numprocesses 2 --dist worksteal $(ARGS)
 

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import sys
+import types
+
 import numpy as np
 import pytest
-from tools import Key, configure, rows_of, whole_series
+from hold_last_fix import HoldLastFix
+from tools import SMALL, Key, configure, rows_of, whole_series
 
+from owtsweep.studies import compose, get_study
 from owtsweep.studies.hub import blocks
 from owtsweep.studies.hub.records import make_records
+from owtsweep.sweep.run import sweep
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -58,3 +64,27 @@ def test_its_source_is_part_of_its_blocks() -> None:
     assert "source" not in ours.content
     assert len(theirs.content["source"]) == 16
     assert theirs.content["entry"] == {"_target_": "hold_last_fix.HoldLastFix"}
+
+
+def test_a_scheme_without_source_is_computed_anew_and_says_why(tmp_path, monkeypatch, caplog):
+    """Its stored results may be those of another version; a version = ... keeps them."""
+    module = types.ModuleType("typed_into_a_notebook")
+    module.Mine = type("Mine", (HoldLastFix,), {"__module__": module.__name__, "name": "Mine"})
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    words = [*SMALL, "compute.backend=threading", f"results={tmp_path}"]
+    words.append("schemes=[MKF,{_target_: typed_into_a_notebook.Mine}]")
+
+    def sweep_again() -> tuple[int, int]:
+        config = compose(words)
+        outcome = sweep(get_study("hub"), config)
+        return outcome.computed, outcome.reused
+
+    assert sweep_again() == (6, 0)
+    caplog.clear()
+    assert sweep_again() == (3, 3)
+    (told,) = [r.getMessage() for r in caplog.records if "computed anew" in r.getMessage()]
+    assert "the source of Mine cannot be read" in told
+    assert "version = ..." in told
+    module.Mine.version = 1
+    assert sweep_again() == (3, 3)  # another key
+    assert sweep_again() == (0, 6)

@@ -2,3 +2,6 @@
 
 This room imports neither sensors nor estimators.
 """
+
+#: Raised whenever a change of this room alters a number that a study stores.
+NUMERICS_VERSION = 0

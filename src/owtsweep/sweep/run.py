@@ -219,6 +219,8 @@ class _Sweep:
 
     def _compute(self, others: bool) -> None:
         store = self.run.store
+        if not others:  # what another sweep computes at this moment is new
+            self._drop_doubtful()
         missing = {key: block for key, block in self.plan.items() if store.status(key) != "done"}
         self.reused = self.cases - count_cases(missing)
         logger.info("sweep of %d cases, %d of them stored already", self.cases, self.reused)
@@ -232,6 +234,17 @@ class _Sweep:
         with closing(self.executor.run(todo, self.progress.advance)) as results:
             for result in results:
                 self._take(result)
+
+    def _drop_doubtful(self) -> None:
+        """Delete stored blocks that are to be computed anew, and say why."""
+        store = self.run.store
+        reasons: dict[str, int] = {}
+        for key, block in self.plan.items():
+            if block.anew and store.path(key).exists():
+                store.path(key).unlink()
+                reasons[block.anew] = reasons.get(block.anew, 0) + block.cases
+        for reason, cases in reasons.items():
+            logger.warning("%d stored cases are computed anew: %s", cases, reason)
 
     def _take(self, result: TaskResult) -> None:
         repeat(result.entries)

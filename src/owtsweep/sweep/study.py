@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from owtsweep.results.status import FAILED, OK, UNABLE
@@ -21,7 +22,17 @@ if TYPE_CHECKING:
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition
 
-__all__ = ["FAILED", "OK", "UNABLE", "Block", "Engine", "Judged", "Spectral", "Study"]
+__all__ = [
+    "FAILED",
+    "OK",
+    "UNABLE",
+    "Block",
+    "Engine",
+    "Judged",
+    "Spectral",
+    "Study",
+    "add_versions",
+]
 
 
 @dataclass(frozen=True)
@@ -42,6 +53,9 @@ class Block:
         How many cases it holds.
     cases_per_row
         How many cases a row stands for. A row without a number leaves so many of them open.
+    anew
+        Why the block is computed anew even if it is stored, e.g. because its key cannot cover the
+        code that it depends on; empty for most.
     """
 
     group: str
@@ -49,6 +63,15 @@ class Block:
     content: Mapping[str, Any]
     cases: int
     cases_per_row: int = 1
+    anew: str = ""
+
+
+def add_versions(base: int, *rooms: ModuleType) -> int:
+    """A study's `numerics_version`: its own base, and the `NUMERICS_VERSION` of the rooms it uses.
+
+    It rises as soon as one of them rises. None may ever fall.
+    """
+    return base + sum(int(room.NUMERICS_VERSION) for room in rooms)
 
 
 class Engine(Protocol):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from owtsweep.evaluation.estimate import Estimate
-    from owtsweep.studies.hub.contract import Scheme, Sensors
+    from owtsweep.studies.hub.public import Scheme, Sensors
 
     Array = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def check_scheme(
 
 def example_sensors() -> list[Sensors]:
     """Sensors of different rates, delays and yaws: none late, late, later than the next fix."""
-    from owtsweep.studies.hub.contract import Sensors
+    from owtsweep.studies.hub.public import Sensors
 
     def sensors(
         rate: float, fix_interval: int, delay: int, yaw: float, gravity: tuple[float, float]
@@ -97,10 +97,10 @@ def example_sensors() -> list[Sensors]:
 def check_declaration(scheme: Any) -> None:
     """`name`, `linear` and `start` are there."""
     from owtsweep.errors import InputError
-    from owtsweep.studies.hub.schemes import check_scheme as declared
+    from owtsweep.studies.hub.public import require_scheme
 
     try:
-        declared(scheme, type(scheme).__name__)
+        require_scheme(scheme, type(scheme).__name__)
     except InputError as error:
         raise AssertionError(str(error)) from None
 
@@ -194,7 +194,7 @@ def check_kernel(scheme: Any, sensors: Sensors, tuning: Any) -> None:
     """The batch engine's form of the scheme gives the estimates of `update`."""
     import numpy as np
 
-    from owtsweep.studies.hub.batch import trajectories
+    from owtsweep.studies.hub.public import trajectories
 
     force, fixes = _data(sensors)
     expected = _states(_run(scheme, sensors, tuning, force, fixes))

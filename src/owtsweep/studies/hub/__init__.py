@@ -6,8 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from owtsweep import estimation, evaluation, motion, sensing
 from owtsweep.figures import palette
+from owtsweep.studies.hub import kernels
 from owtsweep.studies.hub.looks import LOOKS
+from owtsweep.sweep.study import add_versions
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,6 +23,9 @@ if TYPE_CHECKING:
 
 __all__ = ["HubStudy"]
 
+#: Whose numbers the study stores.
+ROOMS = (motion, sensing, estimation, evaluation, kernels)
+
 palette.reserve(LOOKS)
 
 
@@ -28,7 +34,7 @@ class HubStudy:
 
     name = "hub"
     schema_version = 1
-    numerics_version = 4
+    numerics_version = add_versions(1, *ROOMS)
 
     def schemes(self) -> dict[str, str]:
         """Its schemes and what each is."""

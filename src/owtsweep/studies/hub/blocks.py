@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import inspect
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
@@ -24,6 +22,7 @@ from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve_all, under
 from owtsweep.studies.hub.sensors import Measurements, observe
+from owtsweep.sweep.source import describe_source, explain_doubt
 from owtsweep.sweep.study import Block
 
 #: Replicates of one block: 0-7, 8-15, ...
@@ -36,7 +35,7 @@ def plan(config: HubConfig) -> list[Block]:
     schemes = resolve_all(config.schemes, config)
     # Once per scheme: blocks share these parts, or a large plan would not fit into memory.
     by_scheme = [
-        {**shared, **scheme_content(config, entry, scheme)}
+        ({**shared, **scheme_content(config, entry, scheme)}, explain_anew(entry, scheme))
         for entry, scheme in zip(config.schemes, schemes, strict=True)
     ]
     blocks = []
@@ -46,7 +45,7 @@ def plan(config: HubConfig) -> list[Block]:
             replicates = list(range(first, last))
             numbers = f"replicates {first}-{last - 1}" if last - first > 1 else f"replicate {first}"
             group = f"{period:g} s, {numbers}"
-            for part, scheme in zip(by_scheme, schemes, strict=True):
+            for (part, anew), scheme in zip(by_scheme, schemes, strict=True):
                 amplitudes = [None] if _superposes(config, scheme) else config.grid.amplitude
                 for amplitude in amplitudes:
                     content = {**part, "natural_period": float(period), "replicates": replicates}
@@ -56,7 +55,7 @@ def plan(config: HubConfig) -> list[Block]:
                         label += f", {amplitude:g} m"
                     per_row = len(config.grid.amplitude) if amplitude is None else 1
                     cases = len(replicates) * per_row
-                    blocks.append(Block(group, label, content, cases, per_row))
+                    blocks.append(Block(group, label, content, cases, per_row, anew))
     return blocks
 
 
@@ -90,21 +89,17 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
     content: dict[str, Any] = {"scheme": scheme.name, "tuning": tuning}
     if isinstance(entry, Mapping):
         content["entry"] = {str(key): value for key, value in entry.items()}
-        content["source"] = _source_hash(scheme)
+        content |= describe_source(type(scheme))
     return content
+
+
+def explain_anew(entry: Any, scheme: Scheme) -> str:
+    """Why blocks of a scheme are computed anew even if they are stored; empty for most."""
+    return explain_doubt(type(scheme)) if isinstance(entry, Mapping) else ""
 
 
 def _plain(section: Any) -> Any:
     return as_mapping(section) if isinstance(section, Section) else section
-
-
-def _source_hash(scheme: Scheme) -> str:
-    """The source of a user's scheme identifies it, so an edit makes a new scheme."""
-    try:
-        source = inspect.getsource(inspect.getmodule(type(scheme)) or type(scheme))
-    except (OSError, TypeError):
-        return "unknown"
-    return hashlib.blake2b(source.encode(), digest_size=8).hexdigest()
 
 
 def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:

@@ -8,9 +8,11 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.studies.hub import ROOMS
+
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.batch import Lanes, chunks, state_chunks
-    from owtsweep.studies.hub.blocks import backend, scheme_content
+    from owtsweep.studies.hub.batch import Lanes, chunks, state_chunks, trajectories
+    from owtsweep.studies.hub.blocks import backend, explain_anew, scheme_content
     from owtsweep.studies.hub.chain import Chain, chain_for_runs
     from owtsweep.studies.hub.config import Grid, HubConfig
     from owtsweep.studies.hub.contract import Scheme, Sensors
@@ -26,18 +28,50 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.rows import Rows
+    from owtsweep.studies.hub.schemes import check_scheme as require_scheme
     from owtsweep.studies.hub.schemes import resolve_all
     from owtsweep.studies.hub.sensors import ForceNoise, Measurements, fix_count, fix_noise
     from owtsweep.studies.hub.sensors import sensors as make_sensors
     from owtsweep.studies.hub.true_bias import simulate_bias
 
 __all__ = [
-    "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "Lanes", "Measurements",
-    "NoiseFloor", "Rows", "Scheme", "Sensors", "at_amplitude", "backend", "bias_of",
-    "chain_for_runs", "chunks",
-    "compare", "error_spectrum", "expected_mse", "fix_count", "fix_noise", "has_acceleration",
-    "lag_of", "make_lanes", "make_sensors", "noise_floor", "resolve_all",
-    "scheme_content", "scheme_products", "score", "simulate_bias", "state_chunks",
+    "ROOMS",
+    "WIDTH",
+    "Chain",
+    "ErrorSpectrum",
+    "ForceNoise",
+    "Grid",
+    "HubConfig",
+    "Lanes",
+    "Measurements",
+    "NoiseFloor",
+    "Rows",
+    "Scheme",
+    "Sensors",
+    "at_amplitude",
+    "backend",
+    "bias_of",
+    "chain_for_runs",
+    "chunks",
+    "compare",
+    "error_spectrum",
+    "expected_mse",
+    "explain_anew",
+    "fix_count",
+    "fix_noise",
+    "has_acceleration",
+    "lag_of",
+    "make_lanes",
+    "make_sensors",
+    "noise_floor",
+    "require_scheme",
+    "resolve_all",
+    "scheme_content",
+    "scheme_products",
+    "score",
+    "simulate_bias",
+    "state_chunks",
+    "trajectories",
 ]  # fmt: skip
 
 #: Name -> its module.
@@ -55,7 +89,9 @@ _HOMES = {
     "simulate_bias": "true_bias",  # the bias that its noise holds
     # schemes and how they run
     "Scheme": "contract",  # an estimation scheme
+    "require_scheme": "schemes",  # refuse what is no scheme
     "resolve_all": "schemes",  # the schemes that a configuration names
+    "explain_anew": "blocks",  # why its blocks are computed anew even if they are stored
     "scheme_content": "blocks",  # what a block's key holds of a scheme
     "backend": "blocks",  # threads or processes
     "Chain": "chain",  # a scheme as the kernels run it
@@ -63,6 +99,7 @@ _HOMES = {
     "WIDTH": "kernels.layout",  # series that a kernel runs side by side
     "Rows": "rows",  # a series that is made as the kernels need it
     "chunks": "batch",  # the estimates of a chain, chunk by chunk
+    "trajectories": "batch",  # the estimates of a chain over whole records
     "state_chunks": "batch",  # the states of its filter, chunk by chunk
     "lag_of": "filter_states",  # how late they are
     "has_acceleration": "filter_states",  # whether acceleration is one of them
@@ -82,7 +119,7 @@ _HOMES = {
     "score": "fidelity.score",  # one number of all four schemes
 }
 #: Names that are others there.
-_OTHER_NAMES = {"make_sensors": "sensors"}
+_OTHER_NAMES = {"make_sensors": "sensors", "require_scheme": "check_scheme"}
 
 
 def __getattr__(name: str) -> Any:

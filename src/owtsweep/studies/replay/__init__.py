@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from owtsweep.sweep.study import Block
+from owtsweep.studies.hub.public import ROOMS
+from owtsweep.sweep.study import Block, add_versions
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,7 +24,7 @@ class ReplayStudy:
 
     name = "replay"
     schema_version = 1
-    numerics_version = 4
+    numerics_version = add_versions(1, *ROOMS)
     samples = True
 
     def config_type(self) -> type[ReplayConfig]:

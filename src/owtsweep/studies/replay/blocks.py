@@ -19,6 +19,7 @@ from owtsweep.studies.hub.public import (
     Scheme,
     Sensors,
     backend,
+    explain_anew,
     make_sensors,
     resolve_all,
     scheme_content,
@@ -109,9 +110,12 @@ def plan(config: ReplayConfig) -> list[Block]:
             "estimator": of_schemes[facts.choose_describer(config)],
         }
         blocks.append(Block(label, f"{label}, the record", first, 1))
-        for scheme, entry in zip(schemes, of_schemes, strict=True):
+        for scheme, entry, part in zip(schemes, config.schemes, of_schemes, strict=True):
             group = f"{label}, {scheme.name}" if apart else label
-            blocks.append(Block(group, f"{label}, {scheme.name}", {**content, **entry}, 1))
+            anew = explain_anew(entry, scheme)
+            blocks.append(
+                Block(group, f"{label}, {scheme.name}", {**content, **part}, 1, anew=anew)
+            )
     return blocks
 
 

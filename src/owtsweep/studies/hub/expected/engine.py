@@ -57,6 +57,7 @@ def plan(config: HubConfig) -> list[Block]:
             },
             cases=cells,
             cases_per_row=cells,
+            anew=sampled.explain_anew(entry, scheme),
         )
         for entry, scheme in zip(config.schemes, resolve_all(config.schemes, config), strict=True)
     ]
@@ -153,6 +154,8 @@ def curves_of(config: HubConfig, name: str) -> Curves:
         computed = curves(chain, sensors, steps=steps, settled=settled, band=band)
         return {key: getattr(computed, key) for key in Curves.__dataclass_fields__}
 
+    if sampled.explain_anew(by_name[name], scheme):
+        return Curves(**compute())
     return Curves(**cached(what, compute))
 
 
