@@ -14,7 +14,7 @@ import tempfile
 from benchmarks.scale import peak_megabytes
 from benchmarks.timing import timed
 from owtsweep.config import compose
-from owtsweep.memory import keep_freed_memory
+from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.studies import get_study
 from owtsweep.sweep.run import sweep
 

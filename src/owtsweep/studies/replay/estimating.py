@@ -14,7 +14,7 @@ from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimate, Estimator, Scheme, Sensors
-from owtsweep.studies.hub.rows import Rows
+from owtsweep.studies.hub.one_pass import OnePassSeries
 from owtsweep.studies.hub.sensors import Measurements
 from owtsweep.studies.replay.measuring import PIECE, Signals, given
 
@@ -126,12 +126,12 @@ def north_east(signals: Signals, sensors: Sensors) -> Iterator[Array]:
     return (piece @ sensors.rotation.T for piece in signals.force(PIECE))
 
 
-def rows_of(several: Sequence[Signals], sensors: Sensors) -> tuple[Rows, Array]:
+def rows_of(several: Sequence[Signals], sensors: Sensors) -> tuple[OnePassSeries, Array]:
     """Specific force in NED and fixes of some replicates as the batch engine's lanes."""
     pieces = zip(*(north_east(signals, sensors) for signals in several), strict=True)
     beside = (np.concatenate(parts, axis=1) for parts in pieces)
     fixes = np.concatenate([signals.fixes for signals in several], axis=1)
-    return Rows(beside, (several[0].steps, 2 * len(several))), fixes
+    return OnePassSeries(beside, (several[0].steps, 2 * len(several))), fixes
 
 
 def _by_kernel(
@@ -178,7 +178,7 @@ def _due(
     sensors: Sensors, signals: Signals, edges: Sequence[int]
 ) -> Iterator[tuple[int, Array, Array]]:
     """Piece by piece: its first step, specific force and positions, NaN where no fix is due."""
-    force = Rows(signals.force(PIECE), (signals.steps, 2))
+    force = OnePassSeries(signals.force(PIECE), (signals.steps, 2))
     M = sensors.fix_interval
     for begin, end in itertools.pairwise(edges):
         positions = np.full((end - begin, 2), np.nan)
