@@ -29,19 +29,19 @@ ELSEWHERE = HERE.parent / "results" / "bench"
 
 def measure(names: list[str], quick: bool) -> dict[str, Any]:
     """The numbers of some parts, and what the report says about the machine."""
-    found: dict[str, Any] = {"quick": quick, "machine": describe(), "busy_before": busy()}
+    results: dict[str, Any] = {"quick": quick, "machine": describe(), "busy_before": busy()}
     spent, failed = {}, {}
     for name in names:
         print(f"{name} ...", end=" ", flush=True)
         began = time.perf_counter()
         try:
-            found[name] = PARTS[name](quick)
+            results[name] = PARTS[name](quick)
         except Exception as error:  # minutes of other parts must not be lost with this one
             failed[name] = f"{type(error).__name__}: {error}"
             print(failed[name], file=sys.stderr)
         spent[name] = time.perf_counter() - began
         print(f"{spent[name]:.0f} s", flush=True)
-    return {**found, "busy_after": busy(), "spent": spent, "failed": failed}
+    return {**results, "busy_after": busy(), "spent": spent, "failed": failed}
 
 
 def refresh_scaling(rows: list[dict[str, Any]], *, large: bool) -> None:
@@ -71,14 +71,14 @@ def main() -> int:
     folder.mkdir(parents=True, exist_ok=True)
     numbers = folder / "measured.json"
     if options.again:
-        found = json.loads(numbers.read_text(encoding="utf-8"))
+        results = json.loads(numbers.read_text(encoding="utf-8"))
     else:
-        found = measure(options.only or [*PARTS], options.quick)
-        numbers.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
-    print(report.write(found, folder))
-    if full and not options.again and "bookkeeping" in found:
-        refresh_scaling(found["bookkeeping"], large=options.large)
-    return 1 if found["failed"] else 0
+        results = measure(options.only or [*PARTS], options.quick)
+        numbers.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    print(report.write(results, folder))
+    if full and not options.again and "bookkeeping" in results:
+        refresh_scaling(results["bookkeeping"], large=options.large)
+    return 1 if results["failed"] else 0
 
 
 if __name__ == "__main__":

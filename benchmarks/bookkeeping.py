@@ -47,7 +47,7 @@ def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
     `cpu_ms` leaves out waiting: for the disk, or for a busy machine's other work.
     """
     hub = get_study("hub")
-    found = []
+    rows = []
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
         kinds = {
@@ -63,9 +63,9 @@ def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
             stages = {stage: median_time([one[stage] for one in samples]) for stage in samples[0]}
             terms = [stages[stage] for stage in STAGES]
             stages["sum"] = [sum(values) for values in zip(*terms, strict=True)]
-            found += [_row(kind, stage, *values) for stage, values in stages.items()]
-        found += _whole_sweep(place, repeats)
-    return found
+            rows += [_row(kind, stage, *values) for stage, values in stages.items()]
+        rows += _whole_sweep(place, repeats)
+    return rows
 
 
 def _stages(run: Run) -> dict[str, list[float]]:
@@ -134,7 +134,7 @@ def _row(block: str, stage: str, wall: float, cpu: float) -> dict[str, Any]:
 def large() -> list[dict[str, Any]]:
     """Seconds per stage and peak memory of whole large plans, each in its own process, once."""
     root = Path(__file__).resolve().parents[1]
-    found = []
+    rows = []
     for arguments in LARGE:
         done = subprocess.run(
             [sys.executable, "-m", "benchmarks.scale", *arguments],
@@ -143,8 +143,8 @@ def large() -> list[dict[str, Any]]:
             check=True,
             cwd=root,
         )
-        found.append(json.loads(done.stdout.splitlines()[-1]))
-    return found
+        rows.append(json.loads(done.stdout.splitlines()[-1]))
+    return rows
 
 
 def write_csv(rows: list[dict[str, Any]]) -> None:

@@ -40,8 +40,8 @@ def compare(folder: Path, overrides: list[str]) -> pd.DataFrame:
     if not any(part.startswith("grid.replicates=") for part in overrides):
         common.append("grid.replicates=200")
     records = owtsweep.run(common).summary()
-    found = owtsweep.run([*common, "engine=expected"]).summary()
-    both = records.merge(found[[*KEYS, "mean"]], on=KEYS, suffixes=("", "_expected"))
+    expectations = owtsweep.run([*common, "engine=expected"]).summary()
+    both = records.merge(expectations[[*KEYS, "mean"]], on=KEYS, suffixes=("", "_expected"))
     both = both[both["measure"].isin(["position", "velocity"])]
     wider = student.ppf(0.9995, both["n"] - 1) / student.ppf(0.975, both["n"] - 1)
     half = (both["ci_high"] - both["mean"]) * wider
@@ -76,8 +76,8 @@ def map_of(overrides: Sequence[str]) -> None:
     amplitudes = np.geomspace(0.05, 10.0, FINE)
     names = [block.content["scheme"] for block in engine.plan(config)]
     rows = engine.rows_of(config, names, [float(p) for p in periods])
-    known = answers.expected(rows, names, config.measures.criterion, config.measures.window)
-    answers.judge(known.at(amplitudes))
+    expectations = answers.expected(rows, names, config.measures.criterion, config.measures.window)
+    answers.judge(expectations.at(amplitudes))
 
 
 @contextmanager

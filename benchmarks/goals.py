@@ -30,25 +30,32 @@ class Goal(NamedTuple):
         return "does not apply" if self.reached is None else "reached" if self.reached else "MISSED"
 
 
-def must_reach(found: dict[str, Any]) -> list[Goal]:
+def must_reach(results: dict[str, Any]) -> list[Goal]:
     """The table that the report starts with, as far as its parts were measured."""
-    return [*_study(found), *_faster(found), *_kernels(found), *_growth(found), *_startup(found)]
+    return [
+        *_study(results),
+        *_faster(results),
+        *_kernels(results),
+        *_growth(results),
+        *_startup(results),
+    ]
 
 
-def also_asked(found: dict[str, Any]) -> list[Goal]:
+def also_asked(results: dict[str, Any]) -> list[Goal]:
     """Numbers asked for outside that table."""
     return [
-        *_long_records(found), *_threads(found), *_map(found), *_online(found), *_books(found),
+        *_long_records(results), *_threads(results), *_map(results), *_online(results),
+        *_books(results),
     ]  # fmt: skip
 
 
-def _study(found: dict[str, Any]) -> Iterator[Goal]:
-    if "study" not in found:
+def _study(results: dict[str, Any]) -> Iterator[Goal]:
+    if "study" not in results:
         return
-    whole, count = found["study"]["whole"], found["study"]["replicates"]
+    whole, count = results["study"]["whole"], results["study"]["replicates"]
     took, peak = whole["process"], whole["peak"]
     yield Goal(
-        f"{'study of the quick look' if found['quick'] else 'default grid, 2000 s'}, {count} "
+        f"{'study of the quick look' if results['quick'] else 'default grid, 2000 s'}, {count} "
         "replicates, four schemes, run and aggregation without figures, kernels warm",
         f"{WALL:g} s",
         f"{took:.1f} s, a process from start to end ({whole['wall']:.1f} s without start and "
@@ -65,11 +72,11 @@ def _study(found: dict[str, Any]) -> Iterator[Goal]:
     )
 
 
-def _faster(found: dict[str, Any]) -> Iterator[Goal]:
-    if not {"study", "reference"} <= found.keys():
+def _faster(results: dict[str, Any]) -> Iterator[Goal]:
+    if not {"study", "reference"} <= results.keys():
         return
-    cell = per_cell(found["reference"])
-    ours = found["study"]["whole"]["wall"] / found["study"]["replicates"]
+    cell = per_cell(results["reference"])
+    ours = results["study"]["whole"]["wall"] / results["study"]["replicates"]
     ratio = CELLS * cell / ours
     shown = (
         f"{1e3 * round(1e-3 * ratio):.0f} times: {cell:.0f} s per cell, "
@@ -88,8 +95,8 @@ def _faster(found: dict[str, Any]) -> Iterator[Goal]:
     )
 
 
-def _kernels(found: dict[str, Any]) -> Iterator[Goal]:
-    rows = found.get("kernels", [])
+def _kernels(results: dict[str, Any]) -> Iterator[Goal]:
+    rows = results.get("kernels", [])
     for row in rows:
         most = NANOSECONDS.get(row["scheme"])
         if row["threads"] == 1 and most is not None:
@@ -122,8 +129,8 @@ def _kernels(found: dict[str, Any]) -> Iterator[Goal]:
             )
 
 
-def _growth(found: dict[str, Any]) -> Iterator[Goal]:
-    for axis in found.get("study", {}).get("axes", []):
+def _growth(results: dict[str, Any]) -> Iterator[Goal]:
+    for axis in results.get("study", {}).get("axes", []):
         if axis["axis"] not in ("replicates", "duration"):
             continue
         points = axis["points"]
@@ -138,8 +145,8 @@ def _growth(found: dict[str, Any]) -> Iterator[Goal]:
         )
 
 
-def _startup(found: dict[str, Any]) -> Iterator[Goal]:
-    for row in found.get("startup", []):
+def _startup(results: dict[str, Any]) -> Iterator[Goal]:
+    for row in results.get("startup", []):
         if row["goal"] is not None:
             yield Goal(
                 row["what"],
@@ -150,8 +157,8 @@ def _startup(found: dict[str, Any]) -> Iterator[Goal]:
             )
 
 
-def _long_records(found: dict[str, Any]) -> Iterator[Goal]:
-    peak = found.get("study", {}).get("long")
+def _long_records(results: dict[str, Any]) -> Iterator[Goal]:
+    peak = results.get("study", {}).get("long")
     if peak is not None:
         yield Goal(
             "memory of a study of 16 000 s: one period, two workers, 16 replicates",
@@ -163,8 +170,8 @@ def _long_records(found: dict[str, Any]) -> Iterator[Goal]:
         )
 
 
-def _threads(found: dict[str, Any]) -> Iterator[Goal]:
-    for axis in found.get("study", {}).get("axes", []):
+def _threads(results: dict[str, Any]) -> Iterator[Goal]:
+    for axis in results.get("study", {}).get("axes", []):
         if axis["axis"] == "workers" and len(axis["points"]) > 1:
             one, two = axis["points"][0], axis["points"][-1]
             ratio = one["compute_wall"] / two["compute_wall"]
@@ -177,8 +184,8 @@ def _threads(found: dict[str, Any]) -> Iterator[Goal]:
             )
 
 
-def _map(found: dict[str, Any]) -> Iterator[Goal]:
-    for row in found.get("expected", []):
+def _map(results: dict[str, Any]) -> Iterator[Goal]:
+    for row in results.get("expected", []):
         yield Goal(
             f"`engine=expected`, 200 x 200 cells, tuning={row['tuning']}, curves known",
             "under 2 s",
@@ -195,8 +202,8 @@ def _map(found: dict[str, Any]) -> Iterator[Goal]:
         )
 
 
-def _online(found: dict[str, Any]) -> Iterator[Goal]:
-    for row in found.get("online", []):
+def _online(results: dict[str, Any]) -> Iterator[Goal]:
+    for row in results.get("online", []):
         if row["scheme"] == "HME2":
             yield Goal(
                 f"online HME2 per IMU step, tuning={row['tuning']}: median",
@@ -206,8 +213,8 @@ def _online(found: dict[str, Any]) -> Iterator[Goal]:
             )
 
 
-def _books(found: dict[str, Any]) -> Iterator[Goal]:
-    for row in found.get("bookkeeping", []):
+def _books(results: dict[str, Any]) -> Iterator[Goal]:
+    for row in results.get("bookkeeping", []):
         if row["stage"] == "sum" and row["block"].startswith("hub"):
             yield Goal(
                 "planning and bookkeeping per block",

@@ -214,22 +214,22 @@ def _on(
     near = {scheme: Job(scheme, threads, series, steps, tuning, 8 * threads) for scheme in SCHEMES}
     times: dict[str, list[float]] = {scheme: [] for scheme in SCHEMES}
     cached: dict[str, list[float]] = {scheme: [] for scheme in SCHEMES}
-    limits, found = Limits(threads), []
+    limits, rounds = Limits(threads), []
     with together(threads) as once:
         for turn in range(1 + repeats):
-            found.append(limits.now(once))
+            rounds.append(limits.now(once))
             for scheme in SCHEMES:
                 times[scheme].append(jobs[scheme].each(once(jobs[scheme]).wall))
                 cached[scheme].append(near[scheme].each(once(near[scheme]).wall))
             if turn == 0:  # a warm-up
-                for before in (found, *times.values(), *cached.values()):
+                for before in (rounds, *times.values(), *cached.values()):
                     before.clear()
-    peaks = best(found)
+    peaks = best(rounds)
     for scheme in SCHEMES:
         needs = jobs[scheme].work
         memory, arithmetic = needs.limits(peaks)
         shares = [
-            max(needs.limits(then)) / took for then, took in zip(found, times[scheme], strict=True)
+            max(needs.limits(then)) / took for then, took in zip(rounds, times[scheme], strict=True)
         ]
         middle = float(np.median(times[scheme]))
         yield {

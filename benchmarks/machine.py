@@ -100,9 +100,9 @@ class Limits:
         }
 
 
-def best(found: Sequence[dict[str, float]]) -> dict[str, float]:
+def best(rounds: Sequence[dict[str, float]]) -> dict[str, float]:
     """The highest of each: a peak is what can be reached."""
-    return {key: max(one[key] for one in found) for key in found[0]}
+    return {key: max(one[key] for one in rounds) for key in rounds[0]}
 
 
 def thread_counts() -> list[int]:

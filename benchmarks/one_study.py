@@ -13,7 +13,7 @@ import tempfile
 
 from benchmarks.scale import peak_megabytes
 from benchmarks.timing import timed
-from owtsweep.memory import keep_freed_memory
+from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.studies import compose, get_study
 from owtsweep.sweep.run import sweep
 

@@ -47,15 +47,15 @@ def _startup(quick: bool) -> Any:
 def _study(quick: bool) -> Any:
     from benchmarks.study import ROUNDS, WHOLE, axes, measure_axis, measure_long, measure_whole
 
-    found: dict[str, Any]
+    results: dict[str, Any]
     if quick:
         small = ("grid.replicates=8", "record.duration=500")
-        found = {"replicates": 8, "whole": measure_whole(1, small)}
+        results = {"replicates": 8, "whole": measure_whole(1, small)}
         scale, rounds = 0.1, 2
     else:
-        found = {"replicates": 100, "whole": measure_whole(5, WHOLE), "long": measure_long()}
+        results = {"replicates": 100, "whole": measure_whole(5, WHOLE), "long": measure_long()}
         scale, rounds = 1.0, ROUNDS
-    return {**found, "axes": [measure_axis(name, rounds, scale) for name in axes()]}
+    return {**results, "axes": [measure_axis(name, rounds, scale) for name in axes()]}
 
 
 def _online(quick: bool) -> Any:

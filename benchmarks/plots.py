@@ -17,21 +17,21 @@ def plain(value: float) -> str:
     return f"{round(value, digits):,.10g}".replace(",", " ")
 
 
-def draw(found: dict[str, Any], folder: Path) -> dict[str, str]:
+def draw(results: dict[str, Any], folder: Path) -> dict[str, str]:
     """File name by part of the report; only of parts that were measured."""
     from owtsweep.figures.style import context
 
     files = {}
     with context():
         for part, picture in PICTURES.items():
-            if part in found:
+            if part in results:
                 name = f"{part}.png"
-                picture(found).savefig(folder / name, dpi=DPI)
+                picture(results).savefig(folder / name, dpi=DPI)
                 files[part] = name
     return files
 
 
-def _kernels(found: dict[str, Any]) -> Any:
+def _kernels(results: dict[str, Any]) -> Any:
     """ns per step in both engines, and the kernels against the machine's limits."""
     import numpy as np
 
@@ -39,12 +39,12 @@ def _kernels(found: dict[str, Any]) -> Any:
 
     figure = new_figure(10.0, 3.8)
     left, right = figure.subplots(1, 2)
-    rows = found["kernels"]
+    rows = results["kernels"]
     single = [row for row in rows if row["threads"] == 1]
     names = [row["scheme"] for row in single]
     engines = [("batch", OURS, [row["ns_median"] for row in single])]
-    if "reference" in found:
-        engines.append(("reference", OTHERS, [row["ns"] for row in found["reference"]]))
+    if "reference" in results:
+        engines.append(("reference", OTHERS, [row["ns"] for row in results["reference"]]))
     at = np.arange(len(names))
     for i, (engine, color, values) in enumerate(engines):
         bars = left.bar(at + 0.4 * i - 0.2, values, 0.38, color=color, label=engine)
@@ -68,12 +68,12 @@ def _kernels(found: dict[str, Any]) -> Any:
     return figure
 
 
-def _breakdown(found: dict[str, Any]) -> Any:
+def _breakdown(results: dict[str, Any]) -> Any:
     """Core-milliseconds per replicate, by part."""
     from owtsweep.figures.style import new_figure
     from owtsweep.studies.hub.looks import LOOKS
 
-    rows = found["breakdown"]
+    rows = results["breakdown"]
     figure = new_figure(9.0, 2.9)
     ax = figure.subplots()
     colors = [
@@ -107,25 +107,25 @@ def _peers(rows: list[dict[str, Any]], key: str, scale: float, unit: str, title:
     return figure
 
 
-def _peers_filter(found: dict[str, Any]) -> Any:
+def _peers_filter(results: dict[str, Any]) -> Any:
     return _peers(
-        found["peers_filter"], "ns", 1.0, "ns per step",
+        results["peers_filter"], "ns", 1.0, "ns per step",
         "Multirate Kalman filter, one two-axis record, same states",
     )  # fmt: skip
 
 
-def _peers_mhe(found: dict[str, Any]) -> Any:
+def _peers_mhe(results: dict[str, Any]) -> Any:
     return _peers(
-        found["peers_mhe"], "seconds", 1e6, "µs per window",
+        results["peers_mhe"], "seconds", 1e6, "µs per window",
         "One MHE window of 20 fix intervals, same solution",
     )  # fmt: skip
 
 
-def _study(found: dict[str, Any]) -> Any:
+def _study(results: dict[str, Any]) -> Any:
     """Time along each axis, log-log with slopes."""
     from owtsweep.figures.style import new_figure
 
-    measured = found["study"]["axes"]
+    measured = results["study"]["axes"]
     figure = new_figure(2.75 * len(measured), 3.2)
     axes = figure.subplots(1, len(measured), sharey=True)
     units = {"duration": "duration, s"}

@@ -67,7 +67,7 @@ def per_cell(rows: list[dict[str, Any]]) -> float:
 
 
 if __name__ == "__main__":
-    found = measure()
-    for row in found:
+    rows = measure()
+    for row in rows:
         print(f"{row['scheme']:5} {1e-3 * row['ns']:9.1f} us per step")
-    print(f"one cell, one record of 2000 s, four schemes: {per_cell(found):.0f} s")
+    print(f"one cell, one record of 2000 s, four schemes: {per_cell(rows):.0f} s")

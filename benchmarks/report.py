@@ -14,11 +14,11 @@ from benchmarks.reference import CELLS, SETTINGS, per_cell
 BUSY = 0.05
 
 
-def write(found: dict[str, Any], folder: Path) -> Path:
+def write(results: dict[str, Any], folder: Path) -> Path:
     """report.md and its pictures in `folder`; where the report lies."""
-    pictures = plots.draw(found, folder)
+    pictures = plots.draw(results, folder)
     path = folder / "report.md"
-    path.write_text("\n".join(_lines(found, pictures)) + "\n", encoding="utf-8")
+    path.write_text("\n".join(_lines(results, pictures)) + "\n", encoding="utf-8")
     return path
 
 
@@ -28,15 +28,15 @@ def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
     return [*("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines), ""]
 
 
-def _lines(found: dict[str, Any], pictures: dict[str, str]) -> Iterator[str]:
+def _lines(results: dict[str, Any], pictures: dict[str, str]) -> Iterator[str]:
     yield "# Speed\n"
     yield "Written by `python -m benchmarks` (`make bench`); nothing here is typed by hand.\n"
-    yield from _machine(found)
-    for part, reason in found["failed"].items():
+    yield from _machine(results)
+    for part, reason in results["failed"].items():
         yield f"**{part} failed: {reason}**\n"
     for title, rows in (
-        ("Must reach", goals.must_reach(found)),
-        ("Also asked", goals.also_asked(found)),
+        ("Must reach", goals.must_reach(results)),
+        ("Also asked", goals.also_asked(results)),
     ):
         if not rows:
             continue
@@ -44,38 +44,38 @@ def _lines(found: dict[str, Any], pictures: dict[str, str]) -> Iterator[str]:
         yield from table(
             ("goal", "asked", "measured", "", "why"),
             [
-                (g.what, g.goal, g.measured, "-" if found["quick"] else g.verdict, _why(g))
+                (g.what, g.goal, g.measured, "-" if results["quick"] else g.verdict, _why(g))
                 for g in rows
             ],
         )
     for part, write_part in SECTIONS.items():
-        if part in found:
-            yield from write_part(found)
+        if part in results:
+            yield from write_part(results)
             if part in pictures:
                 yield f"![{part}]({pictures[part]})\n"
-    yield from _versions(found)
+    yield from _versions(results)
 
 
 def _why(goal: goals.Goal) -> str:
     return "" if goal.reached else goal.why
 
 
-def _machine(found: dict[str, Any]) -> Iterator[str]:
-    m = found["machine"]
+def _machine(results: dict[str, Any]) -> Iterator[str]:
+    m = results["machine"]
     yield (
         f"{m['date']}, {m['CPU']}, {m['cores']} cores, last cache {m['last cache']}, memory "
         f"{m['memory']}, {m['system']}, Python {m['Python']}. Times are medians of at least 5 "
         "unless a line says otherwise.\n"
     )
-    if found["quick"]:
+    if results["quick"]:
         yield "**A quick look at smaller sizes and with fewer repeats: no verdict on any goal.**\n"
-    before, after = found["busy_before"], found["busy_after"]
+    before, after = results["busy_before"], results["busy_after"]
     shares = f"were {100 * before:.0f} % of its cores before the run, {100 * after:.0f} % after it"
     if max(before, after) > BUSY:
         yield f"**The machine was not quiet. Busy {shares}: do not trust the times.**\n"
     elif not math.isnan(before):
         yield f"The machine was quiet: busy {shares}.\n"
-    yield from _peaks(found.get("kernels", []))
+    yield from _peaks(results.get("kernels", []))
 
 
 def _peaks(rows: list[dict[str, Any]]) -> Iterator[str]:
@@ -90,9 +90,9 @@ def _peaks(rows: list[dict[str, Any]]) -> Iterator[str]:
         )
 
 
-def _kernels(found: dict[str, Any]) -> Iterator[str]:
-    rows = found["kernels"]
-    reference = {row["scheme"]: row["ns"] for row in found.get("reference", [])}
+def _kernels(results: dict[str, Any]) -> Iterator[str]:
+    rows = results["kernels"]
+    reference = {row["scheme"]: row["ns"] for row in results.get("reference", [])}
     yield "## Schemes: ns per IMU step and series\n"
     yield (
         "A series is one two-axis record (8 states). `batch`: the kernels alone on "
@@ -117,7 +117,7 @@ def _kernels(found: dict[str, Any]) -> Iterator[str]:
         ],
     )
     if reference:
-        cell = per_cell(found["reference"])
+        cell = per_cell(results["reference"])
         yield (
             f"By these a cell (one record of 2000 s, four schemes) takes the reference {cell:.0f} "
             f"s, and {CELLS} cells {CELLS * cell / 3600:.1f} h. With superposition it needs two "
@@ -161,8 +161,8 @@ def _kernels(found: dict[str, Any]) -> Iterator[str]:
     )  # fmt: skip
 
 
-def _breakdown(found: dict[str, Any]) -> Iterator[str]:
-    rows = found["breakdown"]
+def _breakdown(results: dict[str, Any]) -> Iterator[str]:
+    rows = results["breakdown"]
     total = sum(row["ms"] for row in rows)
     yield "## Where the time goes\n"
     yield (
@@ -194,7 +194,7 @@ def _peers(rows: list[dict[str, Any]], key: str, scale: float, unit: str) -> lis
     )
 
 
-def _peers_filter(found: dict[str, Any]) -> Iterator[str]:
+def _peers_filter(results: dict[str, Any]) -> Iterator[str]:
     yield "## Peers: the multirate Kalman filter\n"
     yield (
         "One two-axis record, specific force at every step and fixes at every hundredth, to "
@@ -202,11 +202,11 @@ def _peers_filter(found: dict[str, Any]) -> Iterator[str]:
         "state's largest magnitude. The batch engine's speed comes from many series at once; the "
         "first line is one record alone, all its states kept.\n"
     )
-    yield from _peers(found["peers_filter"], "ns", 1.0, "ns per step")
-    for row in found.get("kernels", []):
+    yield from _peers(results["peers_filter"], "ns", 1.0, "ns per step")
+    for row in results.get("kernels", []):
         if row["scheme"] == "MKF" and row["threads"] == 1:
             took = row["ns_median"]
-            others = [r for r in found["peers_filter"][1:] if r["ns"]]
+            others = [r for r in results["peers_filter"][1:] if r["ns"]]
             ratios = ", ".join(f"{r['peer']} {r['ns'] / took:.0f}" for r in others)
             yield (
                 f"Against the {took:.2f} ns of the kernels on {row['series']} series (one thread, "
@@ -214,19 +214,19 @@ def _peers_filter(found: dict[str, Any]) -> Iterator[str]:
             )
 
 
-def _peers_mhe(found: dict[str, Any]) -> Iterator[str]:
+def _peers_mhe(results: dict[str, Any]) -> Iterator[str]:
     yield "## Peers: one window of the moving horizon estimator\n"
     yield (
         "20 fix intervals, two axes, 6 states, arrival state given, no constraints; problems "
         "built beforehand, only the data change. All have to give the closed form's newest state "
         "to 1e-4 of the largest; the largest deviation of any is "
-        f"{max(r.get('error') or 0.0 for r in found['peers_mhe']):.1g}.\n"
+        f"{max(r.get('error') or 0.0 for r in results['peers_mhe']):.1g}.\n"
     )
-    yield from _peers(found["peers_mhe"], "seconds", 1e6, "µs per window")
+    yield from _peers(results["peers_mhe"], "seconds", 1e6, "µs per window")
 
 
-def _study(found: dict[str, Any]) -> Iterator[str]:
-    study = found["study"]
+def _study(results: dict[str, Any]) -> Iterator[str]:
+    study = results["study"]
     whole = study["whole"]
     yield "## Whole studies\n"
     yield (
@@ -257,15 +257,15 @@ def _study(found: dict[str, Any]) -> Iterator[str]:
         )  # fmt: skip
 
 
-def _startup(found: dict[str, Any]) -> Iterator[str]:
+def _startup(results: dict[str, Any]) -> Iterator[str]:
     yield "## Start-up\n"
     yield from table(
         ("what", "s", "note"),
-        [(r["what"], f"{r['seconds']:.3f}", r["note"]) for r in found["startup"]],
+        [(r["what"], f"{r['seconds']:.3f}", r["note"]) for r in results["startup"]],
     )
 
 
-def _online(found: dict[str, Any]) -> Iterator[str]:
+def _online(results: dict[str, Any]) -> Iterator[str]:
     yield "## Online: one `update` per IMU sample\n"
     yield "Microseconds per step in Python; *at once*: `run` over the whole record.\n"
     yield from table(
@@ -275,30 +275,30 @@ def _online(found: dict[str, Any]) -> Iterator[str]:
                 r["scheme"], r["tuning"], f"{r['median']:.1f}", f"{r['high']:.1f}",
                 f"{r['worst']:.0f}", f"{r['at_once']:.2f}",
             )
-            for r in found["online"]
+            for r in results["online"]
         ],
     )  # fmt: skip
 
 
-def _bookkeeping(found: dict[str, Any]) -> Iterator[str]:
+def _bookkeeping(results: dict[str, Any]) -> Iterator[str]:
     yield "## Bookkeeping\n"
     yield "Milliseconds per block; *sum* is of what is paid once per block.\n"
     yield from table(
         ("block", "stage", "ms", "of them computing"),
         [
             (r["block"], r["stage"], f"{r['ms_per_block']:.3f}", f"{r['cpu_ms']:.3f}")
-            for r in found["bookkeeping"]
+            for r in results["bookkeeping"]
         ],
     )
 
 
-def _versions(found: dict[str, Any]) -> Iterator[str]:
+def _versions(results: dict[str, Any]) -> Iterator[str]:
     skip = ("date", "CPU", "cores", "last cache", "memory", "system", "Python")
-    parts = [f"{name} {text}" for name, text in found["machine"].items() if name not in skip]
+    parts = [f"{name} {text}" for name, text in results["machine"].items() if name not in skip]
     yield "## Versions and time\n"
     yield ", ".join(parts) + ".\n"
-    spent = ", ".join(f"{name} {value:.0f}" for name, value in found["spent"].items())
-    minutes = sum(found["spent"].values()) / 60
+    spent = ", ".join(f"{name} {value:.0f}" for name, value in results["spent"].items())
+    minutes = sum(results["spent"].values()) / 60
     yield f"Seconds per part of this run: {spent}; {minutes:.1f} minutes in all."
 
 

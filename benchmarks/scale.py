@@ -168,9 +168,9 @@ def main() -> int:
     parser.add_argument("--per-block", type=int, default=80)
     parser.add_argument("--hub", type=int, metavar="REPLICATES")
     options = parser.parse_args()
-    found = hub(options.hub) if options.hub else bulk(options.cases, options.per_block)
-    print(json.dumps({**found, "peak_MB": round(peak_megabytes())}))
-    return 0 if found["correct"] else 1
+    outcome = hub(options.hub) if options.hub else bulk(options.cases, options.per_block)
+    print(json.dumps({**outcome, "peak_MB": round(peak_megabytes())}))
+    return 0 if outcome["correct"] else 1
 
 
 if __name__ == "__main__":

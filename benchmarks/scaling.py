@@ -62,14 +62,14 @@ def seconds(
         f"compute.workers={workers}",
         "measures.settling_time=1",
     ]
-    found = []
+    times = []
     for _ in range(1 + repeats):
         with tempfile.TemporaryDirectory() as folder:
             config = compose([*overrides, f"results={folder}"])
             outcome, time = timed(lambda config=config: sweep(get_study("hub"), config))
             assert not outcome.failed
-            found.append(time)
-    return median_time(found[1:]).wall if wall else median_time(found[1:]).cpu
+            times.append(time)
+    return median_time(times[1:]).wall if wall else median_time(times[1:]).cpu
 
 
 def growth(repeats: int = REPEATS) -> list[dict[str, Any]]:

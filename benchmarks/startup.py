@@ -38,8 +38,8 @@ def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
                 "process, is importing libraries, loading kernels and making the schemes' gains "
                 f"({cpu:.2f} core-seconds in all)"
             )
-        own = taken - bare if what.startswith("`import") else taken
-        rows.append({"what": what, "seconds": own, "goal": goal, "note": note})
+        least = taken - bare if what.startswith("`import") else taken
+        rows.append({"what": what, "seconds": least, "goal": goal, "note": note})
     return rows
 
 

@@ -68,11 +68,11 @@ def measure_whole(repeats: int = REPEATS, overrides: Sequence[str] = WHOLE) -> d
 
     `process` is the whole process on the clock, interpreter and imports included.
     """
-    found = []
+    runs = []
     for _ in range(repeats):
         run, time = timed(lambda: _process("one_study", overrides))
-        found.append({**run, "process": time.wall})
-    return {key: median(run[key] for run in found) for key in found[0]}
+        runs.append({**run, "process": time.wall})
+    return {key: median(run[key] for run in runs) for key in runs[0]}
 
 
 def measure_long(overrides: Sequence[str] = LONG) -> float:
@@ -88,9 +88,9 @@ def measure_axis(name: str, rounds: int = ROUNDS, scale: float = 1.0) -> dict[st
         {
             "value": point.value,
             **_process("one_study", point.overrides),  # memory and shards
-            **{key: median(seconds) for key, seconds in own.items()},
+            **{key: median(seconds) for key, seconds in seconds_of.items()},
         }
-        for point, own in zip(on, times, strict=True)
+        for point, seconds_of in zip(on, times, strict=True)
     ]
     key = "compute_wall" if name == "workers" else "compute"
     return {

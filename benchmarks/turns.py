@@ -19,7 +19,7 @@ from statistics import fmean
 from typing import Any
 
 from benchmarks.timing import Time, timed
-from owtsweep.memory import keep_freed_memory
+from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.hub import blocks, chain
 from owtsweep.sweep.run import sweep
@@ -36,7 +36,7 @@ def measure(studies: Sequence[Turns], rounds: int) -> list[dict[str, list[float]
     """
     # Gains of every length stay at hand, as those of the only length do in a sweep.
     chain._KEPT_CHAINS *= len(studies)
-    found: list[dict[str, list[float]]] = [
+    results: list[dict[str, list[float]]] = [
         {"wall": [], "compute": [], "compute_wall": []} for _ in studies
     ]
     configs = [compose([*overrides]) for overrides, _ in studies]
@@ -46,14 +46,14 @@ def measure(studies: Sequence[Turns], rounds: int) -> list[dict[str, list[float]
     for _ in range(rounds):
         taken: list[list[Time]] = [[] for _ in studies]
         for turn in range(most):
-            for (_, times), config, own in zip(studies, configs, taken, strict=True):
+            for (_, times), config, done in zip(studies, configs, taken, strict=True):
                 if turn * times % most < times:
-                    own.append(_computed(config))
-        for (overrides, _), own, result in zip(studies, taken, found, strict=True):
-            result["compute"].append(fmean(time.cpu for time in own))
-            result["compute_wall"].append(fmean(time.wall for time in own))
+                    done.append(_computed(config))
+        for (overrides, _), done, result in zip(studies, taken, results, strict=True):
+            result["compute"].append(fmean(time.cpu for time in done))
+            result["compute_wall"].append(fmean(time.wall for time in done))
             result["wall"].append(_whole(overrides))
-    return found
+    return results
 
 
 def _computed(config: Any) -> Time:

@@ -16,10 +16,10 @@ LINE = 64
 
 
 def aligned(*shape: int) -> Array:
-    """Zeros (*shape) that begin where a cache line begins, for what kernels read and write.
+    """Zeros (*shape) that begin at a cache line, for what kernels read and write.
 
-    Rows of eight lanes are one line long. Wherever else they began, each would lie across two, and
-    every access would be two.
+    A row of eight lanes is as long as a line. If it began elsewhere it would lie across two lines,
+    and every access would touch both.
     """
     size = 8 * math.prod(shape)
     raw = np.zeros(size + LINE, dtype=np.uint8)

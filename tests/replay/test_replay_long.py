@@ -17,7 +17,7 @@ from replay_tools import config_of, motion_file, sensor_file
 from owtsweep.evaluation.trajectory import Trajectory, join
 from owtsweep.figures.decimate import decimate
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.hub.rows import Rows
+from owtsweep.studies.hub.one_pass import OnePassSeries
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.replay import blocks, estimating, measuring, session, states, windows
 from owtsweep.studies.replay.envelope import Envelope
@@ -197,7 +197,7 @@ def test_an_envelope_is_the_decimated_series(count, piece):
 
 def test_rows_hold_a_piece_only():
     series = np.arange(40.0).reshape(20, 2)
-    rows = Rows((series[at : at + 3] for at in range(0, 20, 3)), (20, 2))
+    rows = OnePassSeries((series[at : at + 3] for at in range(0, 20, 3)), (20, 2))
     for begin, stop in [(0, 2), (1, 8), (6, 8), (7, 20)]:
         assert np.array_equal(rows[begin:stop], series[begin:stop])
     assert len(rows) == 20

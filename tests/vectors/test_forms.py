@@ -18,13 +18,13 @@ def test_both_forms_give_the_same_rows(changes: list[str], tmp_path: Path) -> No
         done = subprocess.run(
             [
                 sys.executable, "-m", "owtsweep", "sweep", "grid=small", "grid.replicates=3",
-                "record.duration=60", f"results={tmp_path}", f"name={vectors}",
+                "record.duration=60", f"results={tmp_path}", f"name=vectors-{vectors}",
                 f"compute.vectors={vectors}", *changes,
             ],
             capture_output=True, text=True,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
-        shards = sorted((tmp_path / vectors / "cases").glob("*.parquet"))
+        shards = sorted((tmp_path / f"vectors-{vectors}" / "cases").glob("*.parquet"))
         rows[vectors] = {path.name: pd.read_parquet(path) for path in shards}
     assert len(rows["true"]) > 0
     assert rows["true"].keys() == rows["false"].keys()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from owtsweep.cli.program import DONE, FAILED, same_command
 from owtsweep.config import Config
 from owtsweep.errors import InputError
-from owtsweep.memory import keep_freed_memory
+from owtsweep.freed_memory import keep_freed_memory
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -275,8 +275,8 @@ class CasadiWindow:
         equal = np.zeros(self._equal)
         low, high = (np.concatenate([equal, limit.ravel()]) for limit in limits)
         for solve in self._solvers:
-            found = solve(x0=0.0, p=p, lbg=low, ubg=high)
-            answer, force = (np.asarray(found[name]).ravel() for name in ("x", "lam_g"))
+            solution = solve(x0=0.0, p=p, lbg=low, ubg=high)
+            answer, force = (np.asarray(solution[name]).ravel() for name in ("x", "lam_g"))
             states = answer.reshape(self._shape, order="F") * scale[:, None]
             fault = self._slope_left(answer, p, force)
             if not fault and self._limited:

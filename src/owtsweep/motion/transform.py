@@ -10,17 +10,16 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 
-#: Samples per number of the last line that each of the short transforms has at least. More: longer
-#: transforms; fewer: more factors to multiply the lines with. Both cost little around this.
+#: A short transform has at least so many samples per number of the last line. With more the
+#: transforms are longer; with fewer there are more factors to multiply the lines with.
 SHORT = 8
-#: Samples that each has at least: shorter ones are more work to call than to do.
+#: A short transform has at least so many samples: to call a shorter one takes longer than to do it.
 LEAST = 1024
-#: How many are made at once, which then go through the processor side by side; of long ones at most
-#: a quarter of all, so that what is copied for them on the way stays small, and of short ones so
-#: many that they have together as many samples.
+#: Transforms that one call makes side by side: SIDE_BY_SIDE, but at most a quarter of all, which
+#: limits the memory that they need; or as many short ones as have TOGETHER samples.
 SIDE_BY_SIDE, TOGETHER = 4, 2**16
-#: Samples of transforms, which then are few, that NumPy makes: for lengths of large prime factors
-#: SciPy keeps some hundred bytes per sample as long as the process lives.
+#: Longer transforms are made by NumPy: where a length has large prime factors, SciPy keeps some
+#: hundred bytes per sample as long as the process lives.
 LONG = 2**19
 
 
@@ -50,12 +49,12 @@ def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
     transform: Any = irfft if length <= LONG else np.fft.irfft
     rows = np.empty((len(turns), length))
     count = max(min(len(turns) // 4, SIDE_BY_SIDE), TOGETHER // length, 1)
-    # as long as the transform takes them: it would make longer ones itself, each time anew
+    # padded once here; else the transform would copy them into longer arrays at each call
     padded = np.zeros((min(count, len(turns)), length // 2 + 1), dtype=complex)
     for first in range(0, len(turns), count):
-        own = turns[first : first + count]
-        some = padded[: len(own)]
-        np.multiply(bins, own, out=some[:, : len(bins)])
+        some_turns = turns[first : first + count]
+        some = padded[: len(some_turns)]
+        np.multiply(bins, some_turns, out=some[:, : len(bins)])
         rows[first : first + count] = transform(some, n=length, axis=1)
     return rows
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal
 
 from owtsweep.config import Config
 from owtsweep.errors import as_text
-from owtsweep.memory import keep_freed_memory
+from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.sweep.keys import block_key
 from owtsweep.sweep.log import LogEntry, collect_entries, working_on
 from owtsweep.sweep.plan import Plan

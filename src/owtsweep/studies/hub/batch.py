@@ -29,8 +29,8 @@ from owtsweep.studies.hub.kernels.layout import (
     new_registers,
     new_scratch,
 )
+from owtsweep.studies.hub.one_pass import OnePassSeries
 from owtsweep.studies.hub.records import Records
-from owtsweep.studies.hub.rows import Rows
 
 #: Steps that the kernels work through at once: the buffers of eight lanes fit the second cache.
 CHUNK = 500
@@ -60,7 +60,7 @@ def superposed_sums(chain: Chain, lanes: Lanes, settled: int, *, consistency: bo
 def superposed_sums_of(
     chains: Sequence[Chain], records: Records, settled: int, *, consistency: bool = True
 ) -> list[Sums]:
-    """`superposed_sums` of several chains, which share each span of the records as it is made."""
+    """`superposed_sums` of several chains; all of them run on a span before the next is made."""
     return _run(chains, records, settled, None, keep=False, consistency=consistency)
 
 
@@ -79,7 +79,7 @@ def direct_sums_of(
     *,
     keep_squared: bool = False,
 ) -> list[Sums]:
-    """`direct_sums` of several chains, which share each span of the records as it is made."""
+    """`direct_sums` of several chains; all of them run on a span before the next is made."""
     return _run(chains, records, settled, amplitude, keep=keep_squared, consistency=True)
 
 
@@ -120,7 +120,7 @@ def _run(
 
 
 def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
-    """What NEES and NIS weigh errors with; zero for NEES without `consistency`."""
+    """The weights of NEES and NIS; those of NEES are zero without `consistency`."""
     return Weights(
         precision=chain.precision if consistency else np.zeros((chain.gains.rows, 3)),
         innovation=chain.innovation_weight,
@@ -154,7 +154,7 @@ class ChainRun:
         self.done = 0
 
     def advance(self, span: Span) -> None:
-        """Work through the whole chunks that there are; at the record's end, through the rest."""
+        """Run the whole chunks that the span completes; at the record's end, also the rest."""
         from owtsweep.studies.hub.kernels import runs
 
         ready = span.stop if span.stop == self.steps else span.stop // self.chunk * self.chunk
@@ -173,7 +173,7 @@ class ChainRun:
 
 
 def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output]:
-    """Working memory that serves all of some chains in turn, so that it stays in the cache."""
+    """Working memory that some chains use in turn, so that it stays in the cache."""
     chunk = max(chunk_of(chain)[0] for chain in chains)
     window = max(chain.filter.window for chain in chains)
     return new_scratch(groups, chunk, window), new_output(groups, chunk)
@@ -197,9 +197,10 @@ def arrays_of(chain: Chain) -> ChainArrays:
 
 
 def chunk_of(chain: Chain) -> tuple[int, int]:
-    """How many steps to work through at once, and how many rows before them must be at hand.
+    """Steps of a chunk, and rows of a span that must be kept for the next one.
 
-    A chunk that is not whole yet waits for the next span, so those rows hold a chunk as well.
+    The end of a span that fills no whole chunk waits for the next span, so a chunk's rows are kept
+    besides those that the predictor and the delay reach back to.
     """
     window, prediction, delay = (
         chain.filter.window, chain.predictor.steps, chain.filter.input_delay
@@ -233,10 +234,12 @@ def trajectories(
     return result
 
 
-def chunks(chain: Chain, force: Array | Rows, fixes: Array) -> Iterator[tuple[int, int, Estimates]]:
+def chunks(
+    chain: Chain, force: Array | OnePassSeries, fixes: Array
+) -> Iterator[tuple[int, int, Estimates]]:
     """Run a chain over lanes chunk by chunk: first step, number of steps, the estimates.
 
-    Their arrays hold the chunk until the next is asked for.
+    The next chunk is written into the same arrays.
     """
     from owtsweep.studies.hub.kernels import runs
 
@@ -269,9 +272,12 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
 
 
 def state_chunks(
-    chain: Chain, force: Array | Rows, fixes: Array
+    chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, Array]]:
-    """`states` chunk by chunk: first step, number of steps, (chunk, 4, lanes) until the next."""
+    """`states` chunk by chunk: first step, number of steps, and (chunk, 4, lanes).
+
+    The next chunk is written into the same array.
+    """
     from owtsweep.studies.hub.kernels import runs
 
     width = force.shape[1]
@@ -286,7 +292,7 @@ def state_chunks(
 
 
 def _one_by_one(
-    chain: Chain, force: Array | Rows, fixes: Array, chunk: int
+    chain: Chain, force: Array | OnePassSeries, fixes: Array, chunk: int
 ) -> Iterator[tuple[int, int, slice, Fed, Registers]]:
     """Chunk by chunk and group by group: first step, steps, lanes, inputs and registers."""
     (steps, width), lead = force.shape, lead_of(chain)
@@ -300,11 +306,11 @@ def _one_by_one(
 
 
 def lead_of(chain: Chain) -> int:
-    """Rows of the force before a chunk that it needs: what the predictor and the delay reach."""
+    """How many rows of the force before a chunk the predictor and the delay reach back to."""
     return max(chain.predictor.steps, chain.filter.input_delay + 1)
 
 
-def _in_groups(values: Array | Rows, first: int, stop: int) -> Array:
+def _in_groups(values: Array | OnePassSeries, first: int, stop: int) -> Array:
     """Rows first ... stop - 1 in groups of eight lanes, (groups, rows, 8); zeros before row 0."""
     result = aligned(-(-values.shape[1] // WIDTH), stop - first, WIDTH)
     given = values[max(first, 0) : stop]

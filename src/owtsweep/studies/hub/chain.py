@@ -28,8 +28,8 @@ from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, Pre
 from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
 from owtsweep.vectors import choose
 
-#: Longest transient that is stored (2621 s at 100 Hz). A bias without noise never settles: its
-#: covariance falls as a power of time, and after this many steps the last cycle is kept.
+#: Longest transient that is stored, in steps (2621 s at 100 Hz). The covariance of a bias without
+#: noise falls as a power of time and never settles; after so many steps the last cycle is repeated.
 LONGEST_TRANSIENT = 2**18
 
 
@@ -102,7 +102,7 @@ Kernel = Callable[..., Chain]
 
 
 def chain_for_runs(scheme: Any, sensors: Sensors, tuning: Any, steps: int) -> Chain:
-    """A scheme's chain for the batch engine, with no more memory than it needs where that helps."""
+    """A scheme's chain, without what runs do not need if the scheme's kernel can leave it out."""
     if getattr(scheme.kernel, "keeps_chains", False):
         made: Chain = scheme.kernel(sensors, tuning, steps, for_runs=True)
     else:
@@ -130,17 +130,17 @@ def shared(kernel: Kernel) -> Kernel:
         key = (type(self), sensors, steps, for_runs, *sections)
         with _LOCK:
             making = _MAKING.setdefault(key, Lock())
-        with making:  # who needs the same chain waits for it, and nobody else
+        with making:  # only threads that need the same chain wait
             with _LOCK:
-                found = _CHAINS.get(key)
-            if found is None:
+                chain = _CHAINS.get(key)
+            if chain is None:
                 made = kernel(self, sensors, tuning, steps)
-                found = made.for_runs() if for_runs else made
+                chain = made.for_runs() if for_runs else made
                 with _LOCK:
-                    _CHAINS[key] = found
+                    _CHAINS[key] = chain
                     while len(_CHAINS) > _KEPT_CHAINS:
                         _MAKING.pop(_CHAINS.popitem(last=False)[0], None)
-            return found
+            return chain
 
     vars(cached)["keeps_chains"] = True
     return cached
@@ -149,7 +149,7 @@ def shared(kernel: Kernel) -> Kernel:
 #: Rows of a schedule whose covariances are worked out at once.
 _ROWS_AT_ONCE = 8192
 
-#: One of each registered scheme: with slowly settling gains a chain is some 100 MB.
+#: One for each registered scheme: a chain whose gains settle slowly takes up to 100 MB.
 _KEPT_CHAINS = 4
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
 _MAKING: dict[Any, Lock] = {}
@@ -271,9 +271,9 @@ def _output_covariance(
         smoothed = np.broadcast_to(axis.initial_covariance, (count, 4, 4)).copy()
         coupling = np.zeros((count, 4, 3))
         covariances(rows, window, axis.force_row, noise.response, smoothed, coupling, first)
-        own = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
+        covariance = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
         cross = noise.transition @ coupling[:, pick]
-        own += cross + cross.transpose(0, 2, 1)
-        own += noise.process + axis.force_variance * noise.response.T @ noise.response
-        result[first : first + count] = own[:, :2, :2]
+        covariance += cross + cross.transpose(0, 2, 1)
+        covariance += noise.process + axis.force_variance * noise.response.T @ noise.response
+        result[first : first + count] = covariance[:, :2, :2]
     return result

@@ -1,8 +1,7 @@
 """What the kernels are fed with: the records of eight replicates, span by span.
 
-A span is some thousand steps of specific force and truth in rows of eight lanes. Spans are made
-one after the other in the same buffers, so memory does not grow with what a record holds besides
-its motion.
+A span is 10 000 steps of specific force and truth in rows of eight lanes. Spans are made one after
+the other in the same buffers, so of a whole record only the motion is in memory.
 """
 
 from __future__ import annotations
@@ -23,9 +22,9 @@ SPAN = 10_000
 
 
 class Span(NamedTuple):
-    """Step k of the record stands in row k - base; rows before step 0 are zero.
+    """A piece of the record: step k stands in row k - base; rows before step 0 are zero.
 
-    stop: first step that is not there yet; force (groups, rows, 8), m/s^2 in NED; position and
+    stop: the first step after the span; force (groups, rows, 8), m/s^2 in NED; position and
     velocity (rows, 8): the truth along the wave, m and m/s, of the unit motion.
     """
 
@@ -37,14 +36,14 @@ class Span(NamedTuple):
 
 
 class Lanes:
-    """Records that are kept whole, to be run again and again.
+    """Records whose motion and noise are kept, to be run again and again.
 
     As arrays they are lanes in NED, (steps, lanes) and (fixes, lanes).
     """
 
     def __init__(self, records: Records) -> None:
         self.records = records
-        _ = records.noise  # from now on it is there
+        _ = records.noise  # made now, and kept
 
     @cached_property
     def position(self) -> Array:
@@ -122,7 +121,7 @@ class Feed:
         return self._grouped(motion, noise)
 
     def spans(self, lead: int) -> Iterator[Span]:
-        """The record from its first step to its last; `lead` rows of the span before stay."""
+        """The record span by span; each begins with the last `lead` rows of the one before."""
         from owtsweep.studies.hub.kernels import feeding
 
         steps = self.records.steps
@@ -148,7 +147,7 @@ class Feed:
             yield Span(stop, k0 - lead, whole, truth[0], truth[1])
 
     def _noise(self, size: int) -> Callable[[int, int, Array], None]:
-        """What puts the next steps of the noise, turned into NED, into groups 1 and 2."""
+        """A function that writes the next steps of the noise, in NED, into groups 1 and 2."""
         from owtsweep.studies.hub.kernels import feeding
 
         records, R = self.records, self.records.sensors.rotation
@@ -168,15 +167,15 @@ class Feed:
 
         def straight(steps: int, lead: int, force: Array) -> None:
             nonlocal begun
-            for source, own in zip(sources, normals, strict=True):
-                source.draw(own[:, :steps])
+            for source, drawn in zip(sources, normals, strict=True):
+                source.draw(drawn[:, :steps])
             feeding.noise(steps, lead, normals, begun, bias, imu, force)
             begun = True
 
         return straight
 
     def _force_noise(self, index: int) -> Callable[[int], Array]:
-        """What gives the next (steps, 2) of a replicate's noise: drawn, or kept by the records."""
+        """A function that returns the next (steps, 2) of a replicate's noise, drawn or kept."""
         if not self.records.keeps_noise:
             return self.records.force_noise(index).next
         kept, position = self.records.noise[index].specific_force, 0

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
-    from owtsweep.studies.hub.rows import Rows
+    from owtsweep.studies.hub.one_pass import OnePassSeries
     from owtsweep.studies.hub.schemes import check_scheme as require_scheme
     from owtsweep.studies.hub.schemes import resolve_all
     from owtsweep.studies.hub.sensors import ForceNoise, Measurements, fix_count, fix_noise
@@ -45,7 +45,7 @@ __all__ = [
     "Lanes",
     "Measurements",
     "NoiseFloor",
-    "Rows",
+    "OnePassSeries",
     "Scheme",
     "Sensors",
     "at_amplitude",
@@ -97,7 +97,7 @@ _HOMES = {
     "Chain": "chain",  # a scheme as the kernels run it
     "chain_for_runs": "chain",  # make one
     "WIDTH": "kernels.layout",  # series that a kernel runs side by side
-    "Rows": "rows",  # a series that is made as the kernels need it
+    "OnePassSeries": "one_pass",  # a series that is made as the kernels need it
     "chunks": "batch",  # the estimates of a chain, chunk by chunk
     "trajectories": "batch",  # the estimates of a chain over whole records
     "state_chunks": "batch",  # the states of its filter, chunk by chunk

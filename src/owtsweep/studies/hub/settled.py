@@ -85,7 +85,7 @@ def limit(sequence: Complex) -> tuple[Complex, Array]:
     """
     differences = np.diff(sequence, axis=0)
     n = sequence.shape[2]
-    found = np.empty(sequence.shape[1:], dtype=complex)
+    limits = np.empty(sequence.shape[1:], dtype=complex)
     remainder = np.empty(n)
     for i in range(n):
         D = differences[:, :, i].T
@@ -93,7 +93,7 @@ def limit(sequence: Complex) -> tuple[Complex, Array]:
         step = D[:, :-1] - D[:, -1:]
         g = np.linalg.lstsq(step, -D[:, -1], rcond=1e-12)[0]
         g = np.append(g, 1.0 - np.sum(g))
-        found[:, i] = sequence[:-1, :, i].T @ g
-        scale = np.linalg.norm(found[:, i])
+        limits[:, i] = sequence[:-1, :, i].T @ g
+        scale = np.linalg.norm(limits[:, i])
         remainder[i] = np.linalg.norm(D @ g) / (scale if scale > 0.0 else 1.0)
-    return found, remainder
+    return limits, remainder

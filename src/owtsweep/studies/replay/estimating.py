@@ -14,7 +14,7 @@ from owtsweep.studies.hub.public import (
     Chain,
     HubConfig,
     Measurements,
-    Rows,
+    OnePassSeries,
     Scheme,
     Sensors,
     chain_for_runs,
@@ -78,12 +78,12 @@ def rotate_force(signals: Signals, sensors: Sensors) -> Iterator[Array]:
     return (piece @ sensors.rotation.T for piece in signals.force(PIECE))
 
 
-def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[Rows, Array]:
+def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[OnePassSeries, Array]:
     """Specific force in NED and fixes, two lanes (x, y) per replicate, for the batch engine."""
     pieces = zip(*(rotate_force(signals, sensors) for signals in replicates), strict=True)
     side_by_side = (np.concatenate(parts, axis=1) for parts in pieces)
     fixes = np.concatenate([signals.fixes for signals in replicates], axis=1)
-    return Rows(side_by_side, (replicates[0].steps, 2 * len(replicates))), fixes
+    return OnePassSeries(side_by_side, (replicates[0].steps, 2 * len(replicates))), fixes
 
 
 def _run_kernel(
@@ -126,7 +126,7 @@ def _run_kernel(
 def _run_estimator(
     estimator: Updating, sensors: Sensors, signals: Signals, edges: Sequence[int]
 ) -> Iterator[Trajectory]:
-    force = Rows(signals.force(PIECE), (signals.steps, 2))
+    force = OnePassSeries(signals.force(PIECE), (signals.steps, 2))
     M = sensors.fix_interval
     for begin, end in itertools.pairwise(edges):
         positions = np.full((end - begin, 2), np.nan)

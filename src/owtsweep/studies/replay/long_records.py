@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from owtsweep.memory import give_back_freed_memory
+from owtsweep.freed_memory import give_back_freed_memory
 from owtsweep.studies.replay.record import Record
 
 #: Steps beyond which a record is long: its memory is watched, and slow work is announced.

@@ -1,7 +1,7 @@
-"""Results that cost seconds are kept: in memory, and in the user's cache folder.
+"""Results that take seconds to compute are kept: in memory, and in the user's cache folder.
 
-A file is known by everything that its numbers depend on, the program's own source included, so an
-edit never meets numbers of before. A file that is damaged is computed again.
+A file's name is a hash of everything that its numbers depend on, this program's source included, so
+an edited program never reads old numbers. A damaged file is computed again.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ KEPT = 64
 _MEMORY: OrderedDict[str, dict[str, Array]] = OrderedDict()
 _LOCK = threading.Lock()
 _LOCKS: dict[str, threading.Lock] = {}
-#: Where the code stands that such numbers depend on, below the package.
+#: Files and folders of the package that hold the code which such numbers depend on.
 SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
 
 
@@ -38,7 +38,7 @@ def folder() -> Path:
 
 
 def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
-    """Arrays by name, computed unless they are known.
+    """Arrays by name, computed unless they are stored.
 
     Parameters
     ----------
@@ -79,8 +79,8 @@ def _read(path: Path) -> dict[str, Array] | None:
         digest, body = data[:16], data[16:]
         if hashlib.blake2b(body, digest_size=16).digest() != digest:
             return None
-        with np.load(io.BytesIO(body), allow_pickle=False) as found:
-            return {name: found[name] for name in found.files}
+        with np.load(io.BytesIO(body), allow_pickle=False) as stored:
+            return {name: stored[name] for name in stored.files}
     except (OSError, ValueError, KeyError):
         return None
 

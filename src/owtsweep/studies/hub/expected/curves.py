@@ -1,9 +1,8 @@
 """What a scheme makes of motion and of each noise, on the mean over all records of a length.
 
-Everything is as it is in a record: gains from the first step on, states from zero, the windows of
-that record. So the expectation is that of the record, whether or not the scheme settles in it; the
-only approximations are to read curves off between their nodes, and to take an answer that repeats
-for one that goes on repeating.
+Gains, initial states and windows are those of a record, so the expectation holds whether or not
+the scheme settles in it. There are two approximations: curves are interpolated between their nodes,
+and an answer that repeats is taken to go on repeating.
 """
 
 from __future__ import annotations
@@ -21,8 +20,8 @@ from owtsweep.studies.hub.expected.inputs import Probe
 from owtsweep.studies.hub.expected.probing import Workspace, energies
 from owtsweep.studies.hub.sensors import fix_count
 
-#: An interval is halved where reading its middle off misses by this part: of the curve, for
-#: motion; of the whole sum, for noise.
+#: An interval is halved where interpolation misses its middle by more than this: relative to the
+#: curve for motion, to the whole sum for noise.
 MOTION_TOLERANCE = 2e-3
 NOISE_TOLERANCE = 1e-4
 #: A bias' walk is followed up to this frequency, in units of the fix rate: its energy beyond is
@@ -106,9 +105,9 @@ class _Prober:
     def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
         """Nodes over the band and the energies at each."""
 
-        def wrong(left: Array, right: Array, predicted: Array, found: Array) -> Array:
+        def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
             return np.asarray(
-                np.any(np.abs(predicted - found) > MOTION_TOLERANCE * found, axis=(0, 1))
+                np.any(np.abs(predicted - computed) > MOTION_TOLERANCE * computed, axis=(0, 1))
             )
 
         first = nodes.over_band(band, self.scales, self.steps * self.sensors.step)
@@ -158,7 +157,7 @@ class _Prober:
         per_number: float,
         probe: Callable[[Array], Probe],
     ) -> Array:
-        """Sum of weight x energy over all numbers, most of them read off between nodes."""
+        """Sum of weight x energy over all numbers; most energies are interpolated."""
         first = nodes.numbers(last, per_number, self.scales)
         upto = np.concatenate([[0.0], np.cumsum(weight)])
         values = self(probe(first))
@@ -172,21 +171,21 @@ class _Prober:
                 np.any(part * shares > NOISE_TOLERANCE * total[..., None], axis=(0, 1))
             )
 
-        def wrong(left: Array, right: Array, predicted: Array, found: Array) -> Array:
-            return large(left, right, np.abs(predicted - found))
+        def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
+            return large(left, right, np.abs(predicted - computed))
 
-        found = nodes.refined(
+        curve = nodes.refined(
             first, values, lambda n: self(probe(n)), _between, wrong, matters=large, whole=True
         )
-        return np.asarray(np.sum(weight * _between(number, *found), axis=-1))
+        return np.asarray(np.sum(weight * _between(number, *curve), axis=-1))
 
 
-def _between(x: Array, known: Array, values: Array) -> Array:
+def _between(x: Array, at: Array, values: Array) -> Array:
     """Positive curves (..., n) between their nodes: cubic (monotone) in both logarithms."""
     from scipy.interpolate import PchipInterpolator
 
     logs = np.log(np.maximum(values, np.finfo(float).tiny))
-    if len(known) < 2:
+    if len(at) < 2:
         return np.asarray(np.exp(np.repeat(logs, len(x), axis=-1)))
-    curve = PchipInterpolator(np.log(known), logs, axis=-1)
-    return np.asarray(np.exp(curve(np.log(np.clip(x, known[0], known[-1])))))
+    curve = PchipInterpolator(np.log(at), logs, axis=-1)
+    return np.asarray(np.exp(curve(np.log(np.clip(x, at[0], at[-1])))))

@@ -1,8 +1,8 @@
 """The inputs that a chain is probed with, in place of records.
 
-The mean over records of a sum of squared errors is a sum over any orthonormal basis of the inputs.
-The bases are chosen so that the answer to a basis vector changes smoothly with its number; so some
-dozens are run, and the others read off a curve.
+The mean over records of a sum of squared errors equals a sum over any orthonormal basis of the
+inputs. In the bases used here the answer changes smoothly with the number of the basis vector, so
+some dozens of them are run and the others are interpolated.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class Probe:
     force, fix
         (n,) what a unit sinusoid gives the IMU, and the fixes.
     truth
-        Whether the sinusoid is a displacement that the estimate should follow (its fixes come
-        late, then); else the estimate should stay at zero.
+        Whether the sinusoid is a displacement that the estimate should follow, with fixes that
+        come late; else the estimate should stay at zero.
     phasor
         Whether a cosine and a sine are run for each (else the sine alone, from phase `shift`).
     shift

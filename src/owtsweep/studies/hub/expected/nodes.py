@@ -1,8 +1,9 @@
-"""Where a curve is computed: first nodes by what can be known, then between them as needed.
+"""Where a curve is computed: at first nodes, then between them where interpolation is wrong.
 
-A curve may ripple (a memory that ends abruptly), peak (a poorly damped mode) or change within one
-over the record's length (a slow mode, seen at multiples of the fix rate). First nodes find all of
-these; halving the intervals where the curve is not what its neighbours say resolves them.
+A curve may ripple (a memory that ends abruptly), peak (a poorly damped mode), or change over a
+frequency as small as one over the record's length (a slow mode, seen at multiples of the fix rate).
+The first nodes are dense enough to meet each of these. Intervals are then halved until the curve
+between two nodes is what interpolation gives.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ HALVINGS = 7
 class Scales:
     """Finest structures (Hz) of a chain's curves, and its fix rate (Hz).
 
-    `window`: of its longest memory, seen below the fix rate. `lag`: of its smoother and predictor,
-    seen in what follows the IMU at higher frequencies.
+    `window`: of its longest memory; it shows below the fix rate. `lag`: of its smoother and
+    predictor; it shows at higher frequencies, which only the IMU sees.
     """
 
     window: float
@@ -47,28 +48,28 @@ def scales(chain: Chain, sensors: Sensors) -> Scales:
     return Scales(min(1.0 / max(window, 1e-9), widest), 1.0 / max(lag, 1e-9), rate)
 
 
-def over_band(band: tuple[float, float], known: Scales, duration: float) -> Array:
+def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Array:
     """First frequencies (Hz) over a band, both edges included."""
     low, high = band
-    nodes = [np.geomspace(low, high, 8), _evenly(low, high, known.window / PER_RIPPLE)]
-    for multiple in range(1, int(high / known.rate) + 2):
-        offsets = np.geomspace(0.25 / duration, 0.5 * known.window, 10)
-        centre = multiple * known.rate
+    nodes = [np.geomspace(low, high, 8), _evenly(low, high, scales.window / PER_RIPPLE)]
+    for multiple in range(1, int(high / scales.rate) + 2):
+        offsets = np.geomspace(0.25 / duration, 0.5 * scales.window, 10)
+        centre = multiple * scales.rate
         nodes += [centre - offsets, np.array([centre]), centre + offsets]
-    found = np.unique(np.concatenate(nodes))
-    found = found[(found >= low) & (found <= high)]
-    apart = np.diff(found) > 1e-9 * high
-    return np.asarray(found[np.concatenate([[True], apart])])
+    frequency = np.unique(np.concatenate(nodes))
+    frequency = frequency[(frequency >= low) & (frequency <= high)]
+    apart = np.diff(frequency) > 1e-9 * high
+    return np.asarray(frequency[np.concatenate([[True], apart])])
 
 
-def numbers(last: int, per_number: float, known: Scales) -> Array:
+def numbers(last: int, per_number: float, scales: Scales) -> Array:
     """First numbers 1 ... last of basis vectors of the frequencies number x per_number (Hz)."""
     decades = np.log10(max(last, 2))
     nodes = [np.arange(1.0, min(last, 3) + 1.0), np.geomspace(1, last, int(PER_DECADE * decades))]
-    for spacing, top in ((known.window, known.rate), (known.lag, 6.0 * known.lag)):
+    for spacing, top in ((scales.window, scales.rate), (scales.lag, 6.0 * scales.lag)):
         nodes.append(_evenly(1.0, min(top / per_number, last), spacing / PER_RIPPLE / per_number))
-    found = np.unique(np.rint(np.concatenate(nodes)))
-    return np.asarray(found[(found >= 1) & (found <= last)])
+    number = np.unique(np.rint(np.concatenate(nodes)))
+    return np.asarray(number[(number >= 1) & (number <= last)])
 
 
 def _evenly(low: float, high: float, spacing: float) -> Array:
@@ -87,7 +88,7 @@ def refined(
     matters: Callable[[Array, Array, Array], Array] | None = None,
     whole: bool = False,
 ) -> tuple[Array, Array]:
-    """Nodes and values of a curve, intervals halved until it is what its neighbours say.
+    """Nodes and values of a curve, intervals halved until interpolation is right.
 
     Parameters
     ----------
@@ -98,9 +99,9 @@ def refined(
     between
         (x, nodes, values) -> values at x.
     wrong
-        (left, right, predicted, found) -> (n,): which middles miss.
+        (left, right, predicted, computed) -> (n,): where interpolation misses the middle.
     matters
-        (left, right, predicted) -> (n,): which middles to look at in the first place.
+        (left, right, predicted) -> (n,): which middles to compute at all.
     whole
         Whether nodes are whole numbers.
     """
@@ -118,11 +119,11 @@ def refined(
             predicted = predicted[..., some]
         if not len(middle):
             break
-        found = answer(middle)
-        missed = wrong(left, right, predicted, found)
+        computed = answer(middle)
+        missed = wrong(left, right, predicted, computed)
         order = np.argsort(np.append(nodes, middle), kind="stable")
         nodes = np.append(nodes, middle)[order]
-        values = np.concatenate([values, found], axis=-1)[..., order]
+        values = np.concatenate([values, computed], axis=-1)[..., order]
         left, middle, right = left[missed], middle[missed], right[missed]
         left, right = np.append(left, middle), np.append(middle, right)
         left, right = np.sort(left), np.sort(right)

@@ -1,8 +1,8 @@
-"""How much smaller than its peak a record is: from synthesised records alone, no scheme in them.
+"""The mean square of records that are scaled to a largest displacement of 1 m.
 
-A record scaled to a largest displacement of 1 m has the mean square (standard deviation / peak)^2.
-Its mean over records changes slowly with the natural period, so it is computed on a fixed ladder of
-periods and read off in between: no result depends on which periods a grid holds.
+It is (standard deviation / peak)^2, which needs synthesised records but no scheme. Its mean over
+records changes slowly with the natural period, so it is computed on a fixed ladder of periods and
+interpolated: no result depends on which other periods a grid holds.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ RECORDS = 400
 PER_OCTAVE = 2
 #: Samples per shortest period of the band: a peak between two of them is at most 0.5 % higher.
 SAMPLES = 32
-#: A name that no record of a sweep has.
+#: Name of the random stream; no record of a sweep uses it.
 STREAM = "phase of a peak factor"
 
 
 def peak_factors(config: HubConfig, periods: list[float]) -> Array:
     """Mean of (standard deviation / peak)^2 over the records of each natural period, (periods,)."""
-    if config.spectrum.kind != "translated":  # known at single periods only
+    if config.spectrum.kind != "translated":  # defined at single periods only
         return np.array([factor_at(config, period) for period in periods])
     shortest, longest = 1.0 / config.band[1], 1.0 / config.band[0]
     result = []

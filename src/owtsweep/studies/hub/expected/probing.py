@@ -17,8 +17,8 @@ from owtsweep.studies.hub.kernels.layout import Memory, Registers, new_registers
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 
-#: Lanes that are judged together, and the most numbers that their inputs would hold: the longer
-#: the record, the fewer run on because one of them has not settled.
+#: Lanes that run until all of them have settled; fewer of long records, so that their inputs would
+#: hold at most so many numbers.
 WIDTH = 32
 MOST_INPUTS = 16_000_000
 #: Greatest relative change of a cycle's energy over `JUDGED` cycles that counts as none.

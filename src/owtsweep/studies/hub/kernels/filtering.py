@@ -41,8 +41,9 @@ def filter_steps(steps, fed, positions, chain, memory, width, late):
     is FINAL, with neither smoother nor predictor to come, position and velocity go to the output.
     `late` are rows, based as the force's, that the next stages read: they are asked for ahead, and
     so is the force where there is no smoother to do so.
-    Each step waits for the one before. So what a state moves by is summed before the state is
-    added, and what is known last comes last: few operations then follow one another.
+    Each step waits for the one before. So the terms are added in an order that leaves few
+    operations between one state and the next: the increments first, then the state; and last what
+    is computed last.
     """
     k0, first, stop, shift = steps
     force, source = fed.force, k0 - chain.filter.input_delay - fed.base  # the row of the chunk's 0

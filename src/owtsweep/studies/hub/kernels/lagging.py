@@ -17,7 +17,7 @@ def combined(y0, y1, y2, y3, C, at):
 
 @njit
 def carried_back(y0, y1, y2, y3, C, row):
-    """C y: what is known of a step, as it is known of the step before."""
+    """C y: carries a correction of one step back to the step before."""
     return (
         combined(y0, y1, y2, y3, C, 16 * row),
         combined(y0, y1, y2, y3, C, 16 * row + 4),
@@ -28,7 +28,7 @@ def carried_back(y0, y1, y2, y3, C, row):
 
 @njit
 def given_and_taken(K, D, row, r, leaving):
-    """What a step's specific force gives to its state, less what the one that leaves has given."""
+    """The correction by a step's specific force, less that by the one that leaves the window."""
     at = 8 * row + 1
     return (
         element(K, at) * r + element(D, at) * leaving,
@@ -58,11 +58,11 @@ def smooth_chunk(k0, count, chain, width, window_rows, force, source):
 
     With innovations i_k, e_k = K_k i_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed
     state is x_{k|k} + S_k, where S_k = C_k (e_{k+1} + S_{k+1} + D_{k+1} i_{k+1+window}). The
-    recursion is stable backwards in time only, so each chunk starts it anew at its end with the
-    window as run-up; as long as nothing has left the window, nothing is taken back.
+    recursion is stable backwards in time only. Each chunk therefore starts it anew, one window
+    beyond its last state, and the steps of that window take nothing back.
     States have `width` rows, as the filter left them.
-    The force of the next chunk is asked for on the way, row source + count + i: memory can give it
-    here while the filter, which reads it, works through its rows faster than memory gives them.
+    Meanwhile the force of the next chunk is asked for, row source + count + i: the filter reads it
+    faster than memory can give it.
     """
     X, r, s = window_rows
     arrays, predictor = chain.filter, chain.predictor

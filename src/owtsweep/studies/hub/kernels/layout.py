@@ -102,7 +102,7 @@ class Registers(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """What a chunk needs and leaves to nobody: shared by all runs, so that it stays in the cache.
+    """What is needed within a chunk only: all runs share it, so that it stays in the cache.
 
     Each field has an array per group of lanes.
     r and s (window + chunk, 8) innovations; X (4 (window + chunk), 8) states, up to four rows per
@@ -126,7 +126,7 @@ class Output(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """All that a chain works in: what it carries on, what a chunk needs, and its estimates."""
+    """All memory of a running chain: registers, working memory and the chunk's estimates."""
 
     registers: Registers
     scratch: Scratch
@@ -224,11 +224,12 @@ class ImuNoise(NamedTuple):
 
 
 def new_registers(groups: int, window: int, horizon: int) -> Registers:
-    """Registers of some groups of lanes: zero, as all of the paper starts."""
+    """Registers of some groups of lanes, all zero, as every algorithm of the paper starts."""
     rows = (
         4, window, window, 4 * window, horizon + 1, horizon, horizon, 3 * (horizon + 1), 4, 3, 1,
     )  # fmt: skip
-    block = aligned(groups, sum(max(n, 1) for n in rows), WIDTH)  # one: to make it takes a while
+    # one array, cut into pieces: to make eleven takes longer than a short run
+    block = aligned(groups, sum(max(n, 1) for n in rows), WIDTH)
     stops = np.cumsum([max(n, 1) for n in rows]).tolist()
     return Registers(*(tuple(block[:, a:b]) for a, b in pairwise([0, *stops])))
 
@@ -241,7 +242,7 @@ def new_scratch(groups: int, chunk: int, window: int) -> Scratch:
 
 
 def new_output(groups: int, chunk: int) -> Output:
-    """Room for a chunk's estimates."""
+    """Memory for a chunk's estimates."""
     return Output(*(_zeros(groups, chunk) for _ in Output._fields))
 
 

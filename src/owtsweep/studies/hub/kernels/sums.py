@@ -54,7 +54,7 @@ def estimate(i, at, row, dv, dp, force, predictor, memory):
 
 @njit
 def squares(px, py, vx, vy):
-    """Squared errors of both axes: each is added to its own sum and weighed in NEES."""
+    """Squared errors of both axes, multiplied once: each goes to a sum of its own and to NEES."""
     return rounded(px * px), rounded(py * py), rounded(vx * vx), rounded(vy * vy)
 
 

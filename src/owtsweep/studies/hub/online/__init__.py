@@ -29,8 +29,8 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     -------
     OnlineEstimator
         With `update(specific_force, position=None) -> Estimate`. Fixes may be missing: gains and
-        covariances are those of what arrived. The first estimator of a machine compiles for half a
-        minute.
+        covariances are those of what arrived. The first estimator on a machine waits half a minute
+        for its kernels to be compiled.
 
     Raises
     ------
@@ -41,12 +41,13 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.sensors import sensors
 
-    known = Streaming(scheme)
-    own = overrides if isinstance(overrides, str) else [*overrides, f"schemes=[{scheme}]"]
-    config = compose(own)  # refuses a text
+    streaming = Streaming(scheme)
+    if not isinstance(overrides, str):  # a text is refused below
+        overrides = [*overrides, f"schemes=[{scheme}]"]
+    config = compose(overrides)
     if not isinstance(config, HubConfig):
         raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
-    return known.start(sensors(config.sensors), config)
+    return streaming.start(sensors(config.sensors), config)
 
 
 class Streaming:

@@ -16,10 +16,10 @@ def keep_freed_memory() -> None:
     """Use freed memory again instead of giving it back to the system, where that is glibc's.
 
     Every block of a sweep asks for the same arrays as the block before it. glibc returns large ones
-    at once, and the system clears each page anew when it is touched again: a tenth of the time of
-    a sweep on one thread, more on several. The peak does not grow: it is that of the largest block
-    anyway, and one arena for all threads holds less than one each. For processes that belong to a
-    sweep, since it holds for everything else in them too.
+    at once, and the system clears each page again when it is next used: that takes a tenth of the
+    time of a sweep on one thread, and more on several. The peak stays that of the largest block;
+    one arena for all threads holds less than one for each. The setting holds for the whole process,
+    so only processes that belong to a sweep should call this.
     """
     mallopt = _glibc("mallopt")
     if mallopt is None:

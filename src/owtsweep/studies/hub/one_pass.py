@@ -1,0 +1,43 @@
+"""A series that is made piece by piece, for runs that go through it once from front to back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from owtsweep.arrays import Array
+
+
+class OnePassSeries:
+    """Stands for a (steps, lanes) array in the batch engine, and holds only a part of it.
+
+    Slices must be asked for in order. When the next piece is made, the rows before the last slice
+    are dropped.
+
+    Parameters
+    ----------
+    pieces
+        The rows, some at a time.
+    shape
+        Of the whole.
+    """
+
+    def __init__(self, pieces: Iterator[Array], shape: tuple[int, int]) -> None:
+        self.shape = shape
+        self._pieces = pieces
+        self._rows: Array = np.empty((0, shape[1]))
+        self._first = 0
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, part: slice) -> Array:
+        begin, stop, _ = part.indices(self.shape[0])
+        if begin < self._first:
+            raise IndexError(f"row {begin} has been forgotten; the first one kept is {self._first}")
+        while self._first + len(self._rows) < stop:
+            kept = self._rows[begin - self._first :]
+            self._first += len(self._rows) - len(kept)
+            self._rows = np.concatenate([kept, next(self._pieces)])
+        return self._rows[begin - self._first : stop - self._first]
