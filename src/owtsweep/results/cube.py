@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.results.conditions import Condition, Grid, Value, order_values, require_usable
 from owtsweep.results.status import OK
@@ -17,8 +18,6 @@ from owtsweep.results.unable import list_unable, without_unable
 if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -49,8 +48,8 @@ class Cube:
     levels: tuple[list[Value], ...]
     measures: tuple[str, ...]
     windows: tuple[str, ...]
-    products: Floats | None
-    direct: Floats | None
+    products: Array | None
+    direct: Array | None
     unable: pd.DataFrame
 
     @property
@@ -72,7 +71,7 @@ class Cube:
         outer = zip(self.names, self.levels, place, strict=False)  # the last has no index
         return {name: levels[index] for name, levels, index in outer}
 
-    def values(self, scheme: int, place: tuple[int, ...], measures: Any = slice(None)) -> Floats:
+    def values(self, scheme: int, place: tuple[int, ...], measures: Any = slice(None)) -> Array:
         """(last condition, measure, window, replicate): one scheme at one place.
 
         Parameters
@@ -85,7 +84,7 @@ class Cube:
             Which measures: a slice or a list of indices.
         """
         here: Any = (scheme, *place)
-        result: Floats | None = None
+        result: Array | None = None
         if self.products is not None:
             products = self.products[:, *here][:, measures]
             result = _superposed(products, self.levels[-1])
@@ -183,7 +182,7 @@ def _choose(
     return superposed, direct & at_one & rows[last.name].isin(list(grid[last.name])).to_numpy()
 
 
-def _superposed(products: Floats, amplitudes: Sequence[Any]) -> Floats:
+def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
     """(amplitude, measure, window, replicate) of products (3, measure, window, replicate).
 
     The longer of the outer axes lies innermost in memory, where loops and sums are fastest.

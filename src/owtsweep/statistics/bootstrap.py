@@ -17,8 +17,8 @@ RESAMPLES = 4000
 SEED = 20190601
 
 
-def resample_means(records: Array, key: Sequence[int], resamples: int = RESAMPLES) -> Array:
-    """(resamples, quantities): means over records that were drawn with replacement.
+def resample_means(records: Array, key: Sequence[int]) -> Array:
+    """(`RESAMPLES`, quantities): means over records that were drawn with replacement.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def resample_means(records: Array, key: Sequence[int], resamples: int = RESAMPLE
     if n < 2:
         return np.empty((0, records.shape[1]))
     sequence = np.random.SeedSequence(SEED, spawn_key=(*key, n))
-    draws = np.random.Generator(np.random.SFC64(sequence)).integers(0, n, size=(resamples, n))
+    draws = np.random.Generator(np.random.SFC64(sequence)).integers(0, n, size=(RESAMPLES, n))
     return np.asarray(records[draws].mean(axis=1))
 
 
