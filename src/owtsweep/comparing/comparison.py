@@ -7,7 +7,7 @@ answers to `Comparable` says what follows from them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
@@ -96,7 +96,7 @@ class Findings:
     overview: pd.DataFrame
     notes: tuple[str, ...] = ()
     report: str = ""
-    figures: tuple[Path, ...] = field(default=())
+    figures: tuple[Path, ...] = ()
 
 
 @runtime_checkable

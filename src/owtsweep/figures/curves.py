@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from owtsweep.errors import InputError
 from owtsweep.figures import style
-from owtsweep.figures.palette import style_of
+from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.results.conditions import Condition, Value, order_values, show_value
 
 if TYPE_CHECKING:
@@ -117,12 +117,14 @@ def draw(
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for axes, (measure, label) in zip(grid, panels.items(), strict=True):
             for name in schemes:
+                look = style_of(name, schemes)
                 rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
-                _draw_curve(axes, rows, along, levels, name, schemes)
+                _draw_curve(axes, _place(rows[along.name], levels), rows, look)
                 if points is not None:
                     table = points.table
-                    chosen = table[(table["scheme"] == name) & (table["measure"] == measure)]
-                    _draw_points(axes, chosen, along, levels, name, schemes)
+                    rows = table[(table["scheme"] == name) & (table["measure"] == measure)]
+                    place, values = _place(rows[along.name], levels), rows["value"].to_numpy()
+                    axes.plot(place, values, color=look.color, marker=look.marker, **HOLLOW)
             _scale(axes, along, levels)
             axes.set_ylabel(label)
         figure.suptitle(title, x=0.01, ha="left", fontsize=11)
@@ -140,39 +142,16 @@ def _place(column: pd.Series[Any], levels: Sequence[Value]) -> Any:
     return column.to_numpy()
 
 
-def _draw_curve(
-    axes: Axes,
-    rows: pd.DataFrame,
-    along: Condition,
-    levels: Sequence[Value],
-    name: str,
-    schemes: Sequence[str],
-) -> None:
-    look = style_of(name, schemes)
-    place = _place(rows[along.name], levels)
+def _draw_curve(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -> None:
     order = np.argsort(place, kind="stable")
     place, rows = place[order], rows.iloc[order]
-    mean = rows["mean"].to_numpy()
+    mean, high = rows["mean"].to_numpy(), rows["ci_high"].to_numpy()
+    low = np.maximum(rows["ci_low"].to_numpy(), LOWEST * mean)
     axes.plot(
         place, mean, color=look.color, linestyle=look.line, marker=look.marker, markersize=4.5
     )
-    low = np.maximum(rows["ci_low"].to_numpy(), LOWEST * mean)
-    high = rows["ci_high"].to_numpy()
     axes.fill_between(place, low, high, color=look.color, alpha=0.2, linewidth=0.0)
     axes.vlines(place, low, high, color=look.color, linewidth=1.0)
-
-
-def _draw_points(
-    axes: Axes,
-    points: pd.DataFrame,
-    along: Condition,
-    levels: Sequence[Value],
-    name: str,
-    schemes: Sequence[str],
-) -> None:
-    look = style_of(name, schemes)
-    place = _place(points[along.name], levels)
-    axes.plot(place, points["value"].to_numpy(), color=look.color, marker=look.marker, **HOLLOW)
 
 
 def _scale(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:

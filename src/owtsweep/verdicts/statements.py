@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from owtsweep.verdicts.inference import Claim, Decision, all_of, settling
+from owtsweep.verdicts.inference import Claim, Decision, all_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,8 +51,9 @@ class JudgedStatement:
 
     @property
     def settling(self) -> Claim:
-        """The claim that settles the verdict."""
-        return settling(self.claims)
+        """The claim that settles the verdict; the least certain one where all stand."""
+        chosen = [claim for claim in self.claims if claim.verdict == self.verdict]
+        return min(chosen, key=lambda c: c.deciding.t if c.deciding else -np.inf)
 
     @property
     def why(self) -> str:
