@@ -91,18 +91,10 @@ def draw(
                 axes.set_title(f"{keys[1]} = {value}", loc="left", fontsize=9)
         unit = f" ({expanded.unit})" if expanded.unit else ""
         grid[0].set_ylabel(f"{expanded.word} of the boundary{unit}")
-        handles, names = grid[0].get_legend_handles_labels()
-        figure.legend(
-            handles,
-            names,
-            title=f"{'/'.join(shared.boundary or ())} boundary {subtitle}"
-            + "".join(f"; {condition.label}:" for condition in outer),
-            title_fontsize=11,
-            loc="outside upper left",
-            alignment="left",
-            ncols=min(len(names), 8),
-            frameon=False,
-        )
+        title = f"{'/'.join(shared.boundary or ())} boundary {subtitle}"
+        title += "".join(f"; {condition.label}:" for condition in outer)
+        handles, _ = grid[0].get_legend_handles_labels()
+        style.add_legend_above(figure, handles, title, columns=min(len(handles), 8))
         style.footnote(figure, _explain(boundaries, shared, edges))
     return figure
 

@@ -90,15 +90,7 @@ def draw(
         if line:
             label = f"{'/'.join(shared.boundary or ())} boundary"
             handles += grid[0][0].plot([], [], **LINE, label=label)
-        figure.legend(
-            handles=handles,
-            title=f"Best scheme {subtitle}",
-            title_fontsize=11,
-            loc="outside upper left",
-            alignment="left",
-            ncols=4,
-            frameon=False,
-        )
+        style.add_legend_above(figure, handles, f"Best scheme {subtitle}", columns=4)
         style.footnote(figure, _explain(shared, plane, hatched=hatched, line=line))
     return figure
 

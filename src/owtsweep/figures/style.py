@@ -57,6 +57,19 @@ def footnote(figure: Figure, text: str) -> None:
     figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
 
 
+def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns: int) -> None:
+    """Put a legend in columns above everything else, its title as the title of the figure."""
+    figure.legend(
+        handles=handles,
+        title=title,
+        title_fontsize=11,
+        loc="outside upper left",
+        alignment="left",
+        ncols=columns,
+        frameon=False,
+    )
+
+
 def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
     """A sentence per group of schemes that a map shows under the last of their names."""
     return [

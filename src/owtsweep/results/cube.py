@@ -22,11 +22,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Cube:
-    """Values on their product grid, NaN where there is none; every axis has a fixed order.
+    """Values on their product grid, NaN where there is none.
 
-    Below, `outer` are all conditions but the last, one axis each. The values of a superposed scheme
-    are made when they are asked for: ten amplitudes of a large study would not fit into memory
-    together.
+    Below, `outer` means all conditions but the last, one axis each. Superposed values are made when
+    they are asked for: for all amplitudes of a large study they would not fit into memory.
 
     Attributes
     ----------
@@ -40,7 +39,7 @@ class Cube:
         (scheme, *conditions, measure, window, replicate): values of rows at one value of the last
         condition; None without such rows.
     unable
-        What schemes left which cells, and why: scheme, conditions, reason.
+        Which schemes left which cells, and why: scheme, conditions, reason.
     """
 
     schemes: tuple[str, ...]
@@ -59,7 +58,7 @@ class Cube:
 
     @property
     def names(self) -> list[str]:
-        """Those of the conditions."""
+        """The names of the conditions."""
         return [condition.name for condition in self.conditions]
 
     def outer_places(self) -> Iterator[tuple[int, ...]]:
@@ -128,20 +127,13 @@ class Cube:
         used = superposed | direct
         names = [condition.name for condition in conditions]
         *outer, last = names
-        rank = {name: number for number, name in enumerate(measures)}
-        every = grid[last] if superposed.any() else _of(rows, last, direct)
-        labels: dict[str, Sequence[Any]] = {
-            "scheme": list(schemes),
-            "measure": sorted(
-                _of(rows, "measure", used).unique(), key=lambda m: (rank.get(m, len(rank)), m)
-            ),
-            "window": sorted(_of(rows, "window", used).unique()),
-            "replicate": np.unique(_of(rows, "replicate", used)).tolist(),
-            last: order_values(every, grid.get(last, ())),
-        }
-        for name in outer:
-            labels[name] = order_values(_of(rows, name, used), grid.get(name, ()))
         inner = ["measure", "window", "replicate"]
+        listed: dict[str, Sequence[Value]] = {**grid, "measure": measures}
+        labels: dict[str, Sequence[Any]] = {"scheme": list(schemes)}
+        for name in [*outer, *inner]:
+            labels[name] = order_values(_of(rows, name, used).unique(), listed.get(name, ()))
+        every = grid[last] if superposed.any() else _of(rows, last, direct)
+        labels[last] = order_values(every, grid.get(last, ()))
         products = values = None
         if superposed.any():
             place, shape = _places(rows, superposed, labels, ["scheme", *outer, *inner])

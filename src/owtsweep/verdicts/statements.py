@@ -17,11 +17,6 @@ if TYPE_CHECKING:
 #: What a study's tests look a run's values up in.
 Evidence = TypeVar("Evidence")
 
-CLAIM_COLUMNS = (
-    "statement", "claim", "verdict", "decided_at", "value", "ci_low", "ci_high", "side",
-    "threshold", "holding", "comparisons", "missing",
-)  # fmt: skip
-
 
 @dataclass(frozen=True)
 class JudgedStatement:
@@ -125,8 +120,7 @@ def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
     rows = []
     for statement in judged:
         for claim in statement.claims:
-            worst = claim.deciding
-            nan = float("nan")
+            worst, nan = claim.deciding, float("nan")
             rows.append(
                 {
                     "statement": statement.name,
@@ -143,7 +137,7 @@ def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
                     "missing": "; ".join(claim.missing),
                 }
             )
-    return pd.DataFrame(rows, columns=list(CLAIM_COLUMNS))
+    return pd.DataFrame(rows)
 
 
 def _count_holding(claim: Claim) -> int:
