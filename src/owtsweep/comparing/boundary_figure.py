@@ -11,7 +11,7 @@ from owtsweep.comparing.common import Common
 from owtsweep.comparing.comparison import Comparison
 from owtsweep.comparing.values import rank_values, show
 from owtsweep.figures import style
-from owtsweep.results.conditions import Condition, Value
+from owtsweep.results.conditions import Condition
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARKERS = "osD^vP*X"
-#: How far beyond the values of its condition the axis reaches: farther out a boundary is
+#: The axis reaches beyond the condition's values by this factor; farther out a boundary would be
 #: extrapolated.
 BEYOND = 4.0
 
@@ -41,8 +41,8 @@ def draw(
     comparison
         The runs, told apart by one or two keys.
     shared
-        What the runs have in common: boundaries far outside of the values of the condition that
-        expands are drawn at the edge, hollow.
+        What the runs have in common. Boundaries far outside the values of the condition that
+        expands are drawn hollow, at the edge.
     subtitle
         What is judged.
     """
@@ -74,7 +74,7 @@ def draw(
         numeric = all(isinstance(run.values[keys[0]], int | float) for run in comparison.runs)
         for axes, group in zip(grid, groups, strict=True):
             places = {i: across[i] for i in group}
-            _draw_panel(axes, boundaries, places, cells, edges, joined=numeric)
+            _draw_panel(axes, places, cells, edges, joined=numeric)
             axes.set_yscale("log")
             axes.yaxis.set_major_locator(
                 MaxNLocator(6) if narrow else LogLocator(subs=(1.0, 2.0, 5.0))
@@ -99,25 +99,20 @@ def draw(
     return figure
 
 
-def _list_cells(boundaries: pd.DataFrame, outer: Sequence[Condition]) -> dict[str, pd.Series[bool]]:
-    """Cell as the legend names it -> which rows are about it."""
-    cells: dict[str, pd.Series[bool]] = {}
-    values = boundaries[[condition.name for condition in outer]].drop_duplicates()
-    by: list[str] = list(values.columns)
-    for cell in values.sort_values(by).itertuples(index=False) if by else [()]:
-        named: list[tuple[Condition, Value]] = list(zip(outer, cell, strict=True))
-        in_cell = boundaries["index"].notna()
-        for condition, value in named:
-            in_cell &= boundaries[condition.name] == value
-        cells[", ".join(condition.show(value) for condition, value in named)] = in_cell
-    return cells
+def _list_cells(boundaries: pd.DataFrame, outer: Sequence[Condition]) -> dict[str, pd.DataFrame]:
+    """Cell as the legend names it -> its boundaries in all runs."""
+    names = [condition.name for condition in outer]
+    groups: Any = boundaries.groupby(names) if names else [((), boundaries)]
+    return {
+        ", ".join(condition.show(value) for condition, value in zip(outer, cell, strict=True)): rows
+        for cell, rows in groups
+    }
 
 
 def _draw_panel(
     axes: Axes,
-    boundaries: pd.DataFrame,
     places: dict[int, int],
-    cells: Mapping[str, pd.Series[bool]],
+    cells: Mapping[str, pd.DataFrame],
     edges: tuple[float, float],
     *,
     joined: bool,
@@ -127,8 +122,8 @@ def _draw_panel(
     colors = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, max(len(cells), 2)))
     width = 0.5 / max(len(cells), 1)
     order = sorted(places, key=lambda index: places[index])
-    for number, (name, in_cell) in enumerate(cells.items()):
-        exists = boundaries[in_cell & (boundaries["wins"] == "")].set_index("index")
+    for number, (name, rows) in enumerate(cells.items()):
+        exists = rows[rows["wins"] == ""].set_index("index")
         ends = exists[["boundary", "ci_low", "ci_high"]].reindex(order)
         line, lows, highs = ends.to_numpy(dtype=float).T
         # Side by side, or the intervals would hide each other.

@@ -1,4 +1,4 @@
-"""The words of a comparison: one line per run, and the sections of its report."""
+"""What a comparison says in words: one line per run, and the sections of its report."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def _tell_shifts(moved: pd.DataFrame, outer: Sequence[Condition]) -> str:
 
 
 def _tell_interval(low: float, high: float) -> str:
-    """Ends that are not known are said so: in some draws the two schemes did not cross."""
+    """An end is not known if the two schemes did not cross in some draws."""
     if low == low and high == high:
         return f"{low:.3g} to {high:.3g}"
     return "not known"

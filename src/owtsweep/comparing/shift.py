@@ -1,4 +1,4 @@
-"""How far the boundary of two schemes lies from where it lay in another run."""
+"""How far the boundary of two schemes moves from one run to another."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from owtsweep.results.status import OK
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What is told of a pair of runs, after the conditions over which it is told.
+#: The columns after the conditions.
 COLUMNS = ("ratio", "ratio_low", "ratio_high")
 
 
@@ -30,8 +30,8 @@ def compare_boundaries(
 ) -> list[dict[str, Any]]:
     """The boundary in the second run over that in the first, per cell of the other conditions.
 
-    The interval is the percentiles of a bootstrap over the records: one draw serves both runs if
-    they are paired, each run is drawn by itself otherwise.
+    The interval consists of percentiles of a bootstrap over the records. Paired runs share their
+    draws; otherwise each run has its own.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def compare_boundaries(
     Raises
     ------
     InputError
-        As `results.boundary`.
+        As `results.boundary.find_boundary`.
     """
     outer = [condition.name for condition in conditions[:-1]]
     if paired:

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 HATCH = "////"
 HATCH_COLOR = (1.0, 1.0, 1.0, 0.6)
 NO_RESULT = "#E4E4E4"
-#: Inches. A cell lower than `ONE_LINE` has its labels on one line, and in a map of more than
-#: `MOST_LABELS` cells only the colours speak, as pixels: as shapes they would bloat the SVG.
+#: Inches. A cell lower than `ONE_LINE` has its labels on one line. A map of more than `MOST_LABELS`
+#: cells has no labels, and its cells are pixels: as shapes they would bloat the SVG.
 CELL_WIDTH = (0.95, 1.6)
 CELL_HEIGHT = (0.3, 0.55)
 ONE_LINE = 0.42
@@ -115,7 +115,7 @@ def draw_cells(
     schemes: Sequence[str],
     plane: Plane,
     *,
-    labels: str = "two lines",
+    labels: str,
 ) -> None:
     """Draw the cells of a map.
 

@@ -1,4 +1,4 @@
-"""How figures look and how they are saved: the same bytes for the same figure."""
+"""How figures look, and how they are saved: the same figure gives the same bytes."""
 
 from __future__ import annotations
 

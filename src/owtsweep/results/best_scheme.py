@@ -1,7 +1,7 @@
 """The best scheme of every cell, and whether the data tell it from the next: best_scheme.csv.
 
-A cell is one value of each condition. Schemes are compared in pairs, replicate by replicate,
-because all of them saw the same motion and the same noise.
+A cell is one value of each condition. Schemes are compared in pairs, replicate by replicate:
+all of them saw the same motion and the same noise.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
 
 
 def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]]:
-    """Groups of schemes that coincide by all criteria in every cell and replicate.
+    """Find groups of schemes that coincide by all criteria in every cell and replicate.
 
     Each group is in the order of the schemes, so its last member is the name that
     `find_best_schemes` uses.

@@ -76,7 +76,7 @@ def show_value(value: Value) -> str:
 
 
 def require_usable(conditions: Sequence[Condition]) -> None:
-    """Refuse conditions that no table can be made of.
+    """Refuse conditions of which no table can be made.
 
     Raises
     ------

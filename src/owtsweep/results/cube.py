@@ -104,7 +104,7 @@ class Cube:
         *,
         measures: Sequence[str] = (),
     ) -> Cube:
-        """The cube of a run's rows, in a tenth of the memory that `expand` takes.
+        """Make the cube of a run's rows; it takes a tenth of the memory of `expand`.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Intervals from records drawn anew, with replacement.
+"""Bootstrap intervals: from records that are drawn again, with replacement.
 
 Source: Efron and Tibshirani (1993), An introduction to the bootstrap, chapters 10 and 13.
 """
@@ -25,7 +25,7 @@ def resample_means(records: Array, key: Sequence[int]) -> Array:
     records
         (records, quantities). With fewer than two there is no resample.
     key
-        Tells the draws of independent sets of records apart; not negative.
+        Different keys give different draws, for independent sets of records; not negative.
     """
     n = len(records)
     if n < 2:

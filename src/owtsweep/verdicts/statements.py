@@ -73,15 +73,11 @@ def judge(
     evidence
         What the tests are given.
     """
-    return [
-        JudgedStatement(name, text, define(tests[name]), tuple(tests[name](evidence)))
-        for name, text in texts.items()
-    ]
-
-
-def define(test: Callable[[Evidence], list[Claim]]) -> str:
-    """A test's docstring in one line."""
-    return " ".join((inspect.getdoc(test) or "").split())
+    judged = []
+    for name, text in texts.items():
+        definition = " ".join((inspect.getdoc(tests[name]) or "").split())
+        judged.append(JudgedStatement(name, text, definition, tuple(tests[name](evidence))))
+    return judged
 
 
 def explain(claim: Claim) -> str:
