@@ -184,12 +184,12 @@ def test_a_shifted_boundary_is_a_ratio_with_a_paired_interval(folder):
     scaled = rows.assign(motion=rows.motion / 4.0, cross=rows.cross / 2.0)  # twice the amplitude
     made = fabricated(rows), fabricated(scaled)
     args = (CONDITIONS, ("HME2", "HME1"), "position", ("full", "full"))
-    found = compare_boundaries(made, *args, paired=True, resamples=200)
+    found = compare_boundaries(made, *args, paired=True)
     assert found
     for row in found:
         assert row["ratio"] == pytest.approx(2.0, rel=1e-9)
         assert row["ratio_low"] == pytest.approx(row["ratio_high"], rel=1e-9)  # the same draws
-    apart = compare_boundaries(made, *args, paired=False, resamples=200)
+    apart = compare_boundaries(made, *args, paired=False)
     assert all(row["ratio_low"] < 1.99 < 2.01 < row["ratio_high"] for row in apart)
 
 

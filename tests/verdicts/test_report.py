@@ -8,7 +8,7 @@ from owtsweep.figures import style
 from owtsweep.verdicts.page import Bullets, Heading, Paragraph, Picture, TextTable
 from owtsweep.verdicts.report import write_report
 from owtsweep.verdicts.sections import consistency_section, count_verdicts, missing_section
-from owtsweep.verdicts.summary import Row, distance_rows, make_table
+from owtsweep.verdicts.summary import Item, distance_rows, make_table
 
 
 def contents(pictures):
@@ -47,7 +47,10 @@ def test_a_report_writes_tables_figures_and_both_pages(tmp_path):
 
 def test_a_summary_has_a_row_per_item_and_their_ratio():
     numbers = pd.DataFrame({"scheme": ["A", "A", "B"], "log2": [0.2, -0.4, float("nan")]})
-    rows = [Row("item", "number", 2.0, 3.0, agrees="yes"), *distance_rows(numbers, {("A",): 0.35})]
+    rows = [
+        Item("item", "number", 2.0, 3.0, agrees="yes"),
+        *distance_rows(numbers, {("A",): 0.35}),
+    ]
     table = make_table(rows).set_index("item")
     assert table.loc["item", "ratio"] == 1.5
     median = table.loc["median |log2 ratio|, A"]

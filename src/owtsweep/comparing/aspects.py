@@ -1,4 +1,4 @@
-"""What a study says of one of its runs, so that it can be compared with others."""
+"""What a study says about a run so that it can be compared with others."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ class Aspects:
     criterion, window
         What the run judges by.
     pairing
-        Key -> its value, for keys that decide what a record is besides its conditions and its
-        replicate. Where they are equal in two runs, equal replicates are compared in pairs.
+        Key -> its value, for the keys that decide the records beside conditions and replicate.
+        If they are equal in two runs, equal replicates are compared in pairs.
     boundary
-        Two schemes, the first better below and the second above a boundary along the condition that
-        expands; None if there is nothing to tell of one.
+        Two schemes: the first is better below and the second above a boundary along the condition
+        that expands. None if no boundary is of interest.
     best_of
-        Makes the best-scheme table of a run whose rows are no samples; None where they are samples.
+        Makes the best-scheme table of a run whose rows are not samples; None where they are.
     """
 
     conditions: tuple[Condition, ...]

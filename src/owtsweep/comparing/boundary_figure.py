@@ -11,7 +11,7 @@ from owtsweep.comparing.common import Common
 from owtsweep.comparing.comparison import Comparison
 from owtsweep.comparing.values import rank_values, show
 from owtsweep.figures import style
-from owtsweep.results.conditions import Condition, Value
+from owtsweep.results.conditions import Condition
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARKERS = "osD^vP*X"
-#: How far beyond the values of its condition the axis reaches: farther out a boundary is
+#: The axis reaches beyond the condition's values by this factor; farther out a boundary would be
 #: extrapolated.
 BEYOND = 4.0
 
@@ -41,8 +41,8 @@ def draw(
     comparison
         The runs, told apart by one or two keys.
     shared
-        What the runs have in common: boundaries far outside of the values of the condition that
-        expands are drawn at the edge, hollow.
+        What the runs have in common. Boundaries far outside the values of the condition that
+        expands are drawn hollow, at the edge.
     subtitle
         What is judged.
     """
@@ -50,12 +50,15 @@ def draw(
 
     keys = comparison.keys
     across = rank_values([run.values[keys[0]] for run in comparison.runs])
-    labels = {place: show(run.values[keys[0]]) for place, run in zip(across, comparison.runs,
-              strict=True)}  # fmt: skip
-    down = rank_values([run.values[keys[1]] for run in comparison.runs]) if len(keys) == 2 else None
+    labels = {
+        place: show(run.values[keys[0]]) for place, run in zip(across, comparison.runs, strict=True)
+    }
+    down = [0] * len(across)
+    if len(keys) == 2:
+        down = rank_values([run.values[keys[1]] for run in comparison.runs])
     groups = [
-        [i for i in range(len(comparison.runs)) if down is None or down[i] == number]
-        for number in range(1 if down is None else max(down) + 1)
+        [index for index, place in enumerate(down) if place == number]
+        for number in range(max(down) + 1)
     ]
     with style.context():
         count = len(groups)
@@ -71,7 +74,7 @@ def draw(
         numeric = all(isinstance(run.values[keys[0]], int | float) for run in comparison.runs)
         for axes, group in zip(grid, groups, strict=True):
             places = {i: across[i] for i in group}
-            _draw_panel(axes, boundaries, places, cells, edges, joined=numeric)
+            _draw_panel(axes, places, cells, edges, joined=numeric)
             axes.set_yscale("log")
             axes.yaxis.set_major_locator(
                 MaxNLocator(6) if narrow else LogLocator(subs=(1.0, 2.0, 5.0))
@@ -80,53 +83,36 @@ def draw(
             axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
             in_panel = boundaries[boundaries["index"].isin(group)]
             _say_why_empty(axes, in_panel, places, expanded)
-            axes.set_xticks(range(len(labels)), [labels[i] for i in range(len(labels))])
+            axes.set_xticks(sorted(labels), [labels[place] for place in sorted(labels)])
             axes.set_xlim(-0.5, len(labels) - 0.5)
             axes.set_xlabel(keys[0])
-            if down is not None:
+            if len(keys) == 2:
                 value = show(comparison.runs[group[0]].values[keys[1]])
                 axes.set_title(f"{keys[1]} = {value}", loc="left", fontsize=9)
-        grid[0].set_ylabel(_name_axis(expanded))
-        handles, names = grid[0].get_legend_handles_labels()
-        figure.legend(
-            handles,
-            names,
-            title=f"{'/'.join(shared.boundary or ())} boundary {subtitle}"
-            + "".join(f"; {condition.label}:" for condition in outer),
-            title_fontsize=11,
-            loc="outside upper left",
-            alignment="left",
-            ncols=min(len(names), 8),
-            frameon=False,
-        )
+        unit = f" ({expanded.unit})" if expanded.unit else ""
+        grid[0].set_ylabel(f"{expanded.word} of the boundary{unit}")
+        title = f"{'/'.join(shared.boundary or ())} boundary {subtitle}"
+        title += "".join(f"; {condition.label}:" for condition in outer)
+        handles, _ = grid[0].get_legend_handles_labels()
+        style.add_legend_above(figure, handles, title, columns=min(len(handles), 8))
         style.footnote(figure, _explain(boundaries, shared, edges))
     return figure
 
 
-def _name_axis(condition: Condition) -> str:
-    unit = f" ({condition.unit})" if condition.unit else ""
-    return f"{condition.word} of the boundary{unit}"
-
-
-def _list_cells(boundaries: pd.DataFrame, outer: Sequence[Condition]) -> dict[str, pd.Series[bool]]:
-    """Cell as the legend names it -> which rows are its own."""
-    cells: dict[str, pd.Series[bool]] = {}
-    values = boundaries[[condition.name for condition in outer]].drop_duplicates()
-    by: list[str] = list(values.columns)
-    for cell in values.sort_values(by).itertuples(index=False) if by else [()]:
-        named: list[tuple[Condition, Value]] = list(zip(outer, cell, strict=True))
-        own_rows = boundaries["index"].notna()
-        for condition, value in named:
-            own_rows &= boundaries[condition.name] == value
-        cells[", ".join(condition.show(value) for condition, value in named)] = own_rows
-    return cells
+def _list_cells(boundaries: pd.DataFrame, outer: Sequence[Condition]) -> dict[str, pd.DataFrame]:
+    """Cell as the legend names it -> its boundaries in all runs."""
+    names = [condition.name for condition in outer]
+    groups: Any = boundaries.groupby(names) if names else [((), boundaries)]
+    return {
+        ", ".join(condition.show(value) for condition, value in zip(outer, cell, strict=True)): rows
+        for cell, rows in groups
+    }
 
 
 def _draw_panel(
     axes: Axes,
-    boundaries: pd.DataFrame,
     places: dict[int, int],
-    cells: Mapping[str, pd.Series[bool]],
+    cells: Mapping[str, pd.DataFrame],
     edges: tuple[float, float],
     *,
     joined: bool,
@@ -135,28 +121,20 @@ def _draw_panel(
 
     colors = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, max(len(cells), 2)))
     width = 0.5 / max(len(cells), 1)
-    for number, (name, in_cell) in enumerate(cells.items()):
-        exists = boundaries[in_cell & (boundaries["wins"] == "")]
-        ends = {
-            int(index): (float(value), float(low), float(high))
-            for index, value, low, high in zip(
-                *(exists[column] for column in ("index", "boundary", "ci_low", "ci_high")),
-                strict=True,
-            )
-        }
-        x, line = [], []
+    order = sorted(places, key=lambda index: places[index])
+    for number, (name, rows) in enumerate(cells.items()):
+        exists = rows[rows["wins"] == ""].set_index("index")
+        ends = exists[["boundary", "ci_low", "ci_high"]].reindex(order)
+        line, lows, highs = ends.to_numpy(dtype=float).T
+        # Side by side, or the intervals would hide each other.
+        x = [places[index] + (number - 0.5 * (len(cells) - 1)) * width for index in order]
         look: dict[str, Any] = {"color": colors[number], "zorder": 3}
-        for index, place in sorted(places.items(), key=lambda item: item[1]):
-            # Side by side, or the intervals would hide each other.
-            x.append(place + (number - 0.5 * (len(cells) - 1)) * width)
-            value, low, high = ends.get(index, (np.nan, np.nan, np.nan))
-            line.append(value)
+        for place, low, high in zip(x, lows, highs, strict=True):
             if np.isfinite(low + high):
-                axes.vlines(x[-1], *np.clip([low, high], *edges), linewidth=1.2, **look)
+                axes.vlines(place, *np.clip([low, high], *edges), linewidth=1.2, **look)
         look |= {"marker": MARKERS[number % len(MARKERS)], "markersize": 5}
         drawn = np.clip(line, *edges)
-        style_of_line = "-" if joined else "none"
-        axes.plot(x, drawn, linewidth=1.4, linestyle=style_of_line, label=name, **look)
+        axes.plot(x, drawn, linewidth=1.4, linestyle="-" if joined else "none", label=name, **look)
         outside = np.where(drawn == line, np.nan, drawn)
         axes.plot(x, outside, linestyle="none", markerfacecolor="white", **look)
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.results.conditions import Value
 from owtsweep.statistics.contrasts import difference, gap, ratio
@@ -75,17 +74,15 @@ def compare_cells(
             p_values.append(1.0)
             continue
         before, after = (
-            _samples(table, Q, cell) - _samples(table, P, cell) for table in (first, second)
+            (table.loc[(Q, *cell), :] - table.loc[(P, *cell), :]).to_numpy(dtype=float)
+            for table in (first, second)
         )
         gaps = gap(before), gap(after)
         change = difference(before, after, paired=paired)
         row: dict[str, Any] = {**dict(zip(names, cell, strict=True)), "best_from": P, "best_to": Q}
         for name, contrast in (("gap_from", gaps[0]), ("gap_to", gaps[1]), ("change", change)):
-            row |= {
-                name: float(contrast.value),
-                f"{name}_low": float(contrast.low),
-                f"{name}_high": float(contrast.high),
-            }
+            row[name] = float(contrast.value)
+            row[f"{name}_low"], row[f"{name}_high"] = float(contrast.low), float(contrast.high)
         row |= {"n_from": int(gaps[0].n_first), "n_to": int(gaps[1].n_first)}
         opposite = row["gap_from"] > 0.0 > row["gap_to"]
         p_values.append(max(float(gaps[0].p), float(gaps[1].p)) if opposite else 1.0)
@@ -94,15 +91,9 @@ def compare_cells(
     return [row | {"established": bool(verdicts[index])} for index, row in rows]
 
 
-def _samples(table: pd.DataFrame, scheme: str, cell: tuple[Value, ...]) -> NDArray[np.float64]:
-    place = table.index.get_loc((scheme, *cell))
-    samples: NDArray[np.float64] = table.to_numpy(dtype=float)[place]
-    return samples
-
-
 def compare_schemes(
     first: pd.DataFrame, second: pd.DataFrame, *, paired: bool
-) -> list[dict[str, Any]]:
+) -> list[dict[Any, Any]]:
     """Per scheme and cell the difference and the ratio of MSE between two runs.
 
     Returns
@@ -118,28 +109,18 @@ def compare_schemes(
         a, b = np.where(both, a, np.nan), np.where(both, b, np.nan)
     mean_a, mean_b = gap(a).value, gap(b).value
     change, times = difference(a, b, paired=paired), ratio(a, b, paired=paired)
-    rejected = holm(change.p.tolist())
-    names = list(map(str, first.index.names[1:]))
-    rows = []
-    for i, (scheme, *cell) in enumerate(first.index):
-        if not np.isfinite(change.value[i]):
-            continue
-        verdict = ("better" if change.value[i] < 0.0 else "worse") if rejected[i] else ""
-        rows.append(
-            {
-                "scheme": scheme,
-                **dict(zip(names, cell, strict=True)),
-                "mse_from": mean_a[i],
-                "mse_to": mean_b[i],
-                "difference": change.value[i],
-                "difference_low": change.low[i],
-                "difference_high": change.high[i],
-                "ratio": times.value[i],
-                "ratio_low": times.low[i],
-                "ratio_high": times.high[i],
-                "n_from": int(change.n_first[i]),
-                "n_to": int(change.n_second[i]),
-                "verdict": verdict,
-            }
-        )
-    return rows
+    told = np.where(change.value < 0.0, "better", "worse")
+    table = first.index.to_frame(index=False).assign(
+        mse_from=mean_a,
+        mse_to=mean_b,
+        difference=change.value,
+        difference_low=change.low,
+        difference_high=change.high,
+        ratio=times.value,
+        ratio_low=times.low,
+        ratio_high=times.high,
+        n_from=change.n_first,
+        n_to=change.n_second,
+        verdict=np.where(holm(change.p.tolist()), told, ""),
+    )
+    return table[np.isfinite(change.value)].to_dict("records")

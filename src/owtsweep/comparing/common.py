@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -20,10 +21,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Common:
-    """What all runs have.
+    """The compared runs, and what all of them have.
 
     Attributes
     ----------
+    runs, aspects
+        The runs, and what the study says of each.
     conditions, grid
         The conditions and those of their values that all runs have.
     schemes, criterion
@@ -36,6 +39,8 @@ class Common:
         What was left out.
     """
 
+    runs: Sequence[Candidate]
+    aspects: Sequence[Aspects]
     conditions: tuple[Condition, ...]
     grid: dict[str, list[Value]]
     schemes: list[str]
@@ -46,19 +51,17 @@ class Common:
 
     @property
     def names(self) -> list[str]:
-        """Those of the conditions."""
+        """The names of the conditions."""
         return [condition.name for condition in self.conditions]
 
     @property
     def size(self) -> int:
         """The number of common cells."""
-        count = 1
-        for values in self.grid.values():
-            count *= len(values)
-        return count
+        return math.prod(len(values) for values in self.grid.values())
 
-    def choose_rows(self, rows: pd.DataFrame) -> pd.DataFrame:
-        """The rows at common values of the conditions that do not expand."""
+    def choose_rows(self, index: int) -> pd.DataFrame:
+        """The rows of a run at common values of the conditions that do not expand."""
+        rows = self.runs[index].rows
         for condition in self.conditions:
             if not condition.expands:
                 rows = rows[rows[condition.name].isin(self.grid[condition.name])]
@@ -115,40 +118,47 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> Common
     left_out = sorted({name for a in aspects for name in a.schemes} - set(schemes))
     if left_out:
         notes.append(f"schemes that not all runs have are left out: {', '.join(left_out)}")
-    return Common(first.conditions, grid, schemes, criteria[0], first.boundary, not without, notes)
+    return Common(
+        runs=runs,
+        aspects=aspects,
+        conditions=first.conditions,
+        grid=grid,
+        schemes=schemes,
+        criterion=criteria[0],
+        boundary=first.boundary,
+        samples=not without,
+        notes=notes,
+    )
 
 
-def find_best(run: Candidate, aspects: Aspects, shared: Common) -> pd.DataFrame:
-    """The best scheme of every common cell, as the run's own best_scheme.csv tells it."""
-    rows = shared.choose_rows(run.rows)
+def find_best(shared: Common, index: int) -> pd.DataFrame:
+    """The best scheme of every common cell, as the run's own best_scheme.csv has it."""
+    rows, aspects = shared.choose_rows(index), shared.aspects[index]
     if aspects.best_of is not None:
         return aspects.best_of(rows, shared.grid, shared.schemes, shared.criterion)
     cube = Cube.of_rows(rows, shared.schemes, shared.conditions, shared.grid)
     return find_best_schemes(cube, aspects.window, [shared.criterion])
 
 
-def expand_common(run: Candidate, shared: Common) -> pd.DataFrame:
-    """The values (`results.expand`) of one run in the common cells."""
-    values = shared.choose_rows(expand(run.rows, shared.conditions, shared.grid))
-    return values[values["scheme"].isin(shared.schemes)].reset_index(drop=True)
+def arrange_samples(shared: Common) -> list[pd.DataFrame]:
+    """The criterion's values in every run: rows (scheme, *conditions), columns replicates.
 
-
-def arrange_samples(
-    values: pd.DataFrame, shared: Common, window: str, replicates: Sequence[int]
-) -> pd.DataFrame:
-    """The criterion's values: rows (scheme, *conditions), columns replicates.
-
-    NaN where a scheme did not finish a replicate.
+    The tables have the same rows and columns. NaN where a scheme did not finish a replicate.
     """
     import pandas as pd
 
-    used = values[(values["measure"] == shared.criterion) & (values["window"] == window)]
     axes = ["scheme", *shared.names]
-    table = used.pivot(index=axes, columns="replicate", values="value")
-    product = pd.MultiIndex.from_product([shared.schemes, *shared.grid.values()], names=axes)
-    return table.reindex(index=product, columns=list(replicates)).astype(float)
+    tables = []
+    for index, aspects in enumerate(shared.aspects):
+        values = expand(shared.choose_rows(index), shared.conditions, shared.grid)
+        used = values[values["scheme"].isin(shared.schemes)]
+        used = used[(used["measure"] == shared.criterion) & (used["window"] == aspects.window)]
+        tables.append(used.pivot(index=axes, columns="replicate", values="value"))
+    cells = pd.MultiIndex.from_product([shared.schemes, *shared.grid.values()], names=axes)
+    replicates = sorted({replicate for table in tables for replicate in table.columns})
+    return [table.reindex(index=cells, columns=replicates).astype(float) for table in tables]
 
 
 def find_unpaired(one: Aspects, other: Aspects) -> list[str]:
-    """The keys that differ and give two runs different records; empty if they are paired."""
+    """The keys that give two runs different records; empty if the runs are paired."""
     return [key for key in one.pairing if one.pairing[key] != other.pairing[key]]

@@ -10,12 +10,11 @@ from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.common import (
     Common,
     arrange_samples,
-    expand_common,
     find_best,
     find_common,
     find_unpaired,
 )
-from owtsweep.comparing.comparison import Candidate, Comparison, Findings
+from owtsweep.comparing.comparison import Candidate, Comparison, Findings, Pair
 from owtsweep.comparing.values import show
 from owtsweep.errors import InputError
 
@@ -52,113 +51,85 @@ def compare(
 
     from owtsweep.comparing import report
 
-    runs = comparison.runs
-    aspects = [describe(run) for run in runs]
-    shared = find_common(runs, aspects)
-    notes = list(shared.notes)
-    values = [expand_common(run, shared) for run in runs]
-    best = [find_best(run, told, shared) for run, told in zip(runs, aspects, strict=True)]
-    boundaries, no_boundary = _find_boundaries(runs, aspects, shared)
-    notes += no_boundary
-    pair_tables, unpaired = _compare_pairs(comparison, aspects, shared, values, best)
-    notes += unpaired
-    identities = [_identify(run, i) for i, run in enumerate(runs)]
+    shared = find_common(comparison.runs, [describe(run) for run in comparison.runs])
+    best = [find_best(shared, index) for index in range(len(shared.runs))]
+    boundaries, no_boundary = _find_boundaries(shared)
+    pair_tables, unpaired = _compare_pairs(comparison.pairs, shared, best)
+    runs = pd.DataFrame([_identify(run) for run in shared.runs])
+    heads = runs.drop(columns="hash").to_dict("records")
+    winners = [
+        heads[index] | row for index, table in enumerate(best) for row in table.to_dict("records")
+    ]
+    lines = boundaries.drop(columns="index").to_dict("records")
     tables = {
-        "runs": pd.DataFrame(identities).drop(columns="index"),
-        "best_schemes": _with_values(
-            [
-                (identities[i], row)
-                for i, table in enumerate(best)
-                for row in table.to_dict("records")
-            ]
-        ),
-        "boundaries": _with_values(
-            [(identities[row["index"]], row) for row in boundaries.to_dict("records")]
+        "runs": runs,
+        "best_schemes": pd.DataFrame(winners),
+        "boundaries": pd.DataFrame(
+            [heads[index] | line for index, line in zip(boundaries["index"], lines, strict=True)]
         ),
         **pair_tables,
     }
     if shared.boundary is None:
         tables = {name: table for name, table in tables.items() if not name.startswith("boundar")}
-    figures, undrawn = _draw(comparison, aspects, shared, best, boundaries, folder, metadata)
-    notes += undrawn
-    overview = report.make_overview(runs, shared, best, boundaries, tables["changed_cells"])
+    figures, undrawn = _draw(comparison, shared, best, boundaries, folder, metadata)
+    overview = report.make_overview(shared, best, boundaries, tables["changed_cells"])
     text = report.write_sections(shared, tables)
-    return Findings(tables, overview, tuple(notes), text, tuple(figures))
+    notes = (*shared.notes, *no_boundary, *unpaired, *undrawn)
+    return Findings(tables, overview, notes, text, tuple(figures))
 
 
-def _identify(run: Candidate, index: int) -> dict[str, Any]:
+def _identify(run: Candidate) -> dict[str, str]:
     swept = {key: show(value) for key, value in run.values.items()}
-    return {"index": index, "folder": run.name, "hash": run.hash, **swept}
+    return {"folder": run.name, "hash": run.hash, **swept}
 
 
-def _with_values(rows: Sequence[tuple[dict[str, Any], dict[Any, Any]]]) -> pd.DataFrame:
-    import pandas as pd
-
-    return pd.DataFrame([{**identity, **row} for identity, row in rows]).drop(
-        columns=["index", "hash"], errors="ignore"
-    )
-
-
-def _find_boundaries(
-    runs: Sequence[Candidate], aspects: Sequence[Aspects], shared: Common
-) -> tuple[pd.DataFrame, list[str]]:
+def _find_boundaries(shared: Common) -> tuple[pd.DataFrame, list[str]]:
     """The boundary of every run, with the run's `index`, and why some have none."""
     import pandas as pd
 
     from owtsweep.results.boundary import COLUMNS, find_boundary
 
+    empty = pd.DataFrame(columns=[*shared.names[:-1], *COLUMNS, "index"])
+    if shared.boundary is None:
+        return empty, []
     parts, notes = [], []
-    for index, (run, told) in enumerate(zip(runs, aspects, strict=True)):
-        if shared.boundary is None:
-            break
-        rows = shared.choose_rows(run.rows)
+    for index, (run, aspects) in enumerate(zip(shared.runs, shared.aspects, strict=True)):
+        rows = shared.choose_rows(index)
         try:
             table = find_boundary(
-                rows, shared.conditions, shared.boundary, shared.criterion, told.window
+                rows, shared.conditions, shared.boundary, shared.criterion, aspects.window
             )
         except InputError as error:  # no such schemes, or amplitudes run one by one
             notes.append(f"{run.label}: no {'/'.join(shared.boundary)} boundary ({error})")
             continue
         parts.append(table.assign(index=index))
-    empty = pd.DataFrame(columns=[*shared.names[:-1], *COLUMNS, "index"])
     return (pd.concat(parts, ignore_index=True) if parts else empty), notes
 
 
 def _compare_pairs(
-    comparison: Comparison,
-    aspects: Sequence[Aspects],
-    shared: Common,
-    values: Sequence[pd.DataFrame],
-    best: Sequence[pd.DataFrame],
+    pairs: Sequence[Pair], shared: Common, best: Sequence[pd.DataFrame]
 ) -> tuple[dict[str, pd.DataFrame], list[str]]:
-    """The tables of pairs of runs, and notes on pairs that are not paired."""
+    """The tables of pairs of runs, and a note on pairs that do not share their records."""
     import pandas as pd
 
     from owtsweep.comparing import changes, shift
 
-    runs = comparison.runs
-    replicates = sorted({int(r) for table in values for r in table["replicate"].unique()})
-    samples = [
-        arrange_samples(table, shared, told.window, replicates)
-        for table, told in zip(values, aspects, strict=True)
-    ]
-    winners = [changes.list_winners(table, shared.names) for table in best]
+    names, criterion = shared.names, {"criterion": shared.criterion}
+    samples = arrange_samples(shared)
+    winners = [changes.list_winners(table, names) for table in best]
+    # an expectation stands where replicate 0 would, but it is no sample
+    counts = {} if shared.samples else {"n_from": 0, "n_to": 0}
     changed: list[dict[str, Any]] = []
     schemes: list[dict[str, Any]] = []
     shifts: list[dict[str, Any]] = []
     unpaired: dict[str, None] = {}
-    # an expectation stands where replicate 0 would, but it is no sample
-    counts = {} if shared.samples else {"n_from": 0, "n_to": 0}
-    for pair in comparison.pairs:
+    for pair in pairs:
         a, b = pair.first, pair.second
-        differing = find_unpaired(aspects[a], aspects[b])
+        differing = find_unpaired(shared.aspects[a], shared.aspects[b])
         unpaired |= dict.fromkeys(differing)
         paired = not differing
-        head = {
-            "from_run": runs[a].label, "to_run": runs[b].label, "along": pair.along,
-            "paired": paired,
-        }  # fmt: skip
-        criterion = {"criterion": shared.criterion}
+        ends = (shared.runs[a].label, shared.runs[b].label, pair.along, paired)
+        head = dict(zip(changes.PAIR_COLUMNS, ends, strict=True))
         cells = changes.compare_cells(samples[a], samples[b], winners[a], winners[b], paired=paired)
         moved = changes.compare_schemes(samples[a], samples[b], paired=paired)
         changed += [head | criterion | row | counts for row in cells]
@@ -167,15 +138,15 @@ def _compare_pairs(
             continue
         try:
             lines = shift.compare_boundaries(
-                (shared.choose_rows(runs[a].rows), shared.choose_rows(runs[b].rows)),
+                (shared.choose_rows(a), shared.choose_rows(b)),
                 shared.conditions,
                 shared.boundary,
                 shared.criterion,
-                (aspects[a].window, aspects[b].window),
+                (shared.aspects[a].window, shared.aspects[b].window),
                 paired=paired,
             )
-        except InputError:  # told with the boundaries
-            lines = []
+        except InputError:  # the notes on boundaries say why
+            continue
         shifts += [head | line for line in lines]
     notes = []
     if unpaired:
@@ -183,20 +154,19 @@ def _compare_pairs(
             f"{', '.join(unpaired)} differs between runs: those pairs are not paired, their "
             "intervals are unpaired (Welch)"
         )
-    pairs, names = changes.PAIR_COLUMNS, shared.names
-    columns = {
-        "boundary_shifts": [*pairs, *names[:-1], *shift.COLUMNS],
-        "changed_cells": [*pairs, *names, *changes.CHANGED_COLUMNS],
-        "scheme_changes": [*pairs, "scheme", *names, *changes.SCHEME_COLUMNS],
+    before = changes.PAIR_COLUMNS
+    tables = {
+        "boundary_shifts": pd.DataFrame(shifts, columns=[*before, *names[:-1], *shift.COLUMNS]),
+        "changed_cells": pd.DataFrame(changed, columns=[*before, *names, *changes.CHANGED_COLUMNS]),
+        "scheme_changes": pd.DataFrame(
+            schemes, columns=[*before, "scheme", *names, *changes.SCHEME_COLUMNS]
+        ),
     }
-    rows = (shifts, changed, schemes)
-    tables = zip(columns.items(), rows, strict=True)
-    return {name: pd.DataFrame(table, columns=order) for (name, order), table in tables}, notes
+    return tables, notes
 
 
 def _draw(
     comparison: Comparison,
-    aspects: Sequence[Aspects],
     shared: Common,
     best: Sequence[pd.DataFrame],
     boundaries: pd.DataFrame,
@@ -215,7 +185,7 @@ def _draw(
             f"{len(comparison.runs)} runs that differ in {', '.join(comparison.keys)}: tables "
             f"only; figures show one or two keys and at most {MOST_PANELS} panels"
         ]
-    windows = list(dict.fromkeys(told.window for told in aspects))
+    windows = dict.fromkeys(aspects.window for aspects in shared.aspects)
     described = " or ".join(style.describe_window(window) for window in windows)
     subtitle = f"by {shared.criterion} MSE, {described}"
     files, notes = [], []

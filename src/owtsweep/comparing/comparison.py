@@ -1,13 +1,13 @@
-"""What a comparison of runs is, as far as machinery and studies need to agree.
+"""The types by which the sweep room and the studies agree on what a comparison of runs is.
 
-`owtsweep.sweep.compare` looks for runs, keys and pairs without knowing what they mean; a study that
-answers to `Comparable` says what follows from them.
+`owtsweep.sweep.compare` finds runs, keys and pairs without knowing what they mean. A study that is
+`Comparable` turns them into findings.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
@@ -49,10 +49,10 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two runs to be held against each other, by their index; `along` says why these two.
+    """Two runs to compare, by their index; `along` says why these two.
 
-    `along` is a swept key whose neighbouring values they have, all others being equal, or "first
-    run" if `first` is merely the first of the comparison.
+    `along` is the swept key in which they have neighbouring values while all others are equal, or
+    "first run" if `first` is merely the first of the comparison.
     """
 
     first: int
@@ -64,7 +64,7 @@ class Pair:
 class Comparison:
     """Runs of one study in the order of their swept values.
 
-    `keys` tell the runs apart; `following` change too, but are told by the others.
+    `keys` tell the runs apart. `following` change with them and need not be shown.
     """
 
     keys: tuple[str, ...]
@@ -76,7 +76,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Findings:
-    """What a comparison comes to.
+    """The results of a comparison.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class Findings:
     overview: pd.DataFrame
     notes: tuple[str, ...] = ()
     report: str = ""
-    figures: tuple[Path, ...] = field(default=())
+    figures: tuple[Path, ...] = ()
 
 
 @runtime_checkable

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.comparing.common import Common
 from owtsweep.comparing.panels import Panels
 from owtsweep.figures import style
-from owtsweep.figures.best_scheme_map import HATCH, NO_RESULT, draw_cells
+from owtsweep.figures.best_scheme_map import draw_cells, explain_marks
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 
@@ -57,62 +57,42 @@ def draw(
     with style.context():
         figure = style.new_figure(max(7.6, 0.9 + width * columns), 1.9 + (height + 0.5) * rows)
         grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-        hatched = hole = line = False
+        hatched = holes = line = False
         for row, (indices, titles) in enumerate(zip(panels.runs, panels.titles, strict=True)):
             for column, (index, title) in enumerate(zip(indices, titles, strict=True)):
                 axes = grid[row][column]
                 if index is None:
                     two_keys = len(panels.titles[0][0].splitlines()) > 1
-                    _leave_empty(axes, "no run" if two_keys else "")
+                    text = "no run" if two_keys else ""
+                    axes.set_axis_off()
+                    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", color="0.4")
                     continue
                 cells = best[index].to_dict("records")
                 draw_cells(axes, cells, shared.schemes, plane, labels="none")
                 axes.set_title(title, loc="left", fontsize=9)
                 axes.label_outer()
                 hatched |= not all(cell["distinguishable"] for cell in cells)
-                hole |= len(cells) < shared.size
+                holes |= len(cells) < shared.size
                 line |= _draw_boundary(axes, boundaries[boundaries["index"] == index], plane)
         for row, indices in enumerate(panels.runs):  # beside an empty panel, likewise
             leftmost = next(c for c, index in enumerate(indices) if index is not None)
             grid[row][leftmost].tick_params(labelleft=True)
             grid[row][leftmost].set_ylabel(plane.upwards.title if plane.upwards else "")
         for column in range(columns):  # below an empty panel the axis would have no labels
-            _label_lowest([grid[row][column] for row in range(rows)], panels, column, plane)
+            lowest = max(row for row in range(rows) if panels.runs[row][column] is not None)
+            grid[lowest][column].tick_params(labelbottom=True)
+            grid[lowest][column].set_xlabel(plane.across.title)
         handles: list[Any] = [
             Patch(facecolor=style_of(name, shared.schemes).color, label=name)
             for name in shared.schemes
         ]
-        if hatched:
-            handles.append(
-                Patch(facecolor="0.6", edgecolor="white", hatch=HATCH, label="not distinguishable")
-            )
-        if hole:
-            handles.append(Patch(facecolor=NO_RESULT, label="no result"))
+        handles += explain_marks(hatched=hatched, holes=holes)
         if line:
             label = f"{'/'.join(shared.boundary or ())} boundary"
             handles += grid[0][0].plot([], [], **LINE, label=label)
-        figure.legend(
-            handles=handles,
-            title=f"Best scheme {subtitle}",
-            title_fontsize=11,
-            loc="outside upper left",
-            alignment="left",
-            ncols=4,
-            frameon=False,
-        )
+        style.add_legend_above(figure, handles, f"Best scheme {subtitle}", columns=4)
         style.footnote(figure, _explain(shared, plane, hatched=hatched, line=line))
     return figure
-
-
-def _leave_empty(axes: Axes, text: str) -> None:
-    axes.set_axis_off()
-    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", color="0.4")
-
-
-def _label_lowest(column: Sequence[Axes], panels: Panels, number: int, plane: Plane) -> None:
-    lowest = max(row for row, line in enumerate(panels.runs) if line[number] is not None)
-    column[lowest].tick_params(labelbottom=True)
-    column[lowest].set_xlabel(plane.across.title)
 
 
 def _draw_boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane) -> bool:

@@ -1,4 +1,4 @@
-"""Small multiples: where the panel of each run stands, and what its title says."""
+"""Small multiples: the place and the title of each run's panel."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from owtsweep.comparing.comparison import Comparison
 from owtsweep.comparing.values import rank_values, show
 
-#: More panels than this are no longer small multiples but wallpaper.
+#: More panels than this cannot be read.
 MOST_PANELS = 30
 
 

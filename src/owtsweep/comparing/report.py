@@ -1,4 +1,4 @@
-"""The words of a comparison: one line per run, and the sections of its report."""
+"""What a comparison says in words: one line per run, and the sections of its report."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from owtsweep.comparing.common import Common
-from owtsweep.comparing.comparison import Candidate
 from owtsweep.io import markdown
 from owtsweep.results.conditions import Condition, show_value
 
@@ -15,7 +14,6 @@ if TYPE_CHECKING:
 
 
 def make_overview(
-    runs: Sequence[Candidate],
     shared: Common,
     best: Sequence[pd.DataFrame],
     boundaries: pd.DataFrame,
@@ -24,9 +22,9 @@ def make_overview(
     """Per run: cells won by each scheme, the boundary, cells changed against the first run."""
     import pandas as pd
 
-    first = runs[0].label
+    first = shared.runs[0].label
     rows = []
-    for index, run in enumerate(runs):
+    for index, run in enumerate(shared.runs):
         wins = best[index]["best"]
         row = {f"cells {name}": str(int((wins == name).sum())) for name in shared.schemes}
         if shared.boundary is not None:
@@ -113,7 +111,7 @@ def _tell_shifts(moved: pd.DataFrame, outer: Sequence[Condition]) -> str:
 
 
 def _tell_interval(low: float, high: float) -> str:
-    """Ends that are not known are said so: in some draws the two schemes did not cross."""
+    """An end is not known if the two schemes did not cross in some draws."""
     if low == low and high == high:
         return f"{low:.3g} to {high:.3g}"
     return "not known"

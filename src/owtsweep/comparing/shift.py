@@ -1,4 +1,4 @@
-"""How far the boundary of two schemes lies from where it lay in another run."""
+"""How far the boundary of two schemes moves from one run to another."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.results.boundary import find_mean_crossing, resample_crossings, subtract_schemes
+from owtsweep.results.boundary import divide_crossings, subtract_schemes
 from owtsweep.results.conditions import Condition
 from owtsweep.results.status import OK
-from owtsweep.statistics.bootstrap import RESAMPLES, percentile_interval
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What is told of a pair of runs, after the conditions over which it is told.
+#: The columns after the conditions.
 COLUMNS = ("ratio", "ratio_low", "ratio_high")
 
 
@@ -28,12 +27,11 @@ def compare_boundaries(
     windows: tuple[str, str],
     *,
     paired: bool,
-    resamples: int = RESAMPLES,
 ) -> list[dict[str, Any]]:
     """The boundary in the second run over that in the first, per cell of the other conditions.
 
-    The interval is the percentiles of a bootstrap over the records: one draw serves both runs if
-    they are paired, each run is drawn by itself otherwise.
+    The interval consists of percentiles of a bootstrap over the records. Paired runs share their
+    draws; otherwise each run has its own.
 
     Parameters
     ----------
@@ -54,7 +52,7 @@ def compare_boundaries(
     Raises
     ------
     InputError
-        As `results.boundary`.
+        As `results.boundary.find_boundary`.
     """
     outer = [condition.name for condition in conditions[:-1]]
     if paired:
@@ -65,19 +63,10 @@ def compare_boundaries(
     )
     lines = []
     for cell in one:
-        if cell not in two:
-            continue
-        a, b = find_mean_crossing(one[cell]), find_mean_crossing(two[cell])
-        if not (0.0 < a < np.inf and 0.0 < b < np.inf):
-            continue
-        low = high = np.nan
-        drawn_a = resample_crossings(one[cell], cell, resamples)
-        drawn_b = resample_crossings(two[cell], cell, resamples, apart=not paired)
-        if len(drawn_a) and len(drawn_b):
-            with np.errstate(divide="ignore", invalid="ignore"):
-                low, high = percentile_interval(drawn_b / drawn_a)
-        ratio = {"ratio": b / a, "ratio_low": low, "ratio_high": high}
-        lines.append({**dict(zip(outer, cell, strict=True)), **ratio})
+        if cell in two:
+            ratio = divide_crossings((cell, two[cell]), (cell, one[cell]), apart=not paired)
+            if not np.isnan(ratio[0]):
+                lines.append(dict(zip([*outer, *COLUMNS], [*cell, *ratio], strict=True)))
     return lines
 
 

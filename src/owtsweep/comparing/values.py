@@ -1,4 +1,4 @@
-"""The values of swept keys: how they are shown, and in which order they stand."""
+"""The values of swept keys: how they are shown, and their order."""
 
 from __future__ import annotations
 

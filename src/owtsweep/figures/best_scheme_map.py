@@ -13,7 +13,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from owtsweep.errors import InputError
 from owtsweep.figures import style
-from owtsweep.figures.palette import style_of
+from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.results.conditions import Condition
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 HATCH = "////"
 HATCH_COLOR = (1.0, 1.0, 1.0, 0.6)
 NO_RESULT = "#E4E4E4"
-#: Inches. A cell lower than `ONE_LINE` has its labels on one line, and in a map of more than
-#: `MOST_LABELS` cells only the colours speak, as pixels: as shapes they would bloat the SVG.
+#: Inches. A cell lower than `ONE_LINE` has its labels on one line. A map of more than `MOST_LABELS`
+#: cells has no labels, and its cells are pixels: as shapes they would bloat the SVG.
 CELL_WIDTH = (0.95, 1.6)
 CELL_HEIGHT = (0.3, 0.55)
 ONE_LINE = 0.42
@@ -91,7 +91,8 @@ def draw(
         axes = figure.add_subplot()
         rows = shown.to_dict("records")
         labelled = len(rows) <= MOST_LABELS
-        draw_cells(axes, rows, schemes, plane, labels=_choose_labels(tall, labelled))
+        lines_of_text = "two lines" if tall else "one line"
+        draw_cells(axes, rows, schemes, plane, labels=lines_of_text if labelled else "none")
         axes.set_title(
             f"Best scheme by {quantity or f'{criterion} MSE'}\n{style.describe_window(window)}, "
             f"tuning: {tuning}{_count_records(replicates, failures)}",
@@ -114,7 +115,7 @@ def draw_cells(
     schemes: Sequence[str],
     plane: Plane,
     *,
-    labels: str = "two lines",
+    labels: str,
 ) -> None:
     """Draw the cells of a map.
 
@@ -131,12 +132,12 @@ def draw_cells(
         or "none".
     """
     for row in rows:
-        place = plane.place(row)
-        _colour(axes, row, schemes, *place, rasterized=labels == "none")
-        if labels == "best":
-            row = {**row, "runner_up": ""}
+        place, look = plane.place(row), style_of(row["best"], schemes)
+        hatched, rasterized = not row["distinguishable"], labels == "none"
+        _colour(axes, look.color, place, hatched=hatched, rasterized=rasterized)
         if labels != "none":
-            _label(axes, row, schemes, *place, tall=labels == "two lines")
+            runner_up = "" if labels == "best" else _describe_runner_up(row)
+            _label(axes, look, place, (row["best"], runner_up), tall=labels == "two lines")
     plane.label_axes(axes)
     axes.set_facecolor(NO_RESULT)
     axes.grid(False)
@@ -144,63 +145,37 @@ def draw_cells(
     axes.spines[:].set_visible(False)
 
 
-def _choose_labels(tall: bool, labelled: bool) -> str:
-    if not labelled:
-        return "none"
-    return "two lines" if tall else "one line"
-
-
 def _colour(
-    axes: Axes,
-    row: dict[Any, Any],
-    schemes: Sequence[str],
-    column: int,
-    line: int,
-    *,
-    rasterized: bool,
+    axes: Axes, color: str, place: tuple[int, int], *, hatched: bool, rasterized: bool
 ) -> None:
+    column, line = place
     corner = (column - 0.5, line - 0.5)
-    color = style_of(row["best"], schemes).color
-    cell = Rectangle(corner, 1.0, 1.0, facecolor=color, edgecolor="white", rasterized=rasterized)
-    axes.add_patch(cell)
-    if not row["distinguishable"]:
-        hatch = Rectangle(
-            corner,
-            1.0,
-            1.0,
-            fill=False,
-            hatch=HATCH,
-            edgecolor=HATCH_COLOR,
-            linewidth=0.0,
-            rasterized=rasterized,
-        )
-        axes.add_patch(hatch)
+    axes.add_patch(
+        Rectangle(corner, 1.0, 1.0, facecolor=color, edgecolor="white", rasterized=rasterized)
+    )
+    if hatched:
+        look: dict[str, Any] = {"hatch": HATCH, "edgecolor": HATCH_COLOR, "linewidth": 0.0}
+        axes.add_patch(Rectangle(corner, 1.0, 1.0, fill=False, rasterized=rasterized, **look))
 
 
 def _label(
-    axes: Axes,
-    row: dict[Any, Any],
-    schemes: Sequence[str],
-    column: int,
-    line: int,
-    *,
-    tall: bool,
+    axes: Axes, look: SchemeStyle, place: tuple[int, int], names: tuple[str, str], *, tall: bool
 ) -> None:
-    look = style_of(row["best"], schemes)
-    # behind letters the hatch gives way
-    backing = {"facecolor": look.color, "edgecolor": "none", "pad": 1.0}
+    """Write the best scheme, and the next best if it has a text, into a cell."""
+    column, line = place
+    best, runner_up = names
     text: dict[str, Any] = {
         "color": look.text_color,
-        "bbox": backing,
+        # behind letters the hatch gives way
+        "bbox": {"facecolor": look.color, "edgecolor": "none", "pad": 1.0},
         "horizontalalignment": "center",
         "verticalalignment": "center",
     }
-    runner_up = _describe_runner_up(row)
     if not tall:
-        both = f"{row['best']} ({runner_up})" if runner_up else row["best"]
+        both = f"{best} ({runner_up})" if runner_up else best
         axes.text(column, line, both, fontsize=7, **text)
         return
-    axes.text(column, line + (0.2 if runner_up else 0.0), row["best"], fontsize=9.5, **text)
+    axes.text(column, line + (0.2 if runner_up else 0.0), best, fontsize=9.5, **text)
     if runner_up:
         axes.text(column, line - 0.23, runner_up, fontsize=7, **text)
 
@@ -236,13 +211,19 @@ def _make_legend(
         cells = winners.count(name)
         label = f"{' = '.join(alike)} ({cells} cell{'s' * (cells != 1)})"
         handles.append(Patch(facecolor=style_of(name, schemes).color, label=label))
-    if not all(row["distinguishable"] for row in rows):
-        handles.append(
-            Patch(facecolor="0.6", edgecolor="white", hatch=HATCH, label="not distinguishable")
-        )
+    hatched = not all(row["distinguishable"] for row in rows)
+    return handles + explain_marks(hatched=hatched, holes=holes)
+
+
+def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
+    """The entries of a legend for what a map holds besides the schemes' colours."""
+    marks = []
+    if hatched:
+        look: dict[str, Any] = {"facecolor": "0.6", "edgecolor": "white", "hatch": HATCH}
+        marks.append(Patch(label="not distinguishable", **look))
     if holes:
-        handles.append(Patch(facecolor=NO_RESULT, label="no result"))
-    return handles
+        marks.append(Patch(facecolor=NO_RESULT, label="no result"))
+    return marks
 
 
 def _explain(
@@ -262,10 +243,7 @@ def _explain(
             "Hatched: the data do not tell best and next best apart"
             " (paired difference, 95 %, Holm's correction over all cells)."
         )
-    sentences += [
-        f"{' and '.join(group)} give the same numbers and are shown as {group[-1]}."
-        for group in groups
-    ]
+    sentences += style.explain_coinciding(groups)
     if failures:
         sentences.append(
             f"{failures} case{'s' if failures != 1 else ''} failed; schemes are compared on the"

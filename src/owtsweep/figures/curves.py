@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from owtsweep.errors import InputError
 from owtsweep.figures import style
-from owtsweep.figures.palette import style_of
+from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.results.conditions import Condition, Value, order_values, show_value
 
 if TYPE_CHECKING:
@@ -29,22 +28,6 @@ LOWEST = 0.1
 HOLLOW: dict[str, Any] = {
     "markerfacecolor": "none", "markersize": 10, "markeredgewidth": 1.6, "linestyle": "none",
 }  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Points:
-    """Points from elsewhere, e.g. published ones, drawn hollow.
-
-    Attributes
-    ----------
-    table
-        scheme, measure, a column with the name of the condition, value; may be empty.
-    label
-        Their entry in the legend; "" for none.
-    """
-
-    table: pd.DataFrame
-    label: str = ""
 
 
 def choose(
@@ -86,7 +69,8 @@ def draw(
     panels: Mapping[str, str],
     *,
     title: str,
-    points: Points | None = None,
+    points: pd.DataFrame | None = None,
+    points_label: str = "",
     coinciding: Sequence[Sequence[str]] = (),
     notes: Sequence[str] = (),
 ) -> Figure:
@@ -105,7 +89,10 @@ def draw(
     title
         Of the figure.
     points
-        Drawn beside the curves.
+        Points from elsewhere, e.g. published ones, drawn hollow: scheme, measure, a column with the
+        name of the condition, value; may be empty.
+    points_label
+        Their entry in the legend; "" for none.
     coinciding
         Groups of schemes with the same numbers (`best_scheme.find_coinciding`), for the footnote.
     notes
@@ -117,18 +104,18 @@ def draw(
         grid = figure.subplots(1, len(panels), squeeze=False)[0]
         for axes, (measure, label) in zip(grid, panels.items(), strict=True):
             for name in schemes:
+                look = style_of(name, schemes)
                 rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
-                _draw_curve(axes, rows, along, levels, name, schemes)
+                _draw_curve(axes, _place(rows[along.name], levels), rows, look)
                 if points is not None:
-                    table = points.table
-                    chosen = table[(table["scheme"] == name) & (table["measure"] == measure)]
-                    _draw_points(axes, chosen, along, levels, name, schemes)
+                    rows = points[(points["scheme"] == name) & (points["measure"] == measure)]
+                    place, values = _place(rows[along.name], levels), rows["value"].to_numpy()
+                    axes.plot(place, values, color=look.color, marker=look.marker, **HOLLOW)
             _scale(axes, along, levels)
             axes.set_ylabel(label)
         figure.suptitle(title, x=0.01, ha="left", fontsize=11)
-        figure.legend(
-            handles=_make_legend(shown, schemes, points), loc="outside right center", frameon=False
-        )
+        handles = _make_legend(shown, schemes, points_label)
+        figure.legend(handles=handles, loc="outside right center", frameon=False)
         style.footnote(figure, " ".join([*_explain(shown, coinciding), *notes]))
     return figure
 
@@ -140,39 +127,16 @@ def _place(column: pd.Series[Any], levels: Sequence[Value]) -> Any:
     return column.to_numpy()
 
 
-def _draw_curve(
-    axes: Axes,
-    rows: pd.DataFrame,
-    along: Condition,
-    levels: Sequence[Value],
-    name: str,
-    schemes: Sequence[str],
-) -> None:
-    look = style_of(name, schemes)
-    place = _place(rows[along.name], levels)
+def _draw_curve(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -> None:
     order = np.argsort(place, kind="stable")
     place, rows = place[order], rows.iloc[order]
-    mean = rows["mean"].to_numpy()
+    mean, high = rows["mean"].to_numpy(), rows["ci_high"].to_numpy()
+    low = np.maximum(rows["ci_low"].to_numpy(), LOWEST * mean)
     axes.plot(
         place, mean, color=look.color, linestyle=look.line, marker=look.marker, markersize=4.5
     )
-    low = np.maximum(rows["ci_low"].to_numpy(), LOWEST * mean)
-    high = rows["ci_high"].to_numpy()
     axes.fill_between(place, low, high, color=look.color, alpha=0.2, linewidth=0.0)
     axes.vlines(place, low, high, color=look.color, linewidth=1.0)
-
-
-def _draw_points(
-    axes: Axes,
-    points: pd.DataFrame,
-    along: Condition,
-    levels: Sequence[Value],
-    name: str,
-    schemes: Sequence[str],
-) -> None:
-    look = style_of(name, schemes)
-    place = _place(points[along.name], levels)
-    axes.plot(place, points["value"].to_numpy(), color=look.color, marker=look.marker, **HOLLOW)
 
 
 def _scale(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:
@@ -198,7 +162,7 @@ def _scale(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:
         axes.set_xlim(numbers[0] / 2.0, numbers[0] * 2.0)
 
 
-def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points: Points | None) -> list[Any]:
+def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points_label: str) -> list[Any]:
     handles: list[Any] = []
     for name in schemes:
         look = style_of(name, schemes)
@@ -207,8 +171,8 @@ def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points: Points | N
         )
     if shown["ci_low"].notna().any():
         handles.append(Patch(facecolor="0.6", alpha=0.5, label="95 % interval\nof the mean"))
-    if points is not None and points.label:
-        handles.append(Line2D([], [], color="0.3", marker="o", label=points.label, **HOLLOW))
+    if points_label:
+        handles.append(Line2D([], [], color="0.3", marker="o", label=points_label, **HOLLOW))
     return handles
 
 

@@ -1,4 +1,4 @@
-"""Long series as few points: what a figure shows of them stays the same."""
+"""Fewer points for long series, without a visible change of the figure."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ POINTS = 4000
 
 
 def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:
-    """The least and the greatest value of each of points / 2 equal spans, in their order in time.
+    """Keep the least and the greatest value in each of points / 2 equal spans, in order of time.
 
-    Every extreme of the series is kept, so is the envelope that a reader sees; the first and the
-    last sample stand at the ends.
+    So every extreme and the visible envelope of the series stay. The first and the last sample
+    stay too.
 
     Parameters
     ----------

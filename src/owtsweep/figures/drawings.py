@@ -1,4 +1,4 @@
-"""Drawing the figures of a run by name: all that it has the data for, or one."""
+"""Draws the figures of a run: all that it has the data for, or one by name."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Drawing = Callable[[Path, str], list[Path]]
 
 
 def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) -> Drawing:
-    """What draws a figure in the package's style and saves it with its metadata."""
+    """Make a drawing that saves a figure in the package's style, with its metadata."""
 
     def drawing(folder: Path, name: str) -> list[Path]:
         from owtsweep.figures import style
@@ -31,7 +31,7 @@ def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) 
 
 
 def draw_each(drawings: Mapping[str, Drawing], folder: Path, only: str | None) -> list[Path]:
-    """Draw all, or the one called `only`; one of many that the run cannot have is left out.
+    """Draw all, or the one called `only`. Of all, those that the run cannot have are left out.
 
     Raises
     ------

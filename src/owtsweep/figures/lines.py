@@ -1,4 +1,4 @@
-"""Lines over time: few enough points to draw, and a gap stays a gap."""
+"""Lines over time, with few enough points to draw; gaps stay gaps."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Pair = tuple[Line, Line]
 
 
 def make_line(time: Array, values: Array) -> Line:
-    """A line, decimated to some `POINTS`, in as many pieces as its gaps leave.
+    """Make a line of about `POINTS` points, in as many pieces as its gaps leave.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def make_line(time: Array, values: Array) -> Line:
 
 
 def make_pair(time: Array, values: Array) -> Pair:
-    """Lines of the two columns of (n, 2) values."""
+    """Make lines of the two columns of (n, 2) values."""
     return make_line(time, values[:, 0]), make_line(time, values[:, 1])
 
 

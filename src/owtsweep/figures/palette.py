@@ -1,7 +1,7 @@
 """One look per scheme, the same in every figure, table and terminal.
 
-Colours are those of Okabe and Ito (2008), made to be told apart by colour-blind readers; a marker
-and a line style say the same in black and white.
+Colours are those of Okabe and Ito (2008), made for colour-blind readers too; a marker and a line
+style tell schemes apart in black and white.
 """
 
 from __future__ import annotations
@@ -53,9 +53,9 @@ SPARE_LINES: tuple[LineStyle, ...] = (
 
 
 def reserve(looks: Mapping[str, SchemeStyle]) -> None:
-    """Give schemes their looks for good; a study does so where it is defined.
+    """Give schemes their looks; a study does so once, where it is defined.
 
-    A name that has a look already keeps it: in figures of several studies it means one scheme.
+    A name that already has a look keeps it: in the figures of all studies it means one scheme.
     """
     for name, look in looks.items():
         _reserved.setdefault(name, look)

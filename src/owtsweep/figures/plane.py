@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-#: How far from the map's edge something is drawn that lies beyond it, in cells.
+#: What lies beyond the map is drawn this many cells outside the centres of its edge.
 EDGE = 0.5
 
 
@@ -49,7 +49,7 @@ class Plane:
     def over(cls, conditions: Sequence[Condition], grid: Grid) -> Plane:
         """The plane of conditions with these values.
 
-        Of more than two conditions those of a single value have no axis.
+        Among more than two conditions, those with a single value have no axis.
 
         Raises
         ------

@@ -193,8 +193,4 @@ def _explain(field: Field, origin: str, coinciding: Sequence[Sequence[str]]) -> 
     ]
     if np.mean(~field.distinguishable) > LEAST_REGION:
         sentences.append(f"Hatched: the two differ by less than {100 * field.resolution:g} %.")
-    sentences += [
-        f"{' and '.join(group)} give the same numbers and are shown as {group[-1]}."
-        for group in coinciding
-    ]
-    return " ".join(sentences)
+    return " ".join([*sentences, *style.explain_coinciding(coinciding)])

@@ -1,10 +1,10 @@
-"""How figures look and how they are saved: the same bytes for the same figure."""
+"""How figures look, and how they are saved: the same figure gives the same bytes."""
 
 from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,7 +37,7 @@ WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 @contextmanager
 def context() -> Iterator[None]:
-    """The settings to draw under, whatever the user's are; those come back afterwards."""
+    """Draw under the package's settings; the user's own come back afterwards."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(RC)
@@ -45,7 +45,7 @@ def context() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure (inches) outside pyplot, so that no window and no global list knows it."""
+    """An empty figure (inches) outside pyplot: it opens no window and stands in no global list."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
@@ -57,8 +57,29 @@ def footnote(figure: Figure, text: str) -> None:
     figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
 
 
+def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns: int) -> None:
+    """Put a legend in columns above everything else, its title as the title of the figure."""
+    figure.legend(
+        handles=handles,
+        title=title,
+        title_fontsize=11,
+        loc="outside upper left",
+        alignment="left",
+        ncols=columns,
+        frameon=False,
+    )
+
+
+def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
+    """A sentence per group of schemes that a map shows under the last of their names."""
+    return [
+        f"{' and '.join(group)} give the same numbers and are shown as {group[-1]}."
+        for group in groups
+    ]
+
+
 def describe_window(window: str) -> str:
-    """A window's name as a reader takes it."""
+    """A window in the words of a reader."""
     return WINDOWS.get(window, window)
 
 

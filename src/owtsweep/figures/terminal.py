@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: Stands behind a name where the data do not tell the best scheme from the next.
 MARK = "~"
 NO_RESULT = "-"
-#: Characters for the columns of one table; wider grids go on below.
+#: Characters for the columns of one table; a wider grid continues below.
 WIDTH = 64
 
 
@@ -32,7 +32,7 @@ def grid(
     criterion: str,
     window: str,
 ) -> RenderableType:
-    """The map as a coloured grid: the first condition across, the second downwards from its last.
+    """The map as a coloured grid: the first condition across, the second upwards.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def grid(
     schemes
         All schemes compared.
     conditions
-        The study's. Further ones than two make one grid for each combination of their values.
+        The study's. Beyond two, there is one grid for each combination of the others' values.
     criterion, window
         The rows to show.
     """

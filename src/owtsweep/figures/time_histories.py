@@ -141,17 +141,17 @@ def describe(quantity: str) -> str:
 
 
 def show_truth(line: Line, label: str = "truth") -> Curve:
-    """What a quantity really was."""
+    """The true values of a quantity."""
     return Curve(line, {"color": "black", "linewidth": 1.4, "label": label})
 
 
-def show_measurement(line: Line, label: str = "IMU") -> Curve:
-    """What a sensor said at every step."""
-    return Curve(line, {"color": "0.75", "linewidth": 0.6, "label": label})
+def show_measurement(line: Line) -> Curve:
+    """What the IMU measured at every step."""
+    return Curve(line, {"color": "0.75", "linewidth": 0.6, "label": "IMU"})
 
 
 def show_fixes(time: Array, values: Array, *, label: str, size: float) -> Curve:
-    """What a slow sensor said, when it arrived; (n,) each."""
+    """The fixes of a slow sensor at the times at which they arrived; (n,) each."""
     look = {"color": "0.45", "marker": "+", "linestyle": "none", "markersize": size}
     return Curve([(time, values)], {**look, "label": label, "zorder": 3})
 

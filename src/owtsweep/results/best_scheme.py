@@ -1,7 +1,7 @@
 """The best scheme of every cell, and whether the data tell it from the next: best_scheme.csv.
 
-A cell is one value of each condition. Schemes are compared in pairs, replicate by replicate,
-because all of them saw the same motion and the same noise.
+A cell is one value of each condition. Schemes are compared in pairs, replicate by replicate:
+all of them saw the same motion and the same noise.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.errors import InputError
+from owtsweep.results.conditions import sort_lines
 from owtsweep.results.cube import Cube
 from owtsweep.results.unable import tell_in_best_scheme
 from owtsweep.statistics.contest import agree, contest, group_coinciding
@@ -19,9 +20,6 @@ from owtsweep.statistics.holm import holm
 
 if TYPE_CHECKING:
     import pandas as pd
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
 
 VERDICT_COLUMNS = (
     "criterion", "window", "best", "runner_up", "mse_best", "mse_runner_up", "difference",
@@ -88,45 +86,33 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
     if not tables:
         return pd.DataFrame(columns=columns)
     order = dict(zip(cube.names, cube.levels, strict=True))
-    whole = pd.concat(tables).sort_values(
-        cube.names, kind="stable", ignore_index=True,
-        key=lambda column: column.map({v: i for i, v in enumerate(order[str(column.name)])}),
-    )  # fmt: skip
+    whole = sort_lines(pd.concat(tables), order)
     return tell_in_best_scheme(whole[columns], cube.unable, cube.names)
 
 
 def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]]:
-    """Groups of schemes that coincide by all criteria in every cell and replicate.
+    """Find groups of schemes that coincide by all criteria in every cell and replicate.
 
     Each group is in the order of the schemes, so its last member is the name that
     `find_best_schemes` uses.
     """
     judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
-    if cube.empty:
-        return []
-    return group_coinciding(cube.schemes, lambda i, j: _coincide(cube, i, j, judged))
+
+    def coincide(i: int, j: int) -> bool:
+        """Whether two schemes agree wherever both have a value, and there is any."""
+        compared = False
+        for place in cube.outer_places():
+            one, other = cube.values(i, place, judged), cube.values(j, place, judged)
+            both = np.isfinite(one) & np.isfinite(other)
+            if not agree(one[both], other[both]).all():
+                return False
+            compared |= bool(both.any())
+        return compared
+
+    return [] if cube.empty else group_coinciding(cube.schemes, coincide)
 
 
 def _find_place(labels: Sequence[str], label: str, argument: str) -> int:
     if label not in labels:
         raise InputError(f"{argument}: {label!r} was not measured; use {' or '.join(labels)}")
     return labels.index(label)
-
-
-def _coincide(cube: Cube, i: int, j: int, measures: list[int]) -> bool:
-    """Whether two schemes agree wherever both have a value, and there is any."""
-    pairs = (
-        (cube.values(i, place, measures), cube.values(j, place, measures))
-        for place in cube.outer_places()
-    )
-    verdicts = {_agree(*pair) for pair in pairs}
-    return True in verdicts and False not in verdicts
-
-
-def _agree(one: Floats, other: Floats) -> bool | None:
-    """Whether all values that both have coincide; None if there is none."""
-    both = np.isfinite(one) & np.isfinite(other)
-    one, other = one[both], other[both]
-    if not one.size:
-        return None
-    return bool(np.all(agree(one, other)))

@@ -18,7 +18,7 @@ from owtsweep.errors import InputError
 from owtsweep.results.conditions import Condition, Value, show_value
 from owtsweep.results.status import OK
 from owtsweep.results.superposition import PRODUCTS, find_crossing
-from owtsweep.statistics.bootstrap import RESAMPLES, percentile_interval, resample_means
+from owtsweep.statistics.bootstrap import percentile_interval, resample_means
 from owtsweep.streams import encode_value
 
 if TYPE_CHECKING:
@@ -36,8 +36,6 @@ def find_boundary(
     schemes: tuple[str, str],
     measure: str,
     window: str,
-    *,
-    resamples: int = RESAMPLES,
 ) -> pd.DataFrame:
     """Where the second scheme becomes better than the first, in every cell of other conditions.
 
@@ -51,8 +49,6 @@ def find_boundary(
         The one that is expected to win below the boundary, and the one above it.
     measure, window
         What is compared.
-    resamples
-        Bootstrap samples per cell.
 
     Returns
     -------
@@ -74,14 +70,14 @@ def find_boundary(
 
     lines = []
     for cell, products in subtract_schemes(rows, conditions, schemes, measure, window).items():
-        value, wins = find_mean_crossing(products), ""
+        value, low, high, wins = _find_mean_crossing(products), np.nan, np.nan, ""
         if not 0.0 < value < np.inf:
             wins = {0.0: schemes[1], np.inf: schemes[0]}.get(value, "neither")
-        low, high = np.nan, np.nan
-        if not wins and len(products) > 1:
-            low, high = percentile_interval(resample_crossings(products, cell, resamples))
-        lines.append((*cell, value if not wins else np.nan, low, high, len(products), wins))
-    return pd.DataFrame(lines, columns=[*_names(conditions)[:-1], *COLUMNS])
+            value = np.nan
+        elif len(products) > 1:
+            low, high = percentile_interval(_resample_crossings(cell, products))
+        lines.append((*cell, value, low, high, len(products), wins))
+    return pd.DataFrame(lines, columns=[*(c.name for c in conditions[:-1]), *COLUMNS])
 
 
 def find_boundary_ratio(
@@ -91,8 +87,6 @@ def find_boundary_ratio(
     schemes: tuple[str, str],
     measure: str,
     window: str,
-    *,
-    resamples: int = RESAMPLES,
 ) -> tuple[float, float, float]:
     """The boundary in the first cell over that in the second, with its 95 % interval.
 
@@ -102,8 +96,7 @@ def find_boundary_ratio(
     Returns
     -------
     tuple of float
-        Ratio and the ends of its interval; NaN where one of the two has no boundary. An end is 0
-        or infinite as in `find_boundary`; resamples with 0 / 0 or inf / inf count against both.
+        As `divide_crossings`.
 
     Raises
     ------
@@ -111,7 +104,7 @@ def find_boundary_ratio(
         As `find_boundary`, and if a cell is not among the rows.
     """
     by_cell = subtract_schemes(rows, conditions, schemes, measure, window)
-    crossings, samples = [], []
+    products = []
     for cell in cells:
         near = [there for there in by_cell if _same(there, cell)]
         if not near:
@@ -122,17 +115,8 @@ def find_boundary_ratio(
                 f"{' '.join(c.name for c in outer)}: no records at {shown}; the rows have "
                 f"{present} {outer[-1].unit}".rstrip()
             )
-        products = by_cell[near[0]]
-        crossings.append(find_mean_crossing(products))
-        samples.append(resample_crossings(products, near[0], resamples))
-    a, b = crossings
-    if not (0.0 < a < np.inf and 0.0 < b < np.inf):
-        return np.nan, np.nan, np.nan
-    if any(len(sample) == 0 for sample in samples):
-        return a / b, np.nan, np.nan
-    with np.errstate(divide="ignore", invalid="ignore"):
-        low, high = percentile_interval(samples[0] / samples[1])
-    return a / b, low, high
+        products.append((near[0], by_cell[near[0]]))
+    return divide_crossings(*products)
 
 
 def subtract_schemes(
@@ -147,7 +131,7 @@ def subtract_schemes(
     Parameters and errors are those of `find_boundary`; cells are sorted, and so are records by
     replicate.
     """
-    *outer, last = _names(conditions)
+    *outer, last = [condition.name for condition in conditions]
     used = rows[(rows["status"] == OK) & rows[last].isna()]
     used = used[(used["measure"] == measure) & (used["window"] == window)]
     parts = []
@@ -170,35 +154,46 @@ def subtract_schemes(
     return {cell: products[places] for cell, places in cells.items()}
 
 
-def find_mean_crossing(products: Array) -> float:
+def divide_crossings(
+    above: tuple[Cell, Array], below: tuple[Cell, Array], *, apart: bool = False
+) -> tuple[float, float, float]:
+    """The boundary in one cell over that in another, with its 95 % interval.
+
+    Parameters
+    ----------
+    above, below
+        The cell and its (records, 3) differences of products. Equal cells draw the same records.
+    apart
+        Draw other records for the cell above although the two are equal.
+
+    Returns
+    -------
+    tuple of float
+        Ratio and the ends of its interval; NaN where one of the two has no boundary. An end is 0
+        or infinite as in `find_boundary`; resamples with 0 / 0 or inf / inf count against both.
+    """
+    a, b = _find_mean_crossing(above[1]), _find_mean_crossing(below[1])
+    if not (0.0 < a < np.inf and 0.0 < b < np.inf):
+        return np.nan, np.nan, np.nan
+    if min(len(above[1]), len(below[1])) < 2:
+        return a / b, np.nan, np.nan
+    samples = _resample_crossings(*above, apart=apart), _resample_crossings(*below)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        low, high = percentile_interval(samples[0] / samples[1])
+    return a / b, low, high
+
+
+def _find_mean_crossing(products: Array) -> float:
     """The root of the mean of (records, 3) differences."""
     return float(find_crossing(products.mean(axis=0)[None])[0])
 
 
-def resample_crossings(
-    products: Array, cell: Cell, resamples: int, *, apart: bool = False
-) -> Array:
-    """Roots of the means of resampled records; none for a single record.
-
-    Parameters
-    ----------
-    products
-        (records, 3) differences.
-    cell
-        Where they are: equal cells draw the same records.
-    resamples
-        How many.
-    apart
-        Draw others than equal cells do.
-    """
+def _resample_crossings(cell: Cell, products: Array, *, apart: bool = False) -> Array:
+    """Roots of the means of resampled records."""
     key = [encode_value(value) for value in cell] or [0]
     if apart:  # as if the first condition lay 1e4 away
         key[0] += 10**10
-    return find_crossing(resample_means(products, key, resamples))
-
-
-def _names(conditions: Sequence[Condition]) -> list[str]:
-    return [condition.name for condition in conditions]
+    return find_crossing(resample_means(products, key))
 
 
 def _same(one: Cell, other: Cell) -> bool:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from owtsweep.errors import InputError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: A value of a condition: a number, or a text for a category.
 Value = float | str
@@ -73,7 +76,7 @@ def show_value(value: Value) -> str:
 
 
 def require_usable(conditions: Sequence[Condition]) -> None:
-    """Refuse conditions that no table can be made of.
+    """Refuse conditions of which no table can be made.
 
     Raises
     ------
@@ -98,3 +101,11 @@ def order_values(column: Any, listed: Iterable[Value] = ()) -> list[Value]:
     if distinct and isinstance(distinct[0], str):
         distinct.sort(key=lambda value: (place.get(value, len(place)), value))
     return distinct
+
+
+def sort_lines(table: pd.DataFrame, order: Mapping[str, Sequence[Any]]) -> pd.DataFrame:
+    """A table sorted by columns, each in the order of its values that is given."""
+    return table.sort_values(
+        list(order), kind="stable", ignore_index=True,
+        key=lambda column: column.map({v: i for i, v in enumerate(order[str(column.name)])}),
+    )  # fmt: skip

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.results.conditions import Condition, Grid, Value, order_values, require_usable
 from owtsweep.results.status import OK
@@ -18,16 +19,13 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class Cube:
-    """Values on their product grid, NaN where there is none; every axis has a fixed order.
+    """Values on their product grid, NaN where there is none.
 
-    Below, `outer` are all conditions but the last, one axis each. The values of a superposed scheme
-    are made when they are asked for: ten amplitudes of a large study would not fit into memory
-    together.
+    Below, `outer` means all conditions but the last, one axis each. Superposed values are made when
+    they are asked for: for all amplitudes of a large study they would not fit into memory.
 
     Attributes
     ----------
@@ -41,7 +39,7 @@ class Cube:
         (scheme, *conditions, measure, window, replicate): values of rows at one value of the last
         condition; None without such rows.
     unable
-        What schemes left which cells, and why: scheme, conditions, reason.
+        Which schemes left which cells, and why: scheme, conditions, reason.
     """
 
     schemes: tuple[str, ...]
@@ -49,8 +47,8 @@ class Cube:
     levels: tuple[list[Value], ...]
     measures: tuple[str, ...]
     windows: tuple[str, ...]
-    products: Floats | None
-    direct: Floats | None
+    products: Array | None
+    direct: Array | None
     unable: pd.DataFrame
 
     @property
@@ -60,7 +58,7 @@ class Cube:
 
     @property
     def names(self) -> list[str]:
-        """Those of the conditions."""
+        """The names of the conditions."""
         return [condition.name for condition in self.conditions]
 
     def outer_places(self) -> Iterator[tuple[int, ...]]:
@@ -72,7 +70,7 @@ class Cube:
         outer = zip(self.names, self.levels, place, strict=False)  # the last has no index
         return {name: levels[index] for name, levels, index in outer}
 
-    def values(self, scheme: int, place: tuple[int, ...], measures: Any = slice(None)) -> Floats:
+    def values(self, scheme: int, place: tuple[int, ...], measures: Any = slice(None)) -> Array:
         """(last condition, measure, window, replicate): one scheme at one place.
 
         Parameters
@@ -85,7 +83,7 @@ class Cube:
             Which measures: a slice or a list of indices.
         """
         here: Any = (scheme, *place)
-        result: Floats | None = None
+        result: Array | None = None
         if self.products is not None:
             products = self.products[:, *here][:, measures]
             result = _superposed(products, self.levels[-1])
@@ -106,7 +104,7 @@ class Cube:
         *,
         measures: Sequence[str] = (),
     ) -> Cube:
-        """The cube of a run's rows, in a tenth of the memory that `expand` takes.
+        """Make the cube of a run's rows; it takes a tenth of the memory of `expand`.
 
         Parameters
         ----------
@@ -129,20 +127,13 @@ class Cube:
         used = superposed | direct
         names = [condition.name for condition in conditions]
         *outer, last = names
-        rank = {name: number for number, name in enumerate(measures)}
-        every = grid[last] if superposed.any() else _of(rows, last, direct)
-        labels: dict[str, Sequence[Any]] = {
-            "scheme": list(schemes),
-            "measure": sorted(
-                _of(rows, "measure", used).unique(), key=lambda m: (rank.get(m, len(rank)), m)
-            ),
-            "window": sorted(_of(rows, "window", used).unique()),
-            "replicate": np.unique(_of(rows, "replicate", used)).tolist(),
-            last: order_values(every, grid.get(last, ())),
-        }
-        for name in outer:
-            labels[name] = order_values(_of(rows, name, used), grid.get(name, ()))
         inner = ["measure", "window", "replicate"]
+        listed: dict[str, Sequence[Value]] = {**grid, "measure": measures}
+        labels: dict[str, Sequence[Any]] = {"scheme": list(schemes)}
+        for name in [*outer, *inner]:
+            labels[name] = order_values(_of(rows, name, used).unique(), listed.get(name, ()))
+        every = grid[last] if superposed.any() else _of(rows, last, direct)
+        labels[last] = order_values(every, grid.get(last, ()))
         products = values = None
         if superposed.any():
             place, shape = _places(rows, superposed, labels, ["scheme", *outer, *inner])
@@ -183,7 +174,7 @@ def _choose(
     return superposed, direct & at_one & rows[last.name].isin(list(grid[last.name])).to_numpy()
 
 
-def _superposed(products: Floats, amplitudes: Sequence[Any]) -> Floats:
+def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
     """(amplitude, measure, window, replicate) of products (3, measure, window, replicate).
 
     The longer of the outer axes lies innermost in memory, where loops and sums are fastest.

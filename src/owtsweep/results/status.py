@@ -1,4 +1,4 @@
-"""What became of a case: the `status` of its row."""
+"""The outcome of a case: the `status` of its row."""
 
 from __future__ import annotations
 

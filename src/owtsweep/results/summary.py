@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.results.conditions import order_values
+from owtsweep.results.conditions import order_values, sort_lines
 from owtsweep.results.cube import Cube
 from owtsweep.results.unable import tell_in_summary
 from owtsweep.statistics.student import t_quantile
@@ -60,7 +60,4 @@ def _sort(table: pd.DataFrame, cube: Cube) -> pd.DataFrame:
     order: dict[str, list[Any]] = {"scheme": list(cube.schemes)}
     for name, levels in zip(cube.names, cube.levels, strict=True):
         order[name] = order_values([*levels, *cube.unable[name]], levels)
-    return table.sort_values(
-        list(order), kind="stable", ignore_index=True,
-        key=lambda column: column.map({v: i for i, v in enumerate(order[str(column.name)])}),
-    )  # fmt: skip
+    return sort_lines(table, order)

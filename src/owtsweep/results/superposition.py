@@ -22,7 +22,8 @@ def superpose(motion: Any, cross: Any, noise: Any, amplitude: Any) -> Any:
     Parameters
     ----------
     motion, cross, noise
-        Numbers, arrays or columns: mean squares at amplitude 1, their product's mean, of the noise.
+        Numbers, arrays or columns, at amplitude 1: mean square of the error that the motion makes,
+        mean product of it and the error that the noise makes, mean square of the latter.
     amplitude
         A number, or an array that can be broadcast against them.
     """
@@ -30,7 +31,7 @@ def superpose(motion: Any, cross: Any, noise: Any, amplitude: Any) -> Any:
 
 
 def find_crossing(products: Array) -> Array:
-    """The amplitude at which a superposed difference turns from negative to positive.
+    """Find the amplitude at which a superposed difference turns from negative to positive.
 
     Parameters
     ----------

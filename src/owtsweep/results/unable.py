@@ -1,4 +1,4 @@
-"""Schemes that leave a cell because they cannot work in it, and how tables tell so."""
+"""Schemes that cannot work in a cell and leave it, and how tables say so."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid)
 
 
 def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.DataFrame:
-    """The rows but those of schemes in cells that they left in any replicate."""
+    """The rows without those of a scheme in a cell that it left, in whichever replicate."""
     import pandas as pd
 
     unable = rows["status"] == UNABLE
@@ -47,8 +47,8 @@ def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.Da
 def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
     """A summary with `status` and `reason`, and a line for each scheme and cell that it left.
 
-    Such a line has neither measure nor mean; lines are in no order. Without any, the table is
-    returned as it is.
+    Such a line has neither measure nor mean. Lines are in no order. If no scheme left a cell, the
+    table is returned as it is.
     """
     import pandas as pd
 
@@ -62,7 +62,7 @@ def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
 def tell_in_best_scheme(
     table: pd.DataFrame, unable: pd.DataFrame, names: Sequence[str]
 ) -> pd.DataFrame:
-    """A best-scheme table with `status` and `reason`, as soon as a scheme left any cell."""
+    """A best-scheme table; with `status` and `reason` if a scheme left any cell."""
     if unable.empty:
         return table
     who = unable["scheme"] + ": " + unable["reason"]

@@ -1,4 +1,4 @@
-"""Intervals from records drawn anew, with replacement.
+"""Bootstrap intervals: from records that are drawn again, with replacement.
 
 Source: Efron and Tibshirani (1993), An introduction to the bootstrap, chapters 10 and 13.
 """
@@ -17,21 +17,21 @@ RESAMPLES = 4000
 SEED = 20190601
 
 
-def resample_means(records: Array, key: Sequence[int], resamples: int = RESAMPLES) -> Array:
-    """(resamples, quantities): means over records that were drawn with replacement.
+def resample_means(records: Array, key: Sequence[int]) -> Array:
+    """(`RESAMPLES`, quantities): means over records that were drawn with replacement.
 
     Parameters
     ----------
     records
         (records, quantities). With fewer than two there is no resample.
     key
-        Tells the draws of independent sets of records apart; not negative.
+        Different keys give different draws, for independent sets of records; not negative.
     """
     n = len(records)
     if n < 2:
         return np.empty((0, records.shape[1]))
     sequence = np.random.SeedSequence(SEED, spawn_key=(*key, n))
-    draws = np.random.Generator(np.random.SFC64(sequence)).integers(0, n, size=(resamples, n))
+    draws = np.random.Generator(np.random.SFC64(sequence)).integers(0, n, size=(RESAMPLES, n))
     return np.asarray(records[draws].mean(axis=1))
 
 

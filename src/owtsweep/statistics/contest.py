@@ -1,6 +1,6 @@
-"""Who is best, who coincides with the best, who comes next, and whether the records tell these two.
+"""Which scheme is best, which coincide with it, which is next, and whether that one is worse.
 
-Decided here for everybody: tables of records and of expectations, advice, published statements.
+Decided here for all: tables of records and of expectations, advice, published statements.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Ranking(NamedTuple):
     like_best
         (schemes, cells): those that coincide with the best, itself included.
     told_apart
-        (cells,) whether somebody does not coincide with the best.
+        (cells,) whether any other scheme does not coincide with the best.
     """
 
     best: Places
@@ -44,7 +44,7 @@ class Ranking(NamedTuple):
 
 
 class Contest(NamedTuple):
-    """The outcome in each cell, (cells,) each; only cells with a common replicate are meant.
+    """The outcome in each cell, (cells,) each; meaningless in cells that are not judged.
 
     Attributes
     ----------
@@ -114,7 +114,7 @@ def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
     means
         (schemes, cells) what is compared; the least is the best.
     alike
-        (schemes, schemes, cells) who coincides with whom, as `find_alike` says.
+        (schemes, schemes, cells) whether two coincide, as `find_alike` says.
     took_part
         (schemes, cells).
     """
@@ -127,7 +127,7 @@ def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
 
 
 def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, Flags]:
-    """The contender of least mean, by the last of those it coincides with, and all of those.
+    """Find the contender of least mean (the last of those that coincide), and all that coincide.
 
     Parameters are those of `rank`; returns (cells,) and (schemes, cells).
     """
@@ -138,7 +138,7 @@ def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, F
 
 
 def find_alike(values: Array, took_part: Flags, common: Flags) -> Flags:
-    """Whether two schemes coincide in a cell: in every common replicate. Symmetric.
+    """Find which schemes coincide in a cell, that is in every common replicate. Symmetric.
 
     Parameters
     ----------
@@ -183,6 +183,6 @@ def group_coinciding(
 
 
 def agree(one: Array, other: Array) -> Flags:
-    """Where two values are the same up to rounding."""
+    """Say where two values are the same up to rounding."""
     scale = np.maximum(np.abs(one), np.abs(other))
     return np.asarray(np.abs(one - other) <= COINCIDENCE * scale)

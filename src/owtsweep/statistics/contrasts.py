@@ -6,16 +6,14 @@ method on its logarithm: log(b/a) has the influence b_r/mean(b) - a_r/mean(a) of
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from owtsweep.arrays import Array
 from owtsweep.statistics.student import p_value, t_quantile
 from owtsweep.statistics.sums import mean_and_error
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -64,9 +62,7 @@ def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
         else:
             error, freedom = _welch(error_a / a, n_a, error_b / b, n_b)
         logs = _student(np.log(b / a), error, freedom, n_a, n_b)
-        return Contrast(
-            b / a, np.exp(logs.low), np.exp(logs.high), logs.p, logs.n_first, logs.n_second
-        )
+        return replace(logs, value=b / a, low=np.exp(logs.low), high=np.exp(logs.high))
 
 
 def _welch(error_a: Array, n_a: Any, error_b: Array, n_b: Any) -> tuple[Array, Array]:

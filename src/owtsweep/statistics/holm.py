@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from owtsweep.statistics.student import CONFIDENCE
 
 
-def holm(p_values: Sequence[float], *, level: float = 1.0 - CONFIDENCE) -> NDArray[np.bool_]:
-    """Holm's step-down test: which hypotheses fall at a family-wise error of `level`.
+def holm(p_values: Sequence[float]) -> NDArray[np.bool_]:
+    """Holm's step-down test: which hypotheses are rejected at a family-wise error of 5 %.
 
     Source: Holm (1979), A simple sequentially rejective multiple test procedure.
     """
     p = np.asarray(p_values, dtype=float)
     order = np.argsort(p, kind="stable")
-    passed = p[order] <= level / (p.size - np.arange(p.size))
+    passed = p[order] <= (1.0 - CONFIDENCE) / (p.size - np.arange(p.size))
     rejected = np.zeros(p.size, dtype=bool)
     rejected[order] = np.logical_and.accumulate(passed)
     return rejected

@@ -8,15 +8,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from owtsweep.arrays import Array
 
 #: Intervals cover 95 %, tests reject at 5 %.
 CONFIDENCE = 0.95
 
 
-def t_quantile(freedom: Any) -> Floats:
+def t_quantile(freedom: Any) -> Array:
     """How many standard errors the 95 % interval reaches to either side.
 
     Parameters
@@ -26,13 +25,13 @@ def t_quantile(freedom: Any) -> Floats:
     """
     from scipy.special import stdtrit
 
-    # A large table has few different counts, and a quantile takes long to compute.
+    # A quantile takes long to compute, and a large table has few different counts.
     distinct, place = np.unique(np.maximum(freedom, 1), return_inverse=True)
-    quantile: Floats = stdtrit(distinct, 0.5 + CONFIDENCE / 2.0)[place]
-    return quantile.reshape(np.shape(freedom))
+    quantile = stdtrit(distinct, 0.5 + CONFIDENCE / 2.0)[place]
+    return np.asarray(quantile.reshape(np.shape(freedom)))
 
 
-def p_value(value: Any, error: Any, freedom: Any) -> Floats:
+def p_value(value: Any, error: Any, freedom: Any) -> Array:
     """Two-sided test that a quantity is zero; 1 where there is too little data to test it.
 
     Parameters

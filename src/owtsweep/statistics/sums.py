@@ -1,30 +1,28 @@
-"""Sums and means whose bits depend on nothing but their own terms and the order of these."""
+"""Sums and means that are the same to the last bit for the same terms in the same order."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from owtsweep.arrays import Array
 
 
-def ordered_sum(samples: Floats) -> Floats:
+def ordered_sum(samples: Array) -> Array:
     """Sum over the last axis strictly in order.
 
     `np.sum` groups its terms by the shape of the array; a running sum does not.
     """
-    total: Floats
     if samples.ndim > 1 and samples.strides[-1] > min(samples.strides[:-1]):
         # The samples of all cells lie side by side: the same sums, all cells at once.
         total = samples[..., 0].copy(order="K")
         for place in range(1, samples.shape[-1]):
             total += samples[..., place]
-    else:
-        total = np.cumsum(samples, axis=-1)[..., -1]
-    return total
+        return total
+    return np.asarray(np.cumsum(samples, axis=-1)[..., -1])
 
 
-def mean_and_error(samples: Floats) -> tuple[Floats, Floats, NDArray[np.intp]]:
+def mean_and_error(samples: Array) -> tuple[Array, Array, NDArray[np.intp]]:
     """Mean, its standard error (NaN for one sample) and count over the last axis without NaN."""
     present = np.isfinite(samples)
     n = present.sum(axis=-1)
@@ -33,7 +31,7 @@ def mean_and_error(samples: Floats) -> tuple[Floats, Floats, NDArray[np.intp]]:
     deviation = samples - mean[..., np.newaxis]
     if not whole:
         deviation = np.where(present, deviation, 0.0)
-    with np.errstate(over="ignore"):  # a scheme that diverges: no end of its interval is known
+    with np.errstate(over="ignore"):  # a scheme that diverges: its interval has no known end
         spread = ordered_sum(np.square(deviation, out=deviation))
     error = np.sqrt(spread / np.where(n > 1, n * (n - 1.0), np.nan))
     return mean, error, n

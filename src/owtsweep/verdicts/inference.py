@@ -81,9 +81,9 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
     difference = a - threshold * b
     error = float(np.std(difference, ddof=1) / np.sqrt(n))
     distance = float(np.mean(difference)) * (1.0 if side == "above" else -1.0)
-    t = distance / error if error > 0.0 else float(np.sign(distance)) * np.inf
-    if error == 0.0 and distance == 0.0:
-        t = 0.0
+    t = 0.0
+    if error > 0.0 or distance != 0.0:
+        t = distance / error if error > 0.0 else float(np.sign(distance)) * np.inf
     low, high = fieller(a, b, float(t_quantile(n - 1)))
     p = float(p_value(distance, error, n - 1))
     return Decision(label, A / B, low, high, threshold, side, t, p)
@@ -93,14 +93,11 @@ def interval(
     label: str, value: float, low: float, high: float, threshold: float, side: Side
 ) -> Decision:
     """A quantity whose interval is known from elsewhere (a bootstrap) against a threshold."""
-    wholly_below, wholly_above = high < threshold, low > threshold
-    on_side, off_side = (
-        (wholly_below, wholly_above) if side == "below" else (wholly_above, wholly_below)
-    )
-    t = np.inf if on_side else -np.inf if off_side else 0.0
-    return Decision(
-        label, value, low, high, threshold, side, t, 0.0 if on_side or off_side else 1.0
-    )
+    wholly_above, wholly_below = low > threshold, high < threshold
+    t = 0.0
+    if wholly_above or wholly_below:
+        t = np.inf if wholly_above == (side == "above") else -np.inf
+    return Decision(label, value, low, high, threshold, side, t, 1.0 if t == 0.0 else 0.0)
 
 
 @dataclass(frozen=True)
@@ -149,10 +146,3 @@ def all_of(claims: Sequence[Claim]) -> str:
         if verdict in verdicts:
             return verdict
     return REPRODUCED
-
-
-def settling(claims: Sequence[Claim]) -> Claim:
-    """The claim that settles the verdict of `all_of`; the least certain one where all stand."""
-    verdict = all_of(claims)
-    chosen = [claim for claim in claims if claim.verdict == verdict]
-    return min(chosen, key=lambda c: c.deciding.t if c.deciding else -np.inf)

@@ -17,8 +17,6 @@ COLUMNS = (
 )  # fmt: skip
 #: The central part of single records.
 TAILS = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
-#: A factor of 2, as a log2.
-MISSED = 1.0
 
 
 def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
@@ -50,16 +48,11 @@ def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
         "ci_high": decision.high,
         "record_low": float(low),
         "record_high": float(high),
-        "quantile": quantile_of(published, samples),
+        "quantile": float(np.mean(samples < published) + 0.5 * np.mean(samples == published)),
         "ratio": decision.value / published,
         "log2": log2,
-        "missed_by_factor_2": abs(log2) > MISSED,
+        "missed_by_factor_2": abs(log2) > 1.0,
     }
-
-
-def quantile_of(value: float, samples: Array) -> float:
-    """The part of the samples below a value, ties counting half."""
-    return float(np.mean(samples < value) + 0.5 * np.mean(samples == value))
 
 
 def lies_within_records(row: Any) -> str:

@@ -52,11 +52,11 @@ def scatter(
 
 
 def _handles(schemes: Sequence[str], **look: Any) -> list[Any]:
-    styles = {name: style_of(name, schemes) for name in schemes}
-    return [
-        Line2D([], [], color=own.color, marker=own.marker, label=name, **look)
-        for name, own in styles.items()
-    ]
+    handles = []
+    for name in schemes:
+        scheme = style_of(name, schemes)
+        handles.append(Line2D([], [], color=scheme.color, marker=scheme.marker, label=name, **look))
+    return handles
 
 
 def _scatter_panel(axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str]) -> None:

@@ -9,18 +9,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from owtsweep.verdicts.inference import Claim, Decision, all_of, settling
+from owtsweep.verdicts.inference import Claim, Decision, all_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
 #: What a study's tests look a run's values up in.
 Evidence = TypeVar("Evidence")
-
-CLAIM_COLUMNS = (
-    "statement", "claim", "verdict", "decided_at", "value", "ci_low", "ci_high", "side",
-    "threshold", "holding", "comparisons", "missing",
-)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -51,8 +46,9 @@ class JudgedStatement:
 
     @property
     def settling(self) -> Claim:
-        """The claim that settles the verdict."""
-        return settling(self.claims)
+        """The claim that settles the verdict; the least certain one where all stand."""
+        chosen = [claim for claim in self.claims if claim.verdict == self.verdict]
+        return min(chosen, key=lambda c: c.deciding.t if c.deciding else -np.inf)
 
     @property
     def why(self) -> str:
@@ -77,15 +73,11 @@ def judge(
     evidence
         What the tests are given.
     """
-    return [
-        JudgedStatement(name, text, define(tests[name]), tuple(tests[name](evidence)))
-        for name, text in texts.items()
-    ]
-
-
-def define(test: Callable[[Evidence], list[Claim]]) -> str:
-    """A test's docstring in one line."""
-    return " ".join((inspect.getdoc(test) or "").split())
+    judged = []
+    for name, text in texts.items():
+        definition = " ".join((inspect.getdoc(tests[name]) or "").split())
+        judged.append(JudgedStatement(name, text, definition, tuple(tests[name](evidence))))
+    return judged
 
 
 def explain(claim: Claim) -> str:
@@ -124,8 +116,7 @@ def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
     rows = []
     for statement in judged:
         for claim in statement.claims:
-            worst = claim.deciding
-            nan = float("nan")
+            worst, nan = claim.deciding, float("nan")
             rows.append(
                 {
                     "statement": statement.name,
@@ -142,7 +133,7 @@ def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
                     "missing": "; ".join(claim.missing),
                 }
             )
-    return pd.DataFrame(rows, columns=list(CLAIM_COLUMNS))
+    return pd.DataFrame(rows)
 
 
 def _count_holding(claim: Claim) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +22,7 @@ NAN = float("nan")
 
 
 @dataclass(frozen=True)
-class Row:
+class Item:
     """One item: `kind` is number, statement, boundary, winner or summary.
 
     `reproduced` has its 95 % interval, NaN where there is none; `agrees` is yes, no, undecided,
@@ -38,15 +38,15 @@ class Row:
     agrees: str = MISSING
     why: str = ""
 
-    def decided(self, decision: Decision | None, agrees: str) -> Row:
+    def decided(self, decision: Decision | None, agrees: str) -> Item:
         """The same item with what a run decides; without a decision only `agrees` changes."""
-        values = {} if decision is None else {
-            "reproduced": decision.value, "ci_low": decision.low, "ci_high": decision.high
-        }  # fmt: skip
-        return Row(**{**asdict(self), **values, "agrees": agrees})
+        row = replace(self, agrees=agrees)
+        if decision is None:
+            return row
+        return replace(row, reproduced=decision.value, ci_low=decision.low, ci_high=decision.high)
 
 
-def make_table(rows: Sequence[Row]) -> pd.DataFrame:
+def make_table(rows: Sequence[Item]) -> pd.DataFrame:
     """`COLUMNS`, with ratio = reproduced / published."""
     import pandas as pd
 
@@ -59,18 +59,18 @@ def agreement(verdict: str) -> str:
     return {REPRODUCED: "yes", NOT_REPRODUCED: "no"}.get(verdict, verdict)
 
 
-def statement_row(judged: JudgedStatement) -> Row:
+def statement_row(judged: JudgedStatement) -> Item:
     """A statement; `published` is the threshold of the decision that settles its verdict."""
     worst = judged.settling.deciding
-    row = Row(judged.name, "statement", worst.threshold if worst else NAN, why=judged.why)
+    row = Item(judged.name, "statement", worst.threshold if worst else NAN, why=judged.why)
     return row.decided(worst, judged.verdict)
 
 
-def number_rows(numbers: pd.DataFrame) -> Iterator[Row]:
+def number_rows(numbers: pd.DataFrame) -> Iterator[Item]:
     """The published numbers: columns table, scheme, measure, published, why, and those of a run."""
     rows: Any = numbers.itertuples(index=False)
     for row in rows:
-        yield Row(
+        yield Item(
             item=f"table {row.table} {row.scheme} {row.measure}",
             kind="number",
             published=row.published,
@@ -82,7 +82,7 @@ def number_rows(numbers: pd.DataFrame) -> Iterator[Row]:
         )
 
 
-def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float]) -> Iterator[Row]:
+def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float]) -> Iterator[Item]:
     """Median and 80th percentile of |log2(reproduced / published)|, by group of schemes.
 
     Parameters
@@ -102,7 +102,7 @@ def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float])
                 # With numbers missing this is the distance of another set of numbers.
                 complete = len(distances) == len(chosen)
                 agrees = ("yes" if value <= limit else "no") if complete else MISSING
-            yield Row(
+            yield Item(
                 item=f"{label} |log2 ratio|, {', '.join(schemes)}",
                 kind="summary",
                 reproduced=value,

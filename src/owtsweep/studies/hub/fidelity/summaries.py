@@ -21,7 +21,7 @@ from owtsweep.verdicts.inference import Claim, all_of, mean_ratio
 from owtsweep.verdicts.statements import JudgedStatement
 from owtsweep.verdicts.summary import (
     NAN,
-    Row,
+    Item,
     agreement,
     distance_rows,
     make_table,
@@ -69,7 +69,7 @@ def fidelity_table(
     )
 
 
-def _boundary(evidence: Evidence, boundaries: Mapping[float, Boundary], period: float) -> Row:
+def _boundary(evidence: Evidence, boundaries: Mapping[float, Boundary], period: float) -> Item:
     """The boundary at one period (s) against the published one, if there is one."""
     at_period = boundaries.get(period)
     if period not in PUBLISHED:
@@ -83,7 +83,7 @@ def _boundary(evidence: Evidence, boundaries: Mapping[float, Boundary], period: 
     return _boundary_row(item, PUBLISHED[period], at_period, agreement(verdict), why)
 
 
-def _growth(evidence: Evidence) -> Row:
+def _growth(evidence: Evidence) -> Item:
     """The boundary at 8 s over that at 4 s."""
     ratio = ratio_of_boundaries(evidence, 8.0, 4.0)
     claim = Claim("", (ratio.against(1.0, "above"),) if ratio else ())
@@ -93,8 +93,8 @@ def _growth(evidence: Evidence) -> Row:
 
 def _boundary_row(
     item: str, published: float, boundary: Boundary | None, agrees: str, why: str
-) -> Row:
-    row = Row(item, "boundary", published, agrees=agrees, why=NO_BOUNDARY)
+) -> Item:
+    row = Item(item, "boundary", published, agrees=agrees, why=NO_BOUNDARY)
     if boundary is None:
         return row
     return replace(
@@ -103,7 +103,7 @@ def _boundary_row(
     )  # fmt: skip
 
 
-def _winner(evidence: Evidence, number: int) -> Row:
+def _winner(evidence: Evidence, number: int) -> Item:
     """The published winner's position MSE over that of the best of the others, here and there."""
     cell = TABLE_CELLS[number]
     table = published_numbers()
@@ -111,7 +111,7 @@ def _winner(evidence: Evidence, number: int) -> Row:
     printed = chosen.groupby("scheme")["published"].sum().sort_values()
     winner = str(printed.index[0])
     why = f"print: {winner}, before {printed.index[1]}"
-    row = Row(f"table {number} winner", "winner", float(printed.iloc[0] / printed.iloc[1]))
+    row = Item(f"table {number} winner", "winner", float(printed.iloc[0] / printed.iloc[1]))
     rivals, means = evidence.best_other(winner, cell), evidence.paired(SCHEMES, cell)
     if rivals is None or means is None:
         return replace(row, why=f"{why}; ({cell}) or a scheme is not in this run")
@@ -121,13 +121,13 @@ def _winner(evidence: Evidence, number: int) -> Row:
     return replace(row, why=why).decided(decision, agreement(Claim("", (decision,)).verdict))
 
 
-def _ekf_ratio(evidence: Evidence, number: int) -> Row:
+def _ekf_ratio(evidence: Evidence, number: int) -> Item:
     """Velocity MSE over position MSE of EKF: where its loop resonates."""
     cell, (low, high) = TABLE_CELLS[number], EKF_RATIO
     table = published_numbers()
     chosen = table[(table["table"] == number) & (table["scheme"] == "EKF")]
     value = chosen.set_index("measure")["published"]
-    row = Row(
+    row = Item(
         item=f"EKF velocity / position MSE, table {number}",
         kind="summary",
         published=float((value["vx"] + value["vy"]) / (value["x"] + value["y"])),

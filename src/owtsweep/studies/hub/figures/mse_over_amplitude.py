@@ -67,7 +67,8 @@ def draw(
         PANELS,
         title=f"Mean squared error over amplitude, natural period {natural_period:g} s\n"
         f"{style.describe_window(window)}, tuning: {tuning}",
-        points=curves.Points(_add_parts(printed), label),
+        points=_add_parts(printed),
+        points_label=label,
         coinciding=coinciding,
         notes=[
             f"Table {row['table']}, {row['scheme']}: {row['note']}."
