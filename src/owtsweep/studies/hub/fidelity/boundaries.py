@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS
-from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, DIGITS, Evidence, cells
+from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, Evidence, cells
 from owtsweep.verdicts.claims import claim_ratio
+from owtsweep.verdicts.evidence import DIGITS
 from owtsweep.verdicts.inference import Claim, Decision, Side, interval
 
 if TYPE_CHECKING:
@@ -79,7 +80,8 @@ def ratio_of_boundaries(evidence: Evidence, period: float, to: float) -> Boundar
 
 def all_boundaries(evidence: Evidence) -> dict[float, Boundary]:
     """Natural period (s) -> boundary, for the run's periods that have both schemes."""
-    boundaries = {period: boundary_at(evidence, period) for period in sorted(evidence.periods)}
+    periods = map(float, evidence.grid["natural_period"])
+    boundaries = {period: boundary_at(evidence, period) for period in sorted(periods)}
     return {period: item for period, item in boundaries.items() if item is not None}
 
 
