@@ -1,7 +1,7 @@
 """Results that cost seconds are kept: in memory, and in the user's cache folder.
 
-A file is known by everything that its numbers depend on, the program's own source included, so an
-edit never meets numbers of before. A file that is damaged is computed again.
+A file is named after everything that its numbers depend on, the program's own source included. So
+an edit never meets numbers of before. A damaged file is computed again.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def folder() -> Path:
 
 
 def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
-    """Arrays by name, computed unless they are known.
+    """Arrays by name, computed unless they are kept already.
 
     Parameters
     ----------
@@ -79,8 +79,8 @@ def _read(path: Path) -> dict[str, Array] | None:
         digest, body = data[:16], data[16:]
         if hashlib.blake2b(body, digest_size=16).digest() != digest:
             return None
-        with np.load(io.BytesIO(body), allow_pickle=False) as found:
-            return {name: found[name] for name in found.files}
+        with np.load(io.BytesIO(body), allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
     except (OSError, ValueError, KeyError):
         return None
 

@@ -95,7 +95,7 @@ class _Prober:
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
         self.chain, self.sensors, self.steps, self.settled = chain, sensors, steps, settled
-        self.scales = nodes.scales(chain, sensors)
+        self.scales = nodes.measure_scales(chain, sensors)
         self.space = Workspace(chain, steps, sensors)
 
     def __call__(self, probe: Probe) -> Array:
@@ -106,9 +106,9 @@ class _Prober:
     def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
         """Nodes over the band and the energies at each."""
 
-        def wrong(left: Array, right: Array, predicted: Array, found: Array) -> Array:
+        def wrong(left: Array, right: Array, predicted: Array, answered: Array) -> Array:
             return np.asarray(
-                np.any(np.abs(predicted - found) > MOTION_TOLERANCE * found, axis=(0, 1))
+                np.any(np.abs(predicted - answered) > MOTION_TOLERANCE * answered, axis=(0, 1))
             )
 
         first = nodes.over_band(band, self.scales, self.steps * self.sensors.step)
@@ -172,21 +172,21 @@ class _Prober:
                 np.any(part * shares > NOISE_TOLERANCE * total[..., None], axis=(0, 1))
             )
 
-        def wrong(left: Array, right: Array, predicted: Array, found: Array) -> Array:
-            return large(left, right, np.abs(predicted - found))
+        def wrong(left: Array, right: Array, predicted: Array, answered: Array) -> Array:
+            return large(left, right, np.abs(predicted - answered))
 
-        found = nodes.refined(
+        refined = nodes.refined(
             first, values, lambda n: self(probe(n)), _between, wrong, matters=large, whole=True
         )
-        return np.asarray(np.sum(weight * _between(number, *found), axis=-1))
+        return np.asarray(np.sum(weight * _between(number, *refined), axis=-1))
 
 
-def _between(x: Array, known: Array, values: Array) -> Array:
+def _between(x: Array, places: Array, values: Array) -> Array:
     """Positive curves (..., n) between their nodes: cubic (monotone) in both logarithms."""
     from scipy.interpolate import PchipInterpolator
 
     logs = np.log(np.maximum(values, np.finfo(float).tiny))
-    if len(known) < 2:
+    if len(places) < 2:
         return np.asarray(np.exp(np.repeat(logs, len(x), axis=-1)))
-    curve = PchipInterpolator(np.log(known), logs, axis=-1)
-    return np.asarray(np.exp(curve(np.log(np.clip(x, known[0], known[-1])))))
+    curve = PchipInterpolator(np.log(places), logs, axis=-1)
+    return np.asarray(np.exp(curve(np.log(np.clip(x, places[0], places[-1])))))

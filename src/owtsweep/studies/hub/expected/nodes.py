@@ -38,7 +38,7 @@ class Scales:
     rate: float
 
 
-def scales(chain: Chain, sensors: Sensors) -> Scales:
+def measure_scales(chain: Chain, sensors: Sensors) -> Scales:
     """The scales of a chain."""
     rate = 1.0 / sensors.fix_step
     window = chain.mhe.horizon * sensors.fix_step if chain.mhe.active else 0.0
@@ -47,28 +47,28 @@ def scales(chain: Chain, sensors: Sensors) -> Scales:
     return Scales(min(1.0 / max(window, 1e-9), widest), 1.0 / max(lag, 1e-9), rate)
 
 
-def over_band(band: tuple[float, float], known: Scales, duration: float) -> Array:
+def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Array:
     """First frequencies (Hz) over a band, both edges included."""
     low, high = band
-    nodes = [np.geomspace(low, high, 8), _evenly(low, high, known.window / PER_RIPPLE)]
-    for multiple in range(1, int(high / known.rate) + 2):
-        offsets = np.geomspace(0.25 / duration, 0.5 * known.window, 10)
-        centre = multiple * known.rate
+    nodes = [np.geomspace(low, high, 8), _evenly(low, high, scales.window / PER_RIPPLE)]
+    for multiple in range(1, int(high / scales.rate) + 2):
+        offsets = np.geomspace(0.25 / duration, 0.5 * scales.window, 10)
+        centre = multiple * scales.rate
         nodes += [centre - offsets, np.array([centre]), centre + offsets]
-    found = np.unique(np.concatenate(nodes))
-    found = found[(found >= low) & (found <= high)]
-    apart = np.diff(found) > 1e-9 * high
-    return np.asarray(found[np.concatenate([[True], apart])])
+    frequency = np.unique(np.concatenate(nodes))
+    frequency = frequency[(frequency >= low) & (frequency <= high)]
+    apart = np.diff(frequency) > 1e-9 * high
+    return np.asarray(frequency[np.concatenate([[True], apart])])
 
 
-def numbers(last: int, per_number: float, known: Scales) -> Array:
+def numbers(last: int, per_number: float, scales: Scales) -> Array:
     """First numbers 1 ... last of basis vectors of the frequencies number x per_number (Hz)."""
     decades = np.log10(max(last, 2))
     nodes = [np.arange(1.0, min(last, 3) + 1.0), np.geomspace(1, last, int(PER_DECADE * decades))]
-    for spacing, top in ((known.window, known.rate), (known.lag, 6.0 * known.lag)):
+    for spacing, top in ((scales.window, scales.rate), (scales.lag, 6.0 * scales.lag)):
         nodes.append(_evenly(1.0, min(top / per_number, last), spacing / PER_RIPPLE / per_number))
-    found = np.unique(np.rint(np.concatenate(nodes)))
-    return np.asarray(found[(found >= 1) & (found <= last)])
+    whole = np.unique(np.rint(np.concatenate(nodes)))
+    return np.asarray(whole[(whole >= 1) & (whole <= last)])
 
 
 def _evenly(low: float, high: float, spacing: float) -> Array:
@@ -98,7 +98,7 @@ def refined(
     between
         (x, nodes, values) -> values at x.
     wrong
-        (left, right, predicted, found) -> (n,): which middles miss.
+        (left, right, predicted, answered) -> (n,): which middles miss.
     matters
         (left, right, predicted) -> (n,): which middles to look at in the first place.
     whole
@@ -118,11 +118,11 @@ def refined(
             predicted = predicted[..., some]
         if not len(middle):
             break
-        found = answer(middle)
-        missed = wrong(left, right, predicted, found)
+        answered = answer(middle)
+        missed = wrong(left, right, predicted, answered)
         order = np.argsort(np.append(nodes, middle), kind="stable")
         nodes = np.append(nodes, middle)[order]
-        values = np.concatenate([values, found], axis=-1)[..., order]
+        values = np.concatenate([values, answered], axis=-1)[..., order]
         left, middle, right = left[missed], middle[missed], right[missed]
         left, right = np.append(left, middle), np.append(middle, right)
         left, right = np.sort(left), np.sort(right)

@@ -55,7 +55,7 @@ def lines_of(band: tuple[float, float], duration: float) -> Lines:
     return Lines(frequency, rfft(beat).real, size)
 
 
-def expected_ratio(spectrum: Spectrum, curves: Array, known: Lines) -> Array:
+def expected_ratio(spectrum: Spectrum, curves: Array, of_records: Lines) -> Array:
     """Expected mean square error of records of standard deviation 1 m, (...).
 
     E[n / d] = E n / E d (1 + var d / (E d)^2 - cov(n, d) / (E n E d)), right to second order in the
@@ -70,17 +70,17 @@ def expected_ratio(spectrum: Spectrum, curves: Array, known: Lines) -> Array:
     """
     from scipy.fft import rfft
 
-    share = spectrum.density(known.frequency)
+    share = spectrum.density(of_records.frequency)
     share = share / np.sum(share)
     mean = np.sum(share * curves, axis=-1)
     shapes = np.concatenate([np.ones((1, len(share))), _rows(curves)]) ** 0.5 * share
-    transformed = np.abs(rfft(shapes, n=known.size, axis=-1)) ** 2 * known.beat
+    transformed = np.abs(rfft(shapes, n=of_records.size, axis=-1)) ** 2 * of_records.beat
     # Parseval for real sequences: all but the first and, of an even length, the last count twice
     twice = np.full(transformed.shape[-1], 2.0)
     twice[0] = 1.0
-    if known.size % 2 == 0:
+    if of_records.size % 2 == 0:
         twice[-1] = 1.0
-    beats = np.sum(transformed * twice, axis=-1) / known.size
+    beats = np.sum(transformed * twice, axis=-1) / of_records.size
     relative = beats[1:].reshape(mean.shape) / mean
     return np.asarray(mean * (1.0 + beats[0] - relative))
 

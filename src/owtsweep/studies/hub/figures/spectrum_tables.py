@@ -25,15 +25,8 @@ def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     import pandas as pd
 
     parts = [
-        pd.DataFrame(
-            {
-                "scheme": name,
-                "frequency": found.spectrum.frequency,
-                "position": found.spectrum.position,
-                "velocity": found.spectrum.velocity,
-            }
-        )
-        for name, found in errors.items()
+        pd.DataFrame({"scheme": name, **vars(of_scheme.spectrum)})
+        for name, of_scheme in errors.items()
     ]
     return pd.concat(parts, ignore_index=True)
 
@@ -43,11 +36,11 @@ def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     import pandas as pd
 
     rows = []
-    for name, found in errors.items():
+    for name, of_scheme in errors.items():
         for measure in MEASURES:
             parts = dict.fromkeys(SOURCES, float("nan"))
-            if found.floor is not None:
-                parts = {source: getattr(found.floor, measure)[source] for source in SOURCES}
+            if of_scheme.floor is not None:
+                parts = {source: getattr(of_scheme.floor, measure)[source] for source in SOURCES}
             for source, value in {**parts, "all": sum(parts.values())}.items():
                 rows.append((name, measure, source, value))
     return pd.DataFrame(rows, columns=["scheme", "measure", "source", "mse"])
@@ -76,13 +69,13 @@ def terminal(config: HubConfig, errors: Mapping[str, SchemeErrors]) -> Table:
     table.add_column("of")
     for source in (*SOURCES, "all"):
         table.add_column(source, justify="right")
-    for name, found in errors.items():
+    for name, of_scheme in errors.items():
         for measure, unit in (("position", "cm"), ("velocity", "cm/s")):
-            if found.floor is None:
+            if of_scheme.floor is None:
                 table.add_row(name, measure, *["-"] * len(SOURCES), "does not settle")
                 continue
-            parts = getattr(found.floor, measure)
-            values = [*(parts[source] for source in SOURCES), found.floor.of(measure)]
+            parts = getattr(of_scheme.floor, measure)
+            values = [*(parts[source] for source in SOURCES), of_scheme.floor.of(measure)]
             cells = [f"{100 * np.sqrt(value):.3g} {unit}" for value in values]
             table.add_row(name, measure, *cells)
     return table
