@@ -1,14 +1,18 @@
-"""Error spectra and noise floors as tables: CSV and terminal."""
+"""The command `spectrum`: the error spectra drawn, and they and the noise floors as tables."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from owtsweep.figures import style
+from owtsweep.io.tables import write_table
 from owtsweep.statistics.contest import agree, group_coinciding
-from owtsweep.studies.hub.figures.error_spectra import SchemeErrors
+from owtsweep.studies.hub.figures import error_spectra
+from owtsweep.studies.hub.figures.error_spectra import UNITS, SchemeErrors
 from owtsweep.studies.hub.noise_floor import SOURCES
 
 if TYPE_CHECKING:
@@ -17,7 +21,16 @@ if TYPE_CHECKING:
 
     from owtsweep.studies.hub.config import HubConfig
 
-MEASURES = ("position", "velocity")
+
+def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple[list[Path], Table]:
+    """Draw the schemes' error spectra, and write them and the noise floors as tables."""
+    errors = error_spectra.compute(config)
+    figure = error_spectra.draw(config, errors=errors, coinciding=coinciding(errors), motion=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    files = style.save(figure, folder, "error_spectra", metadata)
+    files.append(write_table(folder, "spectrum", curves(errors)))
+    files.append(write_table(folder, "noise_floor", floors(errors)))
+    return files, terminal(config, errors)
 
 
 def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
@@ -37,7 +50,7 @@ def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 
     rows = []
     for name, of_scheme in errors.items():
-        for measure in MEASURES:
+        for measure in UNITS:
             parts = dict.fromkeys(SOURCES, float("nan"))
             if of_scheme.floor is not None:
                 parts = {source: getattr(of_scheme.floor, measure)[source] for source in SOURCES}
@@ -51,7 +64,7 @@ def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
     spectra = [error.spectrum for error in errors.values()]
 
     def coincide(i: int, j: int) -> bool:
-        return all(np.all(agree(spectra[i].of(m), spectra[j].of(m))) for m in MEASURES)
+        return all(np.all(agree(spectra[i].of(m), spectra[j].of(m))) for m in UNITS)
 
     return group_coinciding(list(errors), coincide)
 
