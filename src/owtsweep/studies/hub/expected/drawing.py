@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ import numpy as np
 from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import OK
 from owtsweep.studies.hub import criteria, figures, scheme_names
+from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
 from owtsweep.studies.hub.expected import answers, engine
 
 if TYPE_CHECKING:
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
 FINE = 200
 #: In grids of more periods no figure per period is drawn.
 MOST_PERIODS = 12
+#: What an amplitude measures, by `normalise`.
+MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
 
 
 def drawings(
@@ -50,7 +54,7 @@ def draw_map(
     config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame, criterion: str
 ) -> Figure:
     """The smooth map over the grid's range; cells where the range is a point or has gaps."""
-    from owtsweep.studies.hub.figures import expected_map
+    from owtsweep.figures import smooth_map, style
 
     names, window, grid = scheme_names(config), config.measures.window, config.grid
     same = answers.coinciding(rows, names, window, (criterion,))
@@ -66,8 +70,26 @@ def draw_map(
     finished = [name for name in names if ((rows["scheme"] == name) & (rows["status"] == OK)).any()]
     fine = engine.rows_of(config, finished, [float(period) for period in periods])
     expected = answers.expected(fine, names, criterion, window)
-    return expected_map.draw(
-        expected.at(amplitudes), expected.schemes, periods, amplitudes,
-        criterion=criterion, window=window, tuning=config.tuning, normalise=config.normalise,
+    values = expected.at(amplitudes)
+    verdict = answers.judge(values)
+    amplitude = f"amplitude: {MEANING[config.normalise]} along the waves"
+    field = smooth_map.Field(
+        across=NATURAL_PERIOD,
+        upwards=replace(AMPLITUDE, label=amplitude),
+        columns=periods,
+        lines=amplitudes,
+        values=values,
+        best=verdict.best,
+        excess=100.0 * (verdict.mse_runner_up / verdict.mse_best - 1.0),
+        distinguishable=verdict.distinguishable,
+        resolution=answers.RESOLUTION,
+    )
+    return smooth_map.draw(
+        field,
+        expected.schemes,
+        title=f"Best scheme by expected {criterion} MSE\n"
+        f"{style.describe_window(window)}, tuning: {config.tuning}, no records",
+        origin="All values are expectations over all records, computed from error spectra and "
+        "noise without any record.",
         coinciding=same,
-    )  # fmt: skip
+    )

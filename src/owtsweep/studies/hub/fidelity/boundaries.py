@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
@@ -115,12 +116,7 @@ def boundary_claims(evidence: Evidence, period: float) -> list[Claim]:
 def _rows(evidence: Evidence, *periods: float) -> pd.DataFrame | None:
     """The cases of both schemes at these periods, or None if there are none of one of them."""
     finished = evidence.finished
-    chosen = finished[
-        finished["scheme"].isin([LOWER, UPPER])
-        & finished["natural_period"].astype(float).round(DIGITS).isin(periods)
-    ]
-    wanted = {(scheme, period) for scheme in (LOWER, UPPER) for period in periods}
-    present = zip(
-        chosen["scheme"], chosen["natural_period"].astype(float).round(DIGITS), strict=True
-    )
-    return chosen if wanted <= set(present) else None
+    exact = finished["natural_period"].astype(float).round(DIGITS)
+    chosen = finished["scheme"].isin(BOUNDARY) & exact.isin(periods)
+    present = set(zip(finished["scheme"][chosen], exact[chosen], strict=True))
+    return finished[chosen] if set(product(BOUNDARY, periods)) <= present else None

@@ -132,11 +132,7 @@ def score(products: Products) -> Score:
 
     wrong = sum(a != b for a, b in zip(winners("published"), winners("reproduced"), strict=True))
     limits = {p: boundary(products["HME2"][p], products["HME1"][p]) for p in PERIODS}
-    penalties = WINNER_PENALTY * wrong + BOUNDARY_WEIGHT * boundary_distance(limits)
+    parts = np.array([np.log2(limits[period] / target) for period, target in PUBLISHED.items()])
+    apart = float(np.sum(np.where(np.isfinite(parts), np.abs(parts), NO_BOUNDARY)))
+    penalties = WINNER_PENALTY * wrong + BOUNDARY_WEIGHT * apart
     return Score(penalties, winners("reproduced"), limits)
-
-
-def boundary_distance(limits: Mapping[float, float]) -> float:
-    """Sum of |log2| of the boundaries at 4 and 6 s over the published ones."""
-    parts = [np.log2(limits[period] / target) for period, target in PUBLISHED.items()]
-    return float(np.sum(np.where(np.isfinite(parts), np.abs(parts), NO_BOUNDARY)))
