@@ -9,8 +9,10 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
-from owtsweep.studies.hub.fidelity import histories, reasons
+from owtsweep.studies.hub.conditions import CONDITIONS
+from owtsweep.studies.hub.fidelity import reasons
 from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, PERIODS, SCHEMES, Evidence
+from owtsweep.studies.hub.fidelity.history_errors import HistoryErrors
 from owtsweep.studies.hub.fidelity.score import published_numbers
 
 REPLICATES = 6
@@ -28,7 +30,7 @@ def world(
     periods=PERIODS,
     amplitudes=AMPLITUDES,
     schemes=SCHEMES,
-    made: histories.Histories | None = None,
+    made: HistoryErrors | None = None,
 ) -> Evidence:
     """A run whose schemes have these terms, by scheme or by (measure, natural period).
 
@@ -51,13 +53,25 @@ def world(
             row |= {"window": window, "amplitude": np.nan, "motion": A * factor[r], "cross": 0.0}
             row |= {"noise": F * factor[r], "value": np.nan, "n_samples": samples}
             rows.append(row | {"status": "ok", "reason": ""})
+    return make_evidence(pd.DataFrame(rows), schemes, periods, amplitudes, made)
+
+
+def make_evidence(
+    rows: pd.DataFrame,
+    schemes=SCHEMES,
+    periods=PERIODS,
+    amplitudes=AMPLITUDES,
+    made: HistoryErrors | None = None,
+) -> Evidence:
+    """The evidence of these rows in the full window."""
     return Evidence(
-        rows=pd.DataFrame(rows),
+        rows=rows,
+        conditions=CONDITIONS,
+        grid={"natural_period": tuple(periods), "amplitude": tuple(amplitudes)},
         schemes=tuple(schemes),
-        periods=tuple(periods),
-        amplitudes=tuple(amplitudes),
+        rivals=SCHEMES,
         window="full",
-        histories=made,
+        history_errors=made,
     )
 
 
@@ -121,4 +135,4 @@ def scattered_world() -> Evidence:
         rows[name] *= rng.uniform(0.5, 2.0, len(rows))
     rows["cross"] = rng.normal(0.0, 1e-4, len(rows))
     rows.loc[3, "status"] = "failed"
-    return Evidence(rows, SCHEMES, PERIODS, AMPLITUDES, "full")
+    return make_evidence(rows)

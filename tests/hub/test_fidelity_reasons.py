@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from fidelity_worlds import EVERYTHING, Terms, printed, scattered_world, world
+from fidelity_worlds import EVERYTHING, Terms, make_evidence, printed, scattered_world, world
 from scipy import stats
 from tools import configure
 
 from owtsweep.studies.hub import batch
-from owtsweep.studies.hub.fidelity import consistency, histories, reasons
-from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, PERIODS, SCHEMES, Cell, Evidence
+from owtsweep.studies.hub.fidelity import history_errors, reasons
+from owtsweep.studies.hub.fidelity.contents import FREEDOM
+from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
 from owtsweep.studies.hub.fidelity.score import published_numbers
 from owtsweep.studies.hub.filter_states import bias_of
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.hub.true_bias import simulate_bias
+from owtsweep.verdicts.consistency import judge_consistency, judge_intervals
 
 
 @pytest.fixture(scope="module")
@@ -57,17 +59,19 @@ def test_a_floor_that_single_records_could_fake_is_doubted():
     evidence = world(printed, measures=EVERYTHING)
     rows = evidence.rows.copy()
     rows["noise"] *= 3.0
-    sure = Evidence(rows, SCHEMES, PERIODS, AMPLITUDES, "full")
+    sure = make_evidence(rows)
     rows = rows.copy()
     rows["cross"] = np.where(rows["replicate"] % 2, 1.0, -1.0) * 0.1
-    unsure = Evidence(rows, SCHEMES, PERIODS, AMPLITUDES, "full")
+    unsure = make_evidence(rows)
     arguments = ("EKF", Cell(8.0, 0.2), "x", 3.42e-3)
     assert "not well known" not in reasons.reason(sure, *arguments)
     assert "not well known" in reasons.reason(unsure, *arguments)
 
 
 def test_consistency_by_brute_force(scattered):
-    table = consistency.consistency(scattered).set_index(["scheme", "natural_period", "amplitude"])
+    table = judge_consistency(scattered, FREEDOM).set_index(
+        ["scheme", "natural_period", "amplitude"]
+    )
     assert len(table) == 4 * 6 * 10
     values = scattered.values
     chosen = values[(values["scheme"] == "MKF") & (values["amplitude"] == 2.0)]
@@ -94,22 +98,22 @@ def test_consistency_by_brute_force(scattered):
     ],
 )
 def test_verdict_on_a_cell(nees, nis, verdict):
-    assert consistency.verdict([nees, nis]) == verdict
+    assert judge_intervals([nees, nis]) == verdict
 
 
 def test_histories_are_those_of_the_sweep():
     """Their squared errors are those that the batch engine sums on the fly."""
     config = configure("record.duration=30", "grid.replicates=2")
-    records = make_records(config, histories.NATURAL_PERIOD, [1])
+    records = make_records(config, history_errors.NATURAL_PERIOD, [1])
     chain = resolve("HME2").kernel(records.sensors, config, records.steps)
     bias = true_bias(config, records)
-    errors = histories.absolute_errors(chain, records, bias)
-    direct = batch.direct_sums(chain, batch.Lanes(records), histories.AMPLITUDE, 1)
+    errors = history_errors.absolute_errors(chain, records, bias)
+    direct = batch.direct_sums(chain, batch.Lanes(records), history_errors.AMPLITUDE, 1)
     squares = direct.products[:, :4, 2, 0].sum(axis=0)
     assert np.sum(errors["position"] ** 2, axis=0) == pytest.approx(squares[:2])
     assert np.sum(errors["velocity"] ** 2, axis=0) == pytest.approx(squares[2:])
 
-    made = histories.make_histories(config)
+    made = history_errors.measure_history_errors(config)
     assert {len(inside) for inside in made.inside.values()} == {2}
     step = records.sensors.step
     for quantity, error in errors.items():
@@ -138,4 +142,4 @@ def test_the_true_bias_is_that_of_the_sensors_turned_to_the_north():
 
 
 def test_no_histories_without_both_schemes():
-    assert histories.make_histories(configure("schemes=[MKF,HME1]")) is None
+    assert history_errors.measure_history_errors(configure("schemes=[MKF,HME1]")) is None

@@ -19,7 +19,8 @@ from fidelity_worlds import (
 )
 
 from owtsweep.studies.hub import published
-from owtsweep.studies.hub.fidelity import boundaries, histories
+from owtsweep.studies.hub.fidelity import boundaries
+from owtsweep.studies.hub.fidelity.history_errors import HistoryErrors
 from owtsweep.studies.hub.fidelity.history_statements import HISTORY_STATEMENTS
 from owtsweep.studies.hub.fidelity.numbers import compare_numbers
 from owtsweep.studies.hub.fidelity.report import judge_all
@@ -115,7 +116,7 @@ def sums(**position) -> dict[tuple[str, str], np.ndarray]:
 )
 def test_history_statement(name, verdict, inside, accumulated):
     shares = {"HME1": np.array(inside), "HME2": np.full(len(inside), 0.99)}
-    evidence = world(EQUAL, made=histories.Histories(shares, accumulated), periods=[4.0])
+    evidence = world(EQUAL, made=HistoryErrors(shares, accumulated), periods=[4.0])
     assert all_of(HISTORY_STATEMENTS[name](evidence)) == verdict
 
 

@@ -244,8 +244,8 @@ def run(monkeypatch):
         measures=SimpleNamespace(window="full", criterion="position"),
         grid=SimpleNamespace(natural_period=periods, amplitude=amplitudes, replicates=3),
         tuning="paper",
+        schemes=SCHEMES,
     )
-    monkeypatch.setattr("owtsweep.studies.hub.scheme_names", lambda _: SCHEMES)
     # what is drawn from the configuration alone: tests/hub/test_more_figures.py
     monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
     cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})

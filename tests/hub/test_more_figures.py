@@ -150,8 +150,10 @@ def test_the_lagged_acceleration_stands_at_its_own_moment(record: Histories) -> 
 
 
 def test_bias_and_gravity_and_yaw_are_told_apart() -> None:
-    config = configure("record.duration=100", *SENSORS, tuning="matched")  # yaw 37°, gravity
-    turned = simulate_histories(config, schemes=("MKF",))
+    config = configure(
+        "record.duration=100", "schemes=[MKF]", *SENSORS, tuning="matched"
+    )  # yaw 37°, gravity
+    turned = simulate_histories(config)
     error = turned.estimated["MKF"].bias - turned.bias
     assert np.abs(error[1000:]).mean() < 0.03
     drift = turned.integrated_position[-1] - turned.position[-1]
@@ -194,9 +196,7 @@ def test_time_histories_refuse_what_is_not_there(record: Histories) -> None:
 
 
 def test_sigma_2_has_no_acceleration() -> None:
-    found = simulate_histories(
-        configure("record.duration=10", "mkf.model=sigma2"), schemes=("MKF",)
-    )
+    found = simulate_histories(configure("record.duration=10", "mkf.model=sigma2", "schemes=[MKF]"))
     assert list(found.estimated) == ["MKF"]
     assert found.estimated["MKF"].acceleration is None
 
@@ -219,8 +219,8 @@ def test_a_run_draws_its_records_histories_and_spectra(runs: dict[str, Run]) -> 
 
 
 def test_a_long_history_stays_a_small_file(tmp_path: Path) -> None:
-    config = configure("record.duration=600", "sensors.imu.rate=100", tuning="matched")
-    long = simulate_histories(config, schemes=("MKF", "HME1", "HME2"))
+    changes = ["record.duration=600", "sensors.imu.rate=100", "schemes=[MKF,HME1,HME2]"]
+    long = simulate_histories(configure(*changes, tuning="matched"))
     figure = time_histories.draw(long, "bias", tuning="paper")
     svg = tmp_path / "bias.svg"
     with style.context():

@@ -9,6 +9,7 @@ import pytest
 
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.figures import tables
+from owtsweep.verdicts.published import read_published
 
 
 @pytest.fixture
@@ -51,9 +52,11 @@ def test_facts_spectrum_and_sensors():
     facts = published.facts()
     assert facts["id"].tolist() == [f"F{number}" for number in range(1, 12)]
     assert set(facts["section"]) == {"5.2", "5.3", "5.4"}
-    spectrum = published.spectrum_table().set_index("natural_period")
+    spectrum = read_published(published.PACKAGE, "ren2019_table4_spectrum.csv")
+    spectrum = spectrum.astype({"natural_period_s": float}).set_index("natural_period_s")
     assert spectrum.loc[4.0].tolist() == [1.83e-6, -0.50, 0.062]
-    sensors = published.sensor_table().set_index("parameter")["value"]
+    sensors = read_published(published.PACKAGE, "ren2019_table5_sensors.csv")
+    sensors = sensors.set_index("parameter")["value"].astype(float)
     assert sensors["gnss_accuracy"] == 0.03
     assert sensors["gnss_delay"] == 0.2
 

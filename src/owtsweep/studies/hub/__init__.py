@@ -81,7 +81,7 @@ class HubStudy:
         self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
         """error_spectra.png and .svg, spectrum.csv and noise_floor.csv; prints the floors."""
-        from owtsweep.studies.hub.figures.spectrum_files import write
+        from owtsweep.studies.hub.figures.spectrum_tables import write
 
         return write(config, folder, metadata)
 

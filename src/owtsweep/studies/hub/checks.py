@@ -6,6 +6,7 @@ Types and bounds of single keys are declared in `config`.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from owtsweep.config import require
@@ -13,6 +14,7 @@ from owtsweep.config.checks import GRAIN, require_multiple
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import lines
+from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.schemes import resolve_all
 
 if TYPE_CHECKING:
@@ -33,13 +35,31 @@ def check(config: HubConfig) -> None:
     if any(scheme.name == "HME2" for scheme in schemes):
         _check_mhe(config, config.hme.mhe)
     if config.engine == "expected":
-        from owtsweep.studies.hub.expected.checks import check as check_expected
-
-        check_expected(config)
+        _check_expected(config, schemes)
     if config.measures.extremes:
         require(
             config.evaluation == "direct",
             "measures.extremes: largest errors do not superpose; add evaluation=direct",
+        )
+
+
+def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
+    """Refuse what has no expectation that could be computed without a record."""
+    require(
+        not config.measures.extremes,
+        "measures.extremes: largest errors need records; use engine=batch",
+    )
+    require(
+        config.evaluation == "superposed",
+        "evaluation: engine=expected runs no record, so there is nothing to run directly; use "
+        "evaluation=superposed, or engine=batch",
+    )
+    for scheme in schemes:
+        require(
+            scheme.linear and hasattr(scheme, "kernel"),
+            f"schemes: {scheme.name} has no kernel (linear, with gains that no data change), from "
+            "which engine=expected computes; use engine=batch for it, or set hme.mhe.constraints "
+            "to null if it has any",
         )
 
 

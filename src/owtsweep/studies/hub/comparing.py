@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import TYPE_CHECKING
 
 from owtsweep.comparing.aspects import Aspects
@@ -12,6 +11,7 @@ from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.engines import ENGINES
+from owtsweep.studies.hub.expected import answers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,6 +27,12 @@ def describe_run(run: Candidate) -> Aspects:
     """What a comparison needs to know of a run."""
     config: HubConfig = run.config
     window = config.measures.window
+
+    def find_best(
+        rows: pd.DataFrame, grid: Grid, schemes: Sequence[str], criterion: str
+    ) -> pd.DataFrame:
+        return answers.best_scheme(rows, schemes, [criterion], grid["amplitude"], window)
+
     return Aspects(
         conditions=CONDITIONS,
         grid=get_grid(config),
@@ -35,13 +41,5 @@ def describe_run(run: Candidate) -> Aspects:
         window=window,
         pairing={key: getattr(config, key) for key in PAIRING},
         boundary=BOUNDARY,
-        best_of=None if ENGINES[config.engine]().samples else partial(_best_expected, window),
+        best_of=None if ENGINES[config.engine]().samples else find_best,
     )
-
-
-def _best_expected(
-    window: str, rows: pd.DataFrame, grid: Grid, schemes: Sequence[str], criterion: str
-) -> pd.DataFrame:
-    from owtsweep.studies.hub.expected.answers import best_scheme
-
-    return best_scheme(rows, schemes, [criterion], grid["amplitude"], window)

@@ -126,13 +126,6 @@ class Constraints(Section):
         younger=True,
     )
 
-    @property
-    def bounds(self) -> tuple[float, float, float]:
-        """Of position, velocity and bias; infinite where there is none."""
-        values = (self.position, self.velocity, self.bias)
-        p, v, b = (float("inf") if value is None else value for value in values)
-        return p, v, b
-
 
 class Mhe(Section):
     """The moving horizon estimator of HME2."""
@@ -179,7 +172,10 @@ class Mhe(Section):
     @property
     def bounds(self) -> tuple[float, float, float]:
         """Of |p|, |v| and |b^b|; infinite where there is none."""
-        return (self.constraints or Constraints()).bounds
+        limits = self.constraints or Constraints()
+        values = (limits.position, limits.velocity, limits.bias)
+        p, v, b = (float("inf") if value is None else value for value in values)
+        return p, v, b
 
 
 class Hme(Section):

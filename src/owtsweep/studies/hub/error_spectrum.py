@@ -20,7 +20,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.settled import cycle_of, limit, longest, settled
+from owtsweep.studies.hub.settled import KEPT_CYCLES, cycle_of, limit, longest, settled
 
 Complex = NDArray[np.complex128]
 
@@ -118,8 +118,6 @@ def _error_phasors(
     chain: Chain, sensors: Sensors, frequency: Array, steps: int
 ) -> tuple[Complex, Complex]:
     """h - 1 and h_v - iw over the last cycles, (cycles, steps of a cycle, n) each."""
-    from owtsweep.studies.hub.settled import KEPT_CYCLES
-
     cycle = cycle_of(chain)
     total = steps + KEPT_CYCLES * cycle
     omega = 2.0 * np.pi * frequency

@@ -96,35 +96,16 @@ def natural_period_of(config: HubConfig) -> float:
     return NATURAL_PERIOD
 
 
-def simulate_histories(
-    config: HubConfig,
-    *,
-    natural_period: float | None = None,
-    amplitude: float = AMPLITUDE,
-    replicate: int = 0,
-    schemes: tuple[str, ...] | None = None,
-) -> Histories:
-    """Run the schemes of a study over one record.
-
-    Parameters
-    ----------
-    natural_period
-        s; `natural_period_of(config)` by default.
-    amplitude
-        m.
-    replicate
-        Number of the record.
-    schemes
-        Names of those to run; all with a kernel by default. (Without one a scheme takes minutes.)
-    """
-    period = natural_period_of(config) if natural_period is None else natural_period
-    records = make_records(config, period, [replicate])
+def simulate_histories(config: HubConfig) -> Histories:
+    """Run the schemes of a study that have a kernel over its first record at `AMPLITUDE`."""
+    period = natural_period_of(config)
+    records = make_records(config, period, [0])
     sensors, motion = records.sensors, records.motion[0]
     signal = [
-        amplitude * np.outer(series, records.direction)
+        AMPLITUDE * np.outer(series, records.direction)
         for series in (motion.position, motion.velocity, motion.acceleration)
     ]
-    force, fixes = batch.Lanes(records).at(amplitude)
+    force, fixes = batch.Lanes(records).at(AMPLITUDE)
     T = sensors.step
     measured = force + np.array(sensors.gravity)
     integrated_velocity = signal[1][0] + _shift_by_one(np.cumsum(T * measured, axis=0))
@@ -134,9 +115,8 @@ def simulate_histories(
     estimated: dict[str, SchemeHistory] = {}
     left_out: dict[str, str] = {}
     for scheme in resolve_all(config.schemes, config):
-        wanted = schemes is None or scheme.name in schemes
-        if not (wanted and hasattr(scheme, "kernel")):
-            continue
+        if not hasattr(scheme, "kernel"):
+            continue  # step by step it would take minutes
         try:
             chain = scheme.kernel(sensors, config, records.steps)
         except InputError as error:  # a tuning that this scheme cannot run with
@@ -145,7 +125,7 @@ def simulate_histories(
         estimated[scheme.name] = _estimate(chain, sensors, force, fixes)
     return Histories(
         natural_period=period,
-        amplitude=amplitude,
+        amplitude=AMPLITUDE,
         time=T * np.arange(records.steps),
         position=signal[0],
         velocity=signal[1],

@@ -24,20 +24,9 @@ WINDOWS = ("full", "settled")
 Columns = dict[str, Array | NDArray[np.int64] | list[str]]
 #: Columns of a shard, in order.
 COLUMNS = (
-    "natural_period",
-    "replicate",
-    "scheme",
-    "measure",
-    "window",
-    "amplitude",
-    "motion",
-    "cross",
-    "noise",
-    "value",
-    "n_samples",
-    "status",
-    "reason",
-)
+    "natural_period", "replicate", "scheme", "measure", "window", "amplitude", "motion", "cross",
+    "noise", "value", "n_samples", "status", "reason",
+)  # fmt: skip
 
 
 class Measured(NamedTuple):

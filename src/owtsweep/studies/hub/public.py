@@ -35,95 +35,38 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.true_bias import simulate_bias
 
 __all__ = [
-    "ROOMS",
-    "WIDTH",
-    "Chain",
-    "ErrorSpectrum",
-    "ForceNoise",
-    "Grid",
-    "HubConfig",
-    "Lanes",
-    "Measurements",
-    "NoiseFloor",
-    "OnePassSeries",
-    "Scheme",
-    "Sensors",
-    "at_amplitude",
-    "backend",
-    "bias_of",
-    "chain_for_runs",
-    "chunks",
-    "compare",
-    "error_spectrum",
-    "expected_mse",
-    "explain_anew",
-    "fix_count",
-    "fix_noise",
-    "has_acceleration",
-    "lag_of",
-    "make_lanes",
-    "make_sensors",
-    "noise_floor",
-    "require_scheme",
-    "resolve_all",
-    "scheme_content",
-    "scheme_products",
-    "score",
-    "simulate_bias",
-    "state_chunks",
-    "trajectories",
+    "ROOMS", "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "Lanes",
+    "Measurements", "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "at_amplitude", "backend",
+    "bias_of", "chain_for_runs", "chunks", "compare", "error_spectrum", "expected_mse",
+    "explain_anew", "fix_count", "fix_noise", "has_acceleration", "lag_of", "make_lanes",
+    "make_sensors", "noise_floor", "require_scheme", "resolve_all", "scheme_content",
+    "scheme_products", "score", "simulate_bias", "state_chunks", "trajectories",
 ]  # fmt: skip
 
-#: Name -> its module.
+#: Module -> its names.
 _HOMES = {
-    # configuration
-    "HubConfig": "config",  # all keys of the hub study, to extend
-    "Grid": "config",  # its axes
-    # sensors
-    "Sensors": "contract",  # what an estimator may know of its sensors
-    "Measurements": "sensors",  # specific force and fixes of a record
-    "make_sensors": "sensors",  # `Sensors` of a configuration
-    "ForceNoise": "sensors",  # all of the specific force but motion, piece by piece
-    "fix_count": "sensors",  # how many fixes a record has
-    "fix_noise": "sensors",  # the noise of its fixes
-    "simulate_bias": "true_bias",  # the bias that its noise holds
-    # schemes and how they run
-    "Scheme": "contract",  # an estimation scheme
-    "require_scheme": "schemes",  # refuse what is no scheme
-    "resolve_all": "schemes",  # the schemes that a configuration names
-    "explain_anew": "blocks",  # why its blocks are computed anew even if they are stored
-    "scheme_content": "blocks",  # what a block's key holds of a scheme
-    "backend": "blocks",  # threads or processes
-    "Chain": "chain",  # a scheme as the kernels run it
-    "chain_for_runs": "chain",  # make one
-    "WIDTH": "kernels.layout",  # series that a kernel runs side by side
-    "OnePassSeries": "one_pass",  # a series that is made as the kernels need it
-    "chunks": "batch",  # the estimates of a chain, chunk by chunk
-    "trajectories": "batch",  # the estimates of a chain over whole records
-    "state_chunks": "batch",  # the states of its filter, chunk by chunk
-    "lag_of": "filter_states",  # how late they are
-    "has_acceleration": "filter_states",  # whether acceleration is one of them
-    "bias_of": "filter_states",  # the bias that they mean
-    # errors without records
-    "ErrorSpectrum": "error_spectrum",  # error per unit of motion over frequency
-    "error_spectrum": "error_spectrum",  # compute it
-    "expected_mse": "error_spectrum",  # the MSE that it means for a spectrum of the motion
-    "NoiseFloor": "noise_floor",  # MSE that the sensors' noise makes
-    "noise_floor": "noise_floor",  # compute it
-    # the distance from the published numbers
-    "Lanes": "batch",  # the records of one natural period, as the kernels take them
-    "make_lanes": "fidelity.score",  # those of all natural periods
-    "scheme_products": "fidelity.score",  # mean products of a scheme on them
-    "at_amplitude": "fidelity.score",  # the MSE that products mean at an amplitude
-    "compare": "fidelity.score",  # products against the published numbers
-    "score": "fidelity.score",  # one number of all four schemes
+    "batch": ["Lanes", "chunks", "state_chunks", "trajectories"],
+    "blocks": ["backend", "explain_anew", "scheme_content"],
+    "chain": ["Chain", "chain_for_runs"],
+    "config": ["Grid", "HubConfig"],
+    "contract": ["Scheme", "Sensors"],
+    "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse"],
+    "fidelity.score": ["at_amplitude", "compare", "make_lanes", "scheme_products", "score"],
+    "filter_states": ["bias_of", "has_acceleration", "lag_of"],
+    "kernels.layout": ["WIDTH"],
+    "noise_floor": ["NoiseFloor", "noise_floor"],
+    "one_pass": ["OnePassSeries"],
+    "schemes": ["require_scheme", "resolve_all"],
+    "sensors": ["ForceNoise", "Measurements", "fix_count", "fix_noise", "make_sensors"],
+    "true_bias": ["simulate_bias"],
 }
 #: Names that are others there.
 _OTHER_NAMES = {"make_sensors": "sensors", "require_scheme": "check_scheme"}
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = import_module(f"owtsweep.studies.hub.{_HOMES[name]}")
-    return getattr(home, _OTHER_NAMES.get(name, name))
+    for home, names in _HOMES.items():
+        if name in names:
+            module = import_module(f"owtsweep.studies.hub.{home}")
+            return getattr(module, _OTHER_NAMES.get(name, name))
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -47,16 +47,3 @@ def mse_tables() -> pd.DataFrame:
 def facts() -> pd.DataFrame:
     """What the text says about the results: id (F1-F11), section, quantity, statement."""
     return read_published(PACKAGE, "ren2019_facts.csv", text=("section",))
-
-
-def spectrum_table() -> pd.DataFrame:
-    """Table 4: natural_period (s) and the spectrum's a (m^2 Hz), b (Hz), c (Hz^2) of Eq. (1)."""
-    table = read_published(PACKAGE, "ren2019_table4_spectrum.csv").rename(
-        columns={"natural_period_s": "natural_period"}
-    )
-    return table.astype({"natural_period": float})
-
-
-def sensor_table() -> pd.DataFrame:
-    """Table 5: parameter, value, unit (SI)."""
-    return read_published(PACKAGE, "ren2019_table5_sensors.csv").astype({"value": float})

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from owtsweep.figures.drawings import Drawing
-from owtsweep.results.status import FAILED, OK
+from owtsweep.results.status import OK
+from owtsweep.studies.hub import criteria, figures, scheme_names
+from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
 from owtsweep.studies.hub.expected import answers, engine
 
 if TYPE_CHECKING:
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
 FINE = 200
 #: In grids of more periods no figure per period is drawn.
 MOST_PERIODS = 12
+#: What an amplitude measures, by `normalise`.
+MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
 
 
 def drawings(
@@ -31,69 +36,60 @@ def drawings(
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
     """Name -> what draws it: the maps, MSE over amplitude and the error spectra."""
-    from owtsweep.figures import style
-    from owtsweep.studies.hub import criteria, scheme_names
-    from owtsweep.studies.hub.figures import MAP, PAPER_FIGURES, error_spectra, mse_over_amplitude
+    from owtsweep.studies.hub.figures import error_spectra
 
-    names = scheme_names(config)
-    window = config.measures.window
-    same = answers.coinciding(rows, names, window, criteria(config))
-
-    def over_amplitude(period: float) -> Callable[[], Figure]:
-        return lambda: mse_over_amplitude.draw(
-            tables["summary"], period, names, window=window, tuning=config.tuning, coinciding=same
-        )
-
-    def saving(draw: Callable[[], Figure]) -> Drawing:
-        def save(folder: Path, name: str) -> list[Path]:
-            with style.context():
-                return style.save(draw(), folder, name, metadata)
-
-        return save
-
-    figures: dict[str, Callable[[], Figure]] = {
-        MAP: lambda: best(config, tables, rows, config.measures.criterion),
-        "best_scheme_velocity": lambda: best(config, tables, rows, "velocity"),
+    same = answers.coinciding(rows, scheme_names(config), config.measures.window, criteria(config))
+    periods = set(rows["natural_period"])
+    if len(periods) > MOST_PERIODS:
+        periods = set()
+    drawn = {
+        **figures.maps(config, partial(draw_map, config, tables, rows)),
         "error_spectra": lambda: error_spectra.draw(config, coinciding=same),
+        **figures.over_amplitude(config, tables["summary"], periods, lambda: same),
     }
-    periods = sorted(set(rows["natural_period"]))
-    for period in periods if len(periods) <= MOST_PERIODS else []:
-        number = f"figure_{PAPER_FIGURES[period]}_" if period in PAPER_FIGURES else ""
-        figures[f"{number}mse_{period:g}s"] = over_amplitude(period)
-    return {name: saving(draw) for name, draw in figures.items()}
+    return figures.save_each(drawn, metadata)
 
 
-def best(
+def draw_map(
     config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame, criterion: str
 ) -> Figure:
     """The smooth map over the grid's range; cells where the range is a point or has gaps."""
-    from owtsweep.figures import best_scheme_map
-    from owtsweep.studies.hub import scheme_names
-    from owtsweep.studies.hub.conditions import CONDITIONS
-    from owtsweep.studies.hub.figures import expected_map
+    from owtsweep.figures import smooth_map, style
 
-    names = scheme_names(config)
-    window, tuning = config.measures.window, config.tuning
+    names, window, grid = scheme_names(config), config.measures.window, config.grid
     same = answers.coinciding(rows, names, window, (criterion,))
-    grid = config.grid
     smooth = (
         len(grid.natural_period) > 1
         and len(grid.amplitude) > 1
         and config.spectrum.kind == "translated"
     )
     if not smooth:
-        return best_scheme_map.draw(
-            tables["best_scheme"], names, CONDITIONS, criterion=criterion, window=window,
-            tuning=tuning, quantity=f"{criterion} MSE (x + y)", coinciding=same,
-            failures=int((rows["status"] == FAILED).sum()),
-        )  # fmt: skip
+        return figures.draw_cells(config, tables, rows, criterion, same)
     periods = np.linspace(min(grid.natural_period), max(grid.natural_period), FINE)
     amplitudes = np.geomspace(min(grid.amplitude), max(grid.amplitude), FINE)
     finished = [name for name in names if ((rows["scheme"] == name) & (rows["status"] == OK)).any()]
-    fine = engine.rows_of(config, finished, [float(p) for p in periods])
+    fine = engine.rows_of(config, finished, [float(period) for period in periods])
     expected = answers.expected(fine, names, criterion, window)
-    return expected_map.draw(
-        expected.at(amplitudes), expected.schemes, periods, amplitudes,
-        criterion=criterion, window=window, tuning=tuning, normalise=config.normalise,
+    values = expected.at(amplitudes)
+    verdict = answers.judge(values)
+    amplitude = f"amplitude: {MEANING[config.normalise]} along the waves"
+    field = smooth_map.Field(
+        across=NATURAL_PERIOD,
+        upwards=replace(AMPLITUDE, label=amplitude),
+        columns=periods,
+        lines=amplitudes,
+        values=values,
+        best=verdict.best,
+        excess=100.0 * (verdict.mse_runner_up / verdict.mse_best - 1.0),
+        distinguishable=verdict.distinguishable,
+        resolution=answers.RESOLUTION,
+    )
+    return smooth_map.draw(
+        field,
+        expected.schemes,
+        title=f"Best scheme by expected {criterion} MSE\n"
+        f"{style.describe_window(window)}, tuning: {config.tuning}, no records",
+        origin="All values are expectations over all records, computed from error spectra and "
+        "noise without any record.",
         coinciding=same,
-    )  # fmt: skip
+    )

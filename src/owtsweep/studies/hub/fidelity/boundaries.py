@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS
-from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, DIGITS, Evidence, cells
+from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, Evidence, cells
 from owtsweep.verdicts.claims import claim_ratio
+from owtsweep.verdicts.evidence import DIGITS
 from owtsweep.verdicts.inference import Claim, Decision, Side, interval
 
 if TYPE_CHECKING:
@@ -79,7 +81,8 @@ def ratio_of_boundaries(evidence: Evidence, period: float, to: float) -> Boundar
 
 def all_boundaries(evidence: Evidence) -> dict[float, Boundary]:
     """Natural period (s) -> boundary, for the run's periods that have both schemes."""
-    boundaries = {period: boundary_at(evidence, period) for period in sorted(evidence.periods)}
+    periods = map(float, evidence.grid["natural_period"])
+    boundaries = {period: boundary_at(evidence, period) for period in sorted(periods)}
     return {period: item for period, item in boundaries.items() if item is not None}
 
 
@@ -113,12 +116,7 @@ def boundary_claims(evidence: Evidence, period: float) -> list[Claim]:
 def _rows(evidence: Evidence, *periods: float) -> pd.DataFrame | None:
     """The cases of both schemes at these periods, or None if there are none of one of them."""
     finished = evidence.finished
-    chosen = finished[
-        finished["scheme"].isin([LOWER, UPPER])
-        & finished["natural_period"].astype(float).round(DIGITS).isin(periods)
-    ]
-    wanted = {(scheme, period) for scheme in (LOWER, UPPER) for period in periods}
-    present = zip(
-        chosen["scheme"], chosen["natural_period"].astype(float).round(DIGITS), strict=True
-    )
-    return chosen if wanted <= set(present) else None
+    exact = finished["natural_period"].astype(float).round(DIGITS)
+    chosen = finished["scheme"].isin(BOUNDARY) & exact.isin(periods)
+    present = set(zip(finished["scheme"][chosen], exact[chosen], strict=True))
+    return finished[chosen] if set(product(BOUNDARY, periods)) <= present else None

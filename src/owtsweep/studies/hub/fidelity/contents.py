@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.figures.style import describe_window
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.fidelity.consistency import FREEDOM
 from owtsweep.studies.hub.fidelity.evidence import Evidence
 from owtsweep.studies.hub.fidelity.number_section import number_section
 from owtsweep.verdicts.numbers import lies_within_records
@@ -27,6 +25,8 @@ from owtsweep.verdicts.statements import JudgedStatement
 if TYPE_CHECKING:
     import pandas as pd
 
+#: Degrees of freedom: x, y, v_x and v_y; and the two axes of a fix.
+FREEDOM = {"nees": 4.0, "nis": 2.0}
 #: How the tests of the statements came about.
 DEFINITIONS = (
     "Definitions and thresholds were written down before any run was judged by them; winners and "
@@ -34,41 +34,50 @@ DEFINITIONS = (
 )
 
 
-@dataclass(frozen=True)
-class Contents:
-    """Everything that the report tells of one run; `pictures` by the names of their files."""
+def document(
+    name: str,
+    config: HubConfig,
+    evidence: Evidence,
+    tables: Mapping[str, pd.DataFrame],
+    judged: Sequence[JudgedStatement],
+    pictures: Mapping[str, Path],
+) -> list[Block]:
+    """The whole report on one run.
 
-    name: str
-    config: HubConfig
-    evidence: Evidence
-    table: pd.DataFrame
-    numbers: pd.DataFrame
-    judged: Sequence[JudgedStatement]
-    consistency: pd.DataFrame
-    pictures: Mapping[str, Path]
-
-
-def document(contents: Contents) -> list[Block]:
-    """The whole report."""
+    Parameters
+    ----------
+    name
+        What to call the run.
+    tables
+        By the names of their files.
+    judged
+        F1 to F11.
+    pictures
+        Files by the names of the figures.
+    """
+    numbers = tables["fidelity_numbers"]
     return [
-        *_head(contents),
-        *_summary(contents),
-        *statement_section(contents.judged, DEFINITIONS),
-        *number_section(contents.evidence, contents.numbers, contents.pictures),
-        *_boundaries(contents),
-        *consistency_section(contents.consistency, contents.evidence.schemes, FREEDOM),
-        *missing_section(contents.numbers, contents.judged),
+        *_head(name, config, evidence),
+        *_summary(tables["fidelity"], numbers, judged),
+        *statement_section(judged, DEFINITIONS),
+        *number_section(evidence, numbers, pictures),
+        Heading("Boundary between HME1 and HME2"),
+        Picture(
+            pictures["boundaries"],
+            "Amplitude at which the mean position MSE of HME1 and HME2 is equal.",
+        ),
+        *consistency_section(tables["consistency"], evidence.schemes, FREEDOM),
+        *missing_section(numbers, judged),
     ]
 
 
-def _head(contents: Contents) -> list[Block]:
-    config = contents.config
+def _head(name: str, config: HubConfig, evidence: Evidence) -> list[Block]:
     records = f"{config.grid.replicates} records of {config.record.duration:g} s per natural period"
     return [
-        Heading(f"How well run {contents.name} reproduces Ren et al. (2019)", 1),
+        Heading(f"How well run {name} reproduces Ren et al. (2019)", 1),
         Paragraph(
             f"Tuning {config.tuning}, {records}, {describe_window(config.measures.window)}, seed "
-            f"{config.seed}, schemes {', '.join(contents.evidence.schemes)}. Position is x + y, "
+            f"{config.seed}, schemes {', '.join(evidence.schemes)}. Position is x + y, "
             "velocity vx + vy. Brackets are 95 % intervals: of means, t intervals over the records;"
             " of ratios of means, paired over the records (Fieller); of boundaries, a bootstrap "
             "over the records. A claim about many cells is tested in all of them with Holm's "
@@ -77,11 +86,13 @@ def _head(contents: Contents) -> list[Block]:
     ]
 
 
-def _summary(contents: Contents) -> list[Block]:
-    present = contents.numbers.dropna(subset="reproduced")
+def _summary(
+    table: pd.DataFrame, numbers: pd.DataFrame, judged: Sequence[JudgedStatement]
+) -> list[Block]:
+    present = numbers.dropna(subset="reproduced")
     inside = sum(lies_within_records(row) == "yes" for row in _rows(present))
     missed = int(present["missed_by_factor_2"].sum())
-    chosen = contents.table[contents.table["kind"].isin(["summary", "winner", "boundary"])]
+    chosen = table[table["kind"].isin(["summary", "winner", "boundary"])]
     rows = [
         [row.item, format_value(row.published), format_interval(row), row.agrees, row.why]
         for row in _rows(chosen)
@@ -91,8 +102,8 @@ def _summary(contents: Contents) -> list[Block]:
         Heading("In short"),
         Bullets(
             [
-                f"Statements F1-F11: {count_verdicts(contents.judged)}.",
-                f"Numbers of tables 6-9: {len(present)} of {len(contents.numbers)} in this run; "
+                f"Statements F1-F11: {count_verdicts(judged)}.",
+                f"Numbers of tables 6-9: {len(present)} of {len(numbers)} in this run; "
                 f"{inside} lie within the central 95 % of its single records, {missed} are missed "
                 "by more than a factor of 2 in the mean.",
             ]
@@ -102,16 +113,6 @@ def _summary(contents: Contents) -> list[Block]:
             "A winner's number is the position MSE of the published winner over that of the best "
             "other scheme: below 1 it wins. log2 ratio: logarithm of reproduced over published, of "
             "the means."
-        ),
-    ]
-
-
-def _boundaries(contents: Contents) -> list[Block]:
-    return [
-        Heading("Boundary between HME1 and HME2"),
-        Picture(
-            contents.pictures["boundaries"],
-            "Amplitude at which the mean position MSE of HME1 and HME2 is equal.",
         ),
     ]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from owtsweep.studies.hub.fidelity.evidence import Evidence
-from owtsweep.studies.hub.fidelity.histories import SCHEMES
+from owtsweep.studies.hub.fidelity.history_errors import SCHEMES
 from owtsweep.verdicts.inference import Claim, mean_ratio
 
 #: "Within" as a statement about 95 % of the samples, not about the largest.
@@ -24,11 +24,11 @@ def f9(evidence: Evidence) -> list[Claim]:
     in position, so by Fig. 15 it lies above 0.3 m, and 0.5 m is the next one of the paper's.
     """
     text = "95 % of the velocity errors of HME1 and HME2 are within 0.05 m/s"
-    if evidence.histories is None:
+    if evidence.history_errors is None:
         return [Claim(text, (), LACKING)]
     decisions = tuple(
         mean_ratio(f"3.8 s, 0.5 m: {name}", inside, 1.0, SHARE_INSIDE, "above")
-        for name, inside in evidence.histories.inside.items()
+        for name, inside in evidence.history_errors.inside.items()
     )
     return [Claim(text, decisions)]
 
@@ -45,9 +45,9 @@ def f11(evidence: Evidence) -> list[Claim]:
         ("HME2 is better in velocity", "velocity", hme2, hme1),
         ("HME2 is better in bias", "bias", hme2, hme1),
     ]
-    if evidence.histories is None:
+    if evidence.history_errors is None:
         return [Claim(text, (), LACKING) for text, *_ in claims]
-    sums = evidence.histories.accumulated
+    sums = evidence.history_errors.accumulated
     return [
         Claim(
             text,

@@ -1,4 +1,4 @@
-"""The figures of the hub's fidelity report. Drawn under `figures.style.context`."""
+"""The boundary figure of the hub's fidelity report. Drawn under `figures.style.context`."""
 
 from __future__ import annotations
 
@@ -12,33 +12,13 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator, NullLocator
 
 from owtsweep.figures import style
 from owtsweep.studies.hub.fidelity.boundaries import PUBLISHED, Boundary, tolerated
-from owtsweep.studies.hub.fidelity.evidence import SCHEMES
-from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
-from owtsweep.verdicts import plots
 from owtsweep.verdicts.plots import BAND
 
 if TYPE_CHECKING:
-    import pandas as pd
     from matplotlib.figure import Figure
 
-MEASURES = {"x": "x", "y": "y", "vx": "v$_x$", "vy": "v$_y$"}
-PANELS = {
-    "MSE of x and y (m²)": ("x", "y"),
-    "MSE of v$_x$ and v$_y$ (m²/s²)": ("vx", "vy"),
-}
 
-
-def scatter(numbers: pd.DataFrame) -> Figure:
-    """Published against reproduced numbers of tables 6-9, as `compare_numbers` returns them."""
-    return plots.scatter(numbers, SCHEMES, PANELS)
-
-
-def ratios(numbers: pd.DataFrame) -> Figure:
-    """Reproduced over published numbers, table by table."""
-    return plots.ratios(numbers, SCHEMES, MEASURES, TABLE_CELLS)
-
-
-def boundary_plot(boundaries: Mapping[float, Boundary], amplitudes: Sequence[float]) -> Figure:
+def draw_boundaries(boundaries: Mapping[float, Boundary], amplitudes: Sequence[float]) -> Figure:
     """The HME1/HME2 boundary over natural period, with its interval and the published two."""
     figure = style.new_figure(7.0, 4.2)
     axes = figure.subplots()

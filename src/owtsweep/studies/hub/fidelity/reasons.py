@@ -14,8 +14,9 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.results.superposition import superpose
-from owtsweep.studies.hub.fidelity.evidence import DIGITS, Cell, Evidence
+from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
 from owtsweep.studies.hub.fidelity.score import published_numbers
+from owtsweep.verdicts.evidence import DIGITS
 
 if TYPE_CHECKING:
     import pandas as pd

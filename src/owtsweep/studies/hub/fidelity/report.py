@@ -3,25 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.studies.hub import published, scheme_names
+from owtsweep.studies.hub.conditions import CONDITIONS, get_grid
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.fidelity import contents, plots
 from owtsweep.studies.hub.fidelity.boundaries import all_boundaries
-from owtsweep.studies.hub.fidelity.consistency import consistency
-from owtsweep.studies.hub.fidelity.evidence import Evidence
-from owtsweep.studies.hub.fidelity.histories import make_histories
+from owtsweep.studies.hub.fidelity.contents import FREEDOM, document
+from owtsweep.studies.hub.fidelity.evidence import SCHEMES, Evidence
+from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
 from owtsweep.studies.hub.fidelity.history_statements import HISTORY_STATEMENTS
 from owtsweep.studies.hub.fidelity.numbers import compare_numbers
-from owtsweep.studies.hub.fidelity.statements import STATEMENTS
+from owtsweep.studies.hub.fidelity.plots import draw_boundaries
+from owtsweep.studies.hub.fidelity.statements import STATEMENTS, TABLE_CELLS
 from owtsweep.studies.hub.fidelity.summaries import fidelity_table
-from owtsweep.verdicts import report
+from owtsweep.verdicts import plots, report
+from owtsweep.verdicts.consistency import judge_consistency
 from owtsweep.verdicts.statements import JudgedStatement, judge, tabulate_claims
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+#: Measure of the tables -> how figures write it.
+MEASURES = {"x": "x", "y": "y", "vx": "v$_x$", "vy": "v$_y$"}
+#: Title of a panel -> its measures.
+PANELS = {
+    "MSE of x and y (m²)": ("x", "y"),
+    "MSE of v$_x$ and v$_y$ (m²/s²)": ("vx", "vy"),
+}
 
 
 def collect(config: HubConfig, rows: pd.DataFrame) -> Evidence:
@@ -36,11 +48,12 @@ def collect(config: HubConfig, rows: pd.DataFrame) -> Evidence:
     """
     return Evidence(
         rows=rows,
+        conditions=CONDITIONS,
+        grid=get_grid(config),
         schemes=tuple(scheme_names(config)),
-        periods=tuple(config.grid.natural_period),
-        amplitudes=tuple(config.grid.amplitude),
+        rivals=SCHEMES,
         window=config.measures.window,
-        histories=make_histories(config),
+        history_errors=measure_history_errors(config),
     )
 
 
@@ -80,34 +93,23 @@ def write_report(
     """
     evidence = collect(config, rows)
     numbers, judged = compare_numbers(evidence), judge_all(evidence)
-    boundaries, consistent = all_boundaries(evidence), consistency(evidence)
-    table = fidelity_table(evidence, numbers, judged, boundaries)
+    boundaries = all_boundaries(evidence)
+    tables = {
+        "fidelity": fidelity_table(evidence, numbers, judged, boundaries),
+        "fidelity_numbers": numbers,
+        "fidelity_claims": tabulate_claims(judged),
+        "consistency": judge_consistency(evidence, FREEDOM),
+    }
     return report.write_report(
         folder,
         name="fidelity",
         title=f"Fidelity of {name}",
-        tables={
-            "fidelity": table,
-            "fidelity_numbers": numbers,
-            "fidelity_claims": tabulate_claims(judged),
-            "consistency": consistent,
-        },
+        tables=tables,
         figures={
-            "published_against_reproduced": lambda: plots.scatter(numbers),
-            "ratios": lambda: plots.ratios(numbers),
-            "boundaries": lambda: plots.boundary_plot(boundaries, evidence.amplitudes),
+            "published_against_reproduced": lambda: plots.scatter(numbers, SCHEMES, PANELS),
+            "ratios": lambda: plots.ratios(numbers, SCHEMES, MEASURES, TABLE_CELLS),
+            "boundaries": lambda: draw_boundaries(boundaries, config.grid.amplitude),
         },
-        contents=lambda pictures: contents.document(
-            contents.Contents(
-                name=name,
-                config=config,
-                evidence=evidence,
-                table=table,
-                numbers=numbers,
-                judged=judged,
-                consistency=consistent,
-                pictures=pictures,
-            )
-        ),
+        contents=partial(document, name, config, evidence, tables, judged),
         metadata=metadata,
     )

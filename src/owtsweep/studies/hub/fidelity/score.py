@@ -82,25 +82,19 @@ def boundary(lower: Array, upper: Array) -> float:
 
 @dataclass(frozen=True)
 class Score:
-    """A reading's distance from the print.
+    """What the four schemes together add to the mean distance from the print.
 
     Attributes
     ----------
-    total
-        The score; less is better.
     penalties
-        The part of it that winners and boundaries make up.
-    log_ratios
-        table, scheme, measure, published, reproduced, log2.
+        The part of the score that winners and boundaries make up; less is better.
     winners
         The scheme of least position MSE in tables 6, 7, 8, 9.
     boundaries
         Natural period (s) -> HME1/HME2 boundary (m).
     """
 
-    total: float
     penalties: float
-    log_ratios: pd.DataFrame
     winners: tuple[str, ...]
     boundaries: dict[float, float]
 
@@ -127,7 +121,7 @@ def compare(products: Products) -> pd.DataFrame:
 
 
 def score(products: Products) -> Score:
-    """Score all four schemes together."""
+    """Judge the winners and boundaries of all four schemes."""
     table = compare(products)
     position = table[table.measure.isin(["x", "y"])]
     sums = position.groupby(["table", "scheme"])[["published", "reproduced"]].sum().reset_index()
@@ -138,12 +132,7 @@ def score(products: Products) -> Score:
 
     wrong = sum(a != b for a, b in zip(winners("published"), winners("reproduced"), strict=True))
     limits = {p: boundary(products["HME2"][p], products["HME1"][p]) for p in PERIODS}
-    penalties = WINNER_PENALTY * wrong + BOUNDARY_WEIGHT * boundary_distance(limits)
-    total = float(np.mean(np.abs(table.log2))) + penalties
-    return Score(total, penalties, table, winners("reproduced"), limits)
-
-
-def boundary_distance(limits: Mapping[float, float]) -> float:
-    """Sum of |log2| of the boundaries at 4 and 6 s over the published ones."""
-    parts = [np.log2(limits[period] / target) for period, target in PUBLISHED.items()]
-    return float(np.sum(np.where(np.isfinite(parts), np.abs(parts), NO_BOUNDARY)))
+    parts = np.array([np.log2(limits[period] / target) for period, target in PUBLISHED.items()])
+    apart = float(np.sum(np.where(np.isfinite(parts), np.abs(parts), NO_BOUNDARY)))
+    penalties = WINNER_PENALTY * wrong + BOUNDARY_WEIGHT * apart
+    return Score(penalties, winners("reproduced"), limits)

@@ -14,9 +14,10 @@ from owtsweep.studies.hub.fidelity.boundaries import (
     ratio_of_boundaries,
     tolerated,
 )
-from owtsweep.studies.hub.fidelity.evidence import SCHEMES, Evidence, least
+from owtsweep.studies.hub.fidelity.evidence import SCHEMES, Evidence
 from owtsweep.studies.hub.fidelity.score import published_numbers
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.verdicts.evidence import find_best
 from owtsweep.verdicts.inference import Claim, all_of, mean_ratio
 from owtsweep.verdicts.statements import JudgedStatement
 from owtsweep.verdicts.summary import (
@@ -117,7 +118,7 @@ def _winner(evidence: Evidence, number: int) -> Item:
         return replace(row, why=f"{why}; ({cell}) or a scheme is not in this run")
     name, of_winner, of_other = rivals
     decision = mean_ratio("", of_winner, of_other, 1.0, "below")
-    why = f"{why}; here: {least(means)}; best other than {winner}: {name}"
+    why = f"{why}; here: {find_best(means)}; best other than {winner}: {name}"
     return replace(row, why=why).decided(decision, agreement(Claim("", (decision,)).verdict))
 
 

@@ -1,14 +1,15 @@
-"""The figures and tables of the hub study; one module each, matplotlib only once they are used."""
+"""The figures and tables of the hub study. A figure's module is imported once it is drawn."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import cache
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import Drawing, save_figure
-from owtsweep.sweep.study import FAILED
+from owtsweep.results.status import FAILED
+from owtsweep.studies.hub import scheme_names
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -16,11 +17,13 @@ if TYPE_CHECKING:
 
     from owtsweep.studies.hub.config import HubConfig
 
+#: Draws a figure.
+Draw = Callable[[], "Figure"]
 
 #: Natural periods (s) whose MSE over amplitude the paper shows, and the figure's number.
 PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
 MAP = "figure_18_best_scheme"
-#: Figures 9-14: name -> what of a time history they show, and whether zoomed in.
+#: Figures 9-14: name -> the quantity that they show over time, and whether zoomed in.
 TIME_HISTORIES = {
     "figure_09_position": ("position", False),
     "figure_10_position_zoom": ("position", True),
@@ -37,7 +40,7 @@ def drawings(
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """Every figure of a run by name, from its results and from its configuration.
+    """Every figure of a run of records by name, from its results and from its configuration.
 
     Parameters
     ----------
@@ -55,60 +58,91 @@ def drawings(
     def coinciding() -> list[tuple[str, ...]]:
         return find_coinciding(make_cube(config, rows), CRITERIA)
 
-    of_results = _of_results(config, tables, rows, coinciding)
+    def best(criterion: str) -> Figure:
+        records = config.grid.replicates
+        return draw_cells(config, tables, rows, criterion, coinciding(), replicates=records)
+
+    summary = tables["summary"]
+    periods = set(summary["natural_period"])
+    figures = maps(config, best) | over_amplitude(config, summary, periods, coinciding)
     return {
-        **{name: save_figure(draw, metadata) for name, draw in of_results.items()},
-        "tables_6_to_9": _published(config, tables["summary"]),
-        **{
-            name: save_figure(draw, metadata)
-            for name, draw in _illustrations(config, coinciding).items()
-        },
+        **save_each(figures, metadata),
+        "tables_6_to_9": _published(config, summary),
+        **save_each(_illustrations(config, coinciding), metadata),
     }
 
 
-def _of_results(
+def save_each(
+    figures: Mapping[str, Draw], metadata: Mapping[str, str] | None
+) -> dict[str, Drawing]:
+    """Name -> what draws a figure and saves it."""
+    return {name: save_figure(draw, metadata) for name, draw in figures.items()}
+
+
+def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
+    """The map by the run's own criterion and the one by velocity."""
+    return {
+        MAP: lambda: draw_map(config.measures.criterion),
+        "best_scheme_velocity": lambda: draw_map("velocity"),
+    }
+
+
+def draw_cells(
     config: HubConfig,
     tables: Mapping[str, pd.DataFrame],
     rows: pd.DataFrame,
-    coinciding: Callable[[], list[tuple[str, ...]]],
-) -> dict[str, Callable[[], Figure]]:
-    """Name -> what draws it from the run's results."""
+    criterion: str,
+    coinciding: Sequence[Sequence[str]],
+    *,
+    replicates: int | None = None,
+) -> Figure:
+    """Draw the map cell by cell."""
     from owtsweep.figures import best_scheme_map
-    from owtsweep.studies.hub import scheme_names
     from owtsweep.studies.hub.conditions import CONDITIONS
-    from owtsweep.studies.hub.figures import mse_over_amplitude
 
-    names = scheme_names(config)
-    look: dict[str, Any] = {"window": config.measures.window, "tuning": config.tuning}
-    failures = int((rows["status"] == FAILED).sum())
+    return best_scheme_map.draw(
+        tables["best_scheme"],
+        scheme_names(config),
+        CONDITIONS,
+        criterion=criterion,
+        window=config.measures.window,
+        tuning=config.tuning,
+        quantity=f"{criterion} MSE (x + y)",
+        coinciding=coinciding,
+        replicates=replicates,
+        failures=int((rows["status"] == FAILED).sum()),
+    )
 
-    def over_amplitude(period: float) -> Callable[[], Figure]:
-        return lambda: mse_over_amplitude.draw(
-            tables["summary"], period, names, coinciding=coinciding(), **look
-        )
 
-    def best(criterion: str) -> Callable[[], Figure]:
-        return lambda: best_scheme_map.draw(
-            tables["best_scheme"],
-            names,
-            CONDITIONS,
-            criterion=criterion,
-            quantity=f"{criterion} MSE (x + y)",
+def over_amplitude(
+    config: HubConfig,
+    summary: pd.DataFrame,
+    periods: Iterable[float],
+    coinciding: Callable[[], Sequence[Sequence[str]]],
+) -> dict[str, Draw]:
+    """MSE over amplitude, a figure per natural period."""
+
+    def draw(period: float) -> Figure:
+        from owtsweep.studies.hub.figures import mse_over_amplitude
+
+        return mse_over_amplitude.draw(
+            summary,
+            period,
+            scheme_names(config),
+            window=config.measures.window,
+            tuning=config.tuning,
             coinciding=coinciding(),
-            replicates=config.grid.replicates,
-            failures=failures,
-            **look,
         )
 
-    figures = {MAP: best(config.measures.criterion), "best_scheme_velocity": best("velocity")}
-    for period in sorted(set(tables["summary"].natural_period)):
+    figures: dict[str, Draw] = {}
+    for period in sorted(periods):
         number = f"figure_{PAPER_FIGURES[period]}_" if period in PAPER_FIGURES else ""
-        figures[f"{number}mse_{period:g}s"] = over_amplitude(period)
+        figures[f"{number}mse_{period:g}s"] = partial(draw, period)
     return figures
 
 
 def _published(config: HubConfig, summary: pd.DataFrame) -> Drawing:
-    """Tables 6-9 as files."""
+    """Write tables 6-9 as files."""
     from owtsweep.io.files import write_atomically
     from owtsweep.io.tables import write_table
     from owtsweep.studies.hub.figures.tables import tables_6_to_9, to_markdown
@@ -123,20 +157,20 @@ def _published(config: HubConfig, summary: pd.DataFrame) -> Drawing:
 
 
 def _illustrations(
-    config: HubConfig, coinciding: Callable[[], list[tuple[str, ...]]]
-) -> dict[str, Callable[[], Figure]]:
-    """Name -> what draws it from the configuration: a record, its spectrum, time histories."""
+    config: HubConfig, coinciding: Callable[[], Sequence[Sequence[str]]]
+) -> dict[str, Draw]:
+    """What is drawn from the configuration alone: a record, its spectrum, time histories."""
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import simulate_histories
 
     simulated = cache(lambda: simulate_histories(config))
 
-    def history(quantity: str, *, zoom: bool) -> Callable[[], Figure]:
-        return lambda: time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning)
+    def history(quantity: str, zoom: bool) -> Figure:
+        return time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning)
 
     return {
         "figure_03_record": lambda: record_and_spectrum.draw_record(config),
         "figure_04_spectrum": lambda: record_and_spectrum.draw_spectrum(config),
-        **{name: history(quantity, zoom=zoom) for name, (quantity, zoom) in TIME_HISTORIES.items()},
+        **{name: partial(history, *shown) for name, shown in TIME_HISTORIES.items()},
         "error_spectra": lambda: error_spectra.draw(config, coinciding=coinciding()),
     }

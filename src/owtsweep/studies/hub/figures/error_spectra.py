@@ -172,9 +172,7 @@ def panel(
     axes: Axes,
     errors: dict[str, SchemeErrors],
     config: HubConfig,
-    measure: str = "position",
-    *,
-    periods: Sequence[float] | None = None,
+    measure: str,
 ) -> None:
     """Draw one measure's error spectra and noise floors, log-log, natural periods marked.
 
@@ -198,7 +196,7 @@ def panel(
             line["linewidth"] = 2.2
             axes.plot(FLOOR_SPAN, (floor, floor), transform=axes.get_yaxis_transform(), **line)
     _scales(axes, errors, config, measure, top)
-    _mark_periods(axes, config.grid.natural_period if periods is None else periods)
+    _mark_periods(axes, config.grid.natural_period)
     axes.set_ylabel(f"{measure} MSE, x + y ({UNITS[measure]})")
 
 

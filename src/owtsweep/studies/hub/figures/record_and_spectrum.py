@@ -28,26 +28,11 @@ AXES = ("x (north)", "y (east)")
 MEASURED, GIVEN, EDGE = "#0072B2", "#D55E00", "0.45"
 
 
-def draw_record(
-    config: HubConfig,
-    *,
-    natural_period: float | None = None,
-    amplitude: float = 1.0,
-    replicate: int = 0,
-) -> Figure:
-    """Draw the displacement of one record in x and y, whole and in detail.
-
-    Parameters
-    ----------
-    natural_period
-        s; 3.8 s by default (`natural_period_of`).
-    amplitude
-        What the unit record is multiplied by, m.
-    replicate
-        Number of the record.
-    """
-    period, records = _record(config, natural_period, replicate)
-    series = _displacement(records, amplitude)
+def draw_record(config: HubConfig) -> Figure:
+    """Draw the displacement of the study's first record in x and y, whole and in detail."""
+    period = natural_period_of(config)
+    records = make_records(config, period, [0])
+    series = _displacement(records)
     time = records.sensors.step * np.arange(len(series))
     start = 0.5 * max(time[-1] - DETAIL, 0.0)
     detail = (time >= start) & (time <= start + DETAIL)
@@ -66,29 +51,27 @@ def draw_record(
         for axes in panels[1]:
             axes.set_xlabel("time (s)")
         figure.suptitle(
-            f"Hub displacement, natural period {period:g} s", x=0.01, ha="left", fontsize=12
+            f"Hub displacement, natural period {period:g} s",
+            x=0.01,
+            ha="left",
+            fontsize=12,
         )
         style.footnote(
             figure,
-            f"Record {replicate} of the study: random phases, spectrum of Eq. (1), waves towards "
-            f"{config.wave_direction:g}° east of north, {_scale(config, amplitude)}."
+            f"Record 0 of the study: random phases, spectrum of Eq. (1), waves towards "
+            f"{config.wave_direction:g}° east of north, {_scale(config)}."
             " The paper's Figure 3 shows a HAWC2 simulation, which is not published.",
         )
     return figure
 
 
-def draw_spectrum(
-    config: HubConfig,
-    *,
-    natural_period: float | None = None,
-    amplitude: float = 1.0,
-    replicate: int = 0,
-) -> Figure:
+def draw_spectrum(config: HubConfig) -> Figure:
     """Draw the spectrum of that record with Eq. (1), scaled to its variance, over it."""
     from scipy.signal import welch
 
-    period, records = _record(config, natural_period, replicate)
-    series = _displacement(records, amplitude)
+    period = natural_period_of(config)
+    records = make_records(config, period, [0])
+    series = _displacement(records)
     rate = 1.0 / records.sensors.step
     length = min(round(SEGMENT * rate), len(series))
     frequency, density = welch(series, fs=rate, nperseg=length, axis=0)
@@ -133,7 +116,7 @@ def draw_spectrum(
         segments = 2 * (len(series) // length) - 1
         style.footnote(
             figure,
-            f"Record {replicate}, {_scale(config, amplitude)}. Welch's estimate from {segments}"
+            f"Record 0, {_scale(config)}. Welch's estimate from {segments}"
             f" Hann segments of {length / rate:g} s, half overlapping, one standard deviation about"
             f" ±{100.0 * np.sqrt(1.2 / segments):.0f} %; what it shows outside the band leaks from"
             " inside. S(f) is scaled to the record's variance; nothing is fitted.",
@@ -141,17 +124,10 @@ def draw_spectrum(
     return figure
 
 
-def _record(
-    config: HubConfig, natural_period: float | None, replicate: int
-) -> tuple[float, Records]:
-    period = natural_period_of(config) if natural_period is None else natural_period
-    return period, make_records(config, period, [replicate])
+def _displacement(records: Records) -> Array:
+    return np.asarray(np.outer(records.motion[0].position, records.direction))
 
 
-def _displacement(records: Records, amplitude: float) -> Array:
-    return np.asarray(amplitude * np.outer(records.motion[0].position, records.direction))
-
-
-def _scale(config: HubConfig, amplitude: float) -> str:
+def _scale(config: HubConfig) -> str:
     what = {"peak": "largest displacement", "rms": "standard deviation"}[config.normalise]
-    return f"{what} {amplitude:g} m along the waves"
+    return f"{what} 1 m along the waves"

@@ -1,14 +1,18 @@
-"""Error spectra and noise floors as tables: CSV and terminal."""
+"""The command `spectrum`: the error spectra drawn, and they and the noise floors as tables."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from owtsweep.figures import style
+from owtsweep.io.tables import write_table
 from owtsweep.statistics.contest import agree, group_coinciding
-from owtsweep.studies.hub.figures.error_spectra import SchemeErrors
+from owtsweep.studies.hub.figures import error_spectra
+from owtsweep.studies.hub.figures.error_spectra import UNITS, SchemeErrors
 from owtsweep.studies.hub.noise_floor import SOURCES
 
 if TYPE_CHECKING:
@@ -17,7 +21,16 @@ if TYPE_CHECKING:
 
     from owtsweep.studies.hub.config import HubConfig
 
-MEASURES = ("position", "velocity")
+
+def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple[list[Path], Table]:
+    """Draw the schemes' error spectra, and write them and the noise floors as tables."""
+    errors = error_spectra.compute(config)
+    figure = error_spectra.draw(config, errors=errors, coinciding=coinciding(errors), motion=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    files = style.save(figure, folder, "error_spectra", metadata)
+    files.append(write_table(folder, "spectrum", curves(errors)))
+    files.append(write_table(folder, "noise_floor", floors(errors)))
+    return files, terminal(config, errors)
 
 
 def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
@@ -25,15 +38,8 @@ def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     import pandas as pd
 
     parts = [
-        pd.DataFrame(
-            {
-                "scheme": name,
-                "frequency": found.spectrum.frequency,
-                "position": found.spectrum.position,
-                "velocity": found.spectrum.velocity,
-            }
-        )
-        for name, found in errors.items()
+        pd.DataFrame({"scheme": name, **vars(of_scheme.spectrum)})
+        for name, of_scheme in errors.items()
     ]
     return pd.concat(parts, ignore_index=True)
 
@@ -43,11 +49,11 @@ def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     import pandas as pd
 
     rows = []
-    for name, found in errors.items():
-        for measure in MEASURES:
+    for name, of_scheme in errors.items():
+        for measure in UNITS:
             parts = dict.fromkeys(SOURCES, float("nan"))
-            if found.floor is not None:
-                parts = {source: getattr(found.floor, measure)[source] for source in SOURCES}
+            if of_scheme.floor is not None:
+                parts = {source: getattr(of_scheme.floor, measure)[source] for source in SOURCES}
             for source, value in {**parts, "all": sum(parts.values())}.items():
                 rows.append((name, measure, source, value))
     return pd.DataFrame(rows, columns=["scheme", "measure", "source", "mse"])
@@ -58,7 +64,7 @@ def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
     spectra = [error.spectrum for error in errors.values()]
 
     def coincide(i: int, j: int) -> bool:
-        return all(np.all(agree(spectra[i].of(m), spectra[j].of(m))) for m in MEASURES)
+        return all(np.all(agree(spectra[i].of(m), spectra[j].of(m))) for m in UNITS)
 
     return group_coinciding(list(errors), coincide)
 
@@ -76,13 +82,13 @@ def terminal(config: HubConfig, errors: Mapping[str, SchemeErrors]) -> Table:
     table.add_column("of")
     for source in (*SOURCES, "all"):
         table.add_column(source, justify="right")
-    for name, found in errors.items():
+    for name, of_scheme in errors.items():
         for measure, unit in (("position", "cm"), ("velocity", "cm/s")):
-            if found.floor is None:
+            if of_scheme.floor is None:
                 table.add_row(name, measure, *["-"] * len(SOURCES), "does not settle")
                 continue
-            parts = getattr(found.floor, measure)
-            values = [*(parts[source] for source in SOURCES), found.floor.of(measure)]
+            parts = getattr(of_scheme.floor, measure)
+            values = [*(parts[source] for source in SOURCES), of_scheme.floor.of(measure)]
             cells = [f"{100 * np.sqrt(value):.3g} {unit}" for value in values]
             table.add_row(name, measure, *cells)
     return table

@@ -12,18 +12,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 COLUMNS = (
-    "table",
-    "natural_period",
-    "amplitude",
-    "scheme",
-    "measure",
-    "published",
-    "reproduced",
-    "ci_low",
-    "ci_high",
-    "ratio",
-    "note",
-)
+    "table", "natural_period", "amplitude", "scheme", "measure", "published", "reproduced",
+    "ci_low", "ci_high", "ratio", "note",
+)  # fmt: skip
 MISSING = "not in this run"
 NO_VALUE = "–"
 UNITS = {"x": "m²", "y": "m²", "vx": "m²/s²", "vy": "m²/s²"}

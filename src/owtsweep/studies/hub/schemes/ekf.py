@@ -8,36 +8,6 @@ published numbers. The rules of the MKF are available too; with `proper` the sch
 
 from __future__ import annotations
 
-from typing import Any
+from owtsweep.studies.hub.schemes.mkf import FilterScheme
 
-from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
-from owtsweep.studies.hub.contract import Sensors
-from owtsweep.studies.hub.models import axis_filter
-from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
-from owtsweep.studies.hub.schemes.mkf import FilterEstimator
-
-
-class EKF:
-    """The extended Kalman filter of section 5.3, tuned by `ekf`."""
-
-    name = "EKF"
-    linear = True
-    sections = ("ekf",)
-
-    def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
-        """Start a fresh estimator."""
-        return FilterEstimator(tuning.ekf, sensors)
-
-    def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Start a fresh compiled estimator."""
-        return online_chain(tuning.ekf, sensors)
-
-    @shared
-    def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """The scheme's form for the batch engine, for records of `steps` IMU steps."""
-        return chain(
-            axis_filter(tuning.ekf, sensors), sensors, rule=tuning.ekf.update_rule, steps=steps
-        )
-
-
-SCHEME = EKF()
+SCHEME = FilterScheme("EKF", "ekf")

@@ -40,27 +40,32 @@ class FilterEstimator:
         return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], innovation)
 
 
-class MKF:
-    """The multirate Kalman filter of section 5.3, tuned by `mkf`."""
+class FilterScheme:
+    """A scheme that is a multirate Kalman filter alone, tuned by one section of the tuning."""
 
-    name = "MKF"
     linear = True
-    sections = ("mkf",)
+
+    def __init__(self, name: str, section: str) -> None:
+        self.name = name
+        self.sections = (section,)
 
     def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
         """Start a fresh estimator."""
-        return FilterEstimator(tuning.mkf, sensors)
+        return FilterEstimator(self._choose(tuning), sensors)
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
         """Start a fresh compiled estimator."""
-        return online_chain(tuning.mkf, sensors)
+        return online_chain(self._choose(tuning), sensors)
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
         """The scheme's form for the batch engine, for records of `steps` IMU steps."""
-        return chain(
-            axis_filter(tuning.mkf, sensors), sensors, rule=tuning.mkf.update_rule, steps=steps
-        )
+        chosen = self._choose(tuning)
+        return chain(axis_filter(chosen, sensors), sensors, rule=chosen.update_rule, steps=steps)
+
+    def _choose(self, tuning: Any) -> FilterTuning:
+        chosen: FilterTuning = getattr(tuning, self.sections[0])
+        return chosen
 
 
-SCHEME = MKF()
+SCHEME = FilterScheme("MKF", "mkf")

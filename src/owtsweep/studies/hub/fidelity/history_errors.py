@@ -1,6 +1,6 @@
-"""Time histories at 3.8 s (section 5.2), which no cell of the map holds: simulated for the report.
+"""Errors of the time histories at 3.8 s (section 5.2), which no cell of the map holds.
 
-They take everything but the natural period from the run's own configuration.
+They are simulated for the report. Everything but natural period and amplitude is the run's own.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ MOST_REPLICATES = 20
 
 
 @dataclass(frozen=True)
-class Histories:
+class HistoryErrors:
     """Measures of time histories, (replicates,) each.
 
     Attributes
@@ -49,7 +49,7 @@ class Histories:
     accumulated: Mapping[tuple[str, str], Array]
 
 
-def make_histories(config: HubConfig) -> Histories | None:
+def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
     """Simulate HME1 and HME2 at 3.8 s on the run's replicates, at most 20.
 
     Returns None where the run has not both schemes with a batch kernel, or its spectrum does not
@@ -76,7 +76,7 @@ def make_histories(config: HubConfig) -> Histories | None:
             for quantity, error in errors.items():
                 total = float(np.sum(error)) * records.sensors.step
                 accumulated.setdefault((name, quantity), []).append(total)
-    return Histories(
+    return HistoryErrors(
         {name: np.array(shares) for name, shares in inside.items()},
         {key: np.array(sums) for key, sums in accumulated.items()},
     )

@@ -1,0 +1,79 @@
+"""Whether schemes know their own errors: NEES and NIS of every scheme and cell.
+
+A consistent filter has a mean NEES as large as the number of states that it judges, and a mean NIS
+as large as the number of quantities that it measures. More means that its covariance is too small
+(optimistic), less that it is too large (pessimistic).
+Source: Bar-Shalom, Li and Kirubarajan (2001), Estimation with applications, section 5.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from owtsweep.verdicts.evidence import Evidence
+from owtsweep.verdicts.inference import UNDECIDED, mean_ratio
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+OPTIMISTIC, CONSISTENT, PESSIMISTIC = "optimistic", "consistent", "pessimistic"
+#: An interval that reaches beyond this factor says nothing about consistency.
+WIDEST = 2.0
+MIXED, UNKNOWN = "mixed", "unknown"
+
+
+def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.DataFrame:
+    """NEES and NIS over their degrees of freedom in every cell of the run, and the verdict on them.
+
+    Parameters
+    ----------
+    freedom
+        Measure ("nees", "nis") -> its degrees of freedom.
+
+    Returns
+    -------
+    DataFrame
+        scheme, the conditions, of each measure its mean over the records with its 95 % t interval
+        (1 for a consistent filter, NaN where the scheme reports no covariance or no innovation),
+        and `verdict`: optimistic where an interval lies above 1 and none below, pessimistic the
+        other way round, mixed where one lies above and one below, consistent where all hold 1,
+        undecided where one of these is wider than a factor of 2 to either side, unknown without an
+        interval.
+    """
+    import pandas as pd
+
+    names = [condition.name for condition in evidence.conditions]
+    levels = [np.unique(np.asarray(evidence.grid[name], float)).tolist() for name in names]
+    rows = []
+    for scheme, cell in product(evidence.schemes, product(*levels)):
+        row: dict[str, object] = {"scheme": scheme, **dict(zip(names, cell, strict=True))}
+        intervals = []
+        for measure, degrees in freedom.items():
+            samples = evidence.samples(scheme, cell, measure)
+            mean, low, high = np.nan, np.nan, np.nan
+            if samples is not None:
+                ratio = mean_ratio("", samples, degrees, 1.0, "above")
+                mean, low, high = ratio.value, ratio.low, ratio.high
+            row |= {measure: mean, f"{measure}_low": low, f"{measure}_high": high}
+            intervals.append((low, high))
+        rows.append(row | {"verdict": judge_intervals(intervals)})
+    return pd.DataFrame(rows)
+
+
+def judge_intervals(intervals: list[tuple[float, float]]) -> str:
+    """The verdict on the intervals of one cell, NaN for unknown ones."""
+    finite = [(low, high) for low, high in intervals if np.isfinite(low)]
+    above = any(low > 1.0 for low, _ in finite)
+    below = any(high < 1.0 for _, high in finite)
+    if not finite:
+        return UNKNOWN
+    if above and below:
+        return MIXED
+    if above or below:
+        return OPTIMISTIC if above else PESSIMISTIC
+    tight = all(low >= 1.0 / WIDEST and high <= WIDEST for low, high in finite)
+    return CONSISTENT if tight else UNDECIDED
