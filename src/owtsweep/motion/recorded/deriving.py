@@ -10,9 +10,9 @@ from owtsweep.motion.recorded.bandlimited import BandLimited
 from owtsweep.motion.recorded.checks import Limits
 from owtsweep.motion.recorded.gridding import (
     FULL_BAND,
-    Grid,
     Gridded,
-    grid_of,
+    TimeGrid,
+    find_common_grid,
     make_column,
     make_uniform,
     mark_gaps,
@@ -32,7 +32,7 @@ def to_motion(
     quantity: str = "position",
     orders: int = 3,
     cutoff: float | None = None,
-    grid: Grid | None = None,
+    grid: TimeGrid | None = None,
     limits: Limits | None = None,
 ) -> Gridded:
     """Position, velocity and acceleration on the grid, each the derivative of the one before.
@@ -76,7 +76,7 @@ def to_motion(
         raise InputError(
             f"{recording.path}: no {quantity}: set columns.{quantity}_x and columns.{quantity}_y"
         )
-    grid = grid or grid_of(recording, roles, rate)
+    grid = grid or find_common_grid(recording, roles, rate)
     sources = {role: make_uniform(recording, role, limits) for role in roles}
     highest = FULL_BAND * min([grid.rate, *(1.0 / step for _, step, _ in sources.values())])
     chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff

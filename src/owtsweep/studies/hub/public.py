@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.rows import Rows
     from owtsweep.studies.hub.schemes import resolve_all
-    from owtsweep.studies.hub.sensors import ForceNoise, Measurements, fix_count, fix_noise
+    from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise
     from owtsweep.studies.hub.sensors import sensors as make_sensors
     from owtsweep.studies.hub.true_bias import simulate_bias
 
 __all__ = [
-    "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "Lanes", "Measurements",
+    "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "Lanes",
     "NoiseFloor", "Rows", "Scheme", "Sensors", "at_amplitude", "backend", "bias_of",
     "chain_for_runs", "chunks",
     "compare", "error_spectrum", "expected_mse", "fix_count", "fix_noise", "has_acceleration",
@@ -47,7 +47,6 @@ _HOMES = {
     "Grid": "config",  # its axes
     # sensors
     "Sensors": "contract",  # what an estimator may know of its sensors
-    "Measurements": "sensors",  # specific force and fixes of a record
     "make_sensors": "sensors",  # `Sensors` of a configuration
     "ForceNoise": "sensors",  # all of the specific force but motion, piece by piece
     "fix_count": "sensors",  # how many fixes a record has

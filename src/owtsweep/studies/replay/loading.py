@@ -15,15 +15,15 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.long_records import release_memory
 from owtsweep.studies.replay.of_motion import make_record_of_motion
 from owtsweep.studies.replay.of_sensors import make_record_of_sensors
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 #: How many records are kept, and the bytes above which the older ones are dropped for a new one.
 _MOST_KEPT, _MOST_BYTES = 2, 1 << 28
-_RECORDS: OrderedDict[Any, Record] = OrderedDict()
+_RECORDS: OrderedDict[Any, ReplayRecord] = OrderedDict()
 _LOCK = Lock()
 
 
-def load_record(config: ReplayConfig, file: str) -> Record:
+def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     """Read, check and resample a file. The last two records are kept; of long ones only the last.
 
     Raises
@@ -47,7 +47,7 @@ def load_record(config: ReplayConfig, file: str) -> Record:
         return _RECORDS[key]
 
 
-def _load(config: ReplayConfig, file: str) -> Record:
+def _load(config: ReplayConfig, file: str) -> ReplayRecord:
     limits = Limits(gaps=config.gaps)
     recording = read(
         file, columns=config.columns.given(), units=config.units.given(), limits=limits

@@ -12,12 +12,12 @@ from owtsweep.motion.recorded import Gridded, Limits, Recording, to_motion
 from owtsweep.studies.hub.public import Sensors
 from owtsweep.studies.replay import fixes as fixing
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 
 def make_record_of_motion(
     config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits
-) -> Record:
+) -> ReplayRecord:
     """Position, velocity and acceleration on the IMU's grid, and fixes without noise.
 
     Raises
@@ -44,7 +44,7 @@ def make_record_of_motion(
         f"{recording.path}: the record is shorter than sensors.gnss.delay; use a longer record or "
         "a shorter delay",
     )
-    return Record(
+    return ReplayRecord(
         file=str(recording.path),
         kind="motion",
         gnss="simulated",

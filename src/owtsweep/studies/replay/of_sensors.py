@@ -7,12 +7,12 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import Grid, Limits, Recording, grid_of, to_grid
+from owtsweep.motion.recorded import Limits, Recording, TimeGrid, find_common_grid, to_grid
 from owtsweep.studies.hub.public import Sensors
 from owtsweep.studies.replay import fixes as fixing
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.of_motion import derive
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 #: Fixes must lie within this part of the GNSS interval of the moments at which they are due.
 LARGEST_JITTER = 0.25
@@ -20,7 +20,7 @@ LARGEST_JITTER = 0.25
 
 def make_record_of_sensors(
     config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits
-) -> Record:
+) -> ReplayRecord:
     """Specific force, fixes and reference from the first moment at which a fix is due.
 
     To save memory the recording loses every channel once it has been read.
@@ -32,7 +32,7 @@ def make_record_of_sensors(
     """
     rate = config.sensors.imu.rate
     forces = [role for role in recording.channels if role.startswith("specific_force")]
-    whole = grid_of(recording, forces, rate)
+    whole = find_common_grid(recording, forces, rate)
     gnss = _choose_gnss(config, recording)
     notes = [*recording.notes]
     slow = min(recording.rate(role) for role in forces)
@@ -47,7 +47,7 @@ def make_record_of_sensors(
         offset, values = round(aligned.offset * rate), aligned.values
         notes += _note_fixes(aligned, sensors)
     recording.let_go("fix")
-    grid = Grid(whole.start + offset / rate, rate, whole.steps - offset)
+    grid = TimeGrid(whole.start + offset / rate, rate, whole.steps - offset)
     gridded = to_grid(recording, forces, rate, grid=grid, limits=limits)
     force = gridded.pairs["specific_force"]
     recording.let_go("specific_force")
@@ -71,7 +71,7 @@ def make_record_of_sensors(
         values = values - origin
     if values is None:
         raise TypeError("neither fixes nor a reference")
-    return Record(
+    return ReplayRecord(
         file=str(recording.path),
         kind="sensors",
         gnss=gnss,
@@ -107,7 +107,7 @@ def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
     return wanted
 
 
-def _align_fixes(recording: Recording, grid: Grid, sensors: Sensors) -> fixing.Aligned:
+def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> fixing.Aligned:
     time = recording.time - grid.start
     axes = [recording.channels.get(f"fix_{axis}") for axis in "xy"]
     values = np.stack([np.zeros(len(time)) if a is None else a for a in axes], axis=1)
@@ -148,7 +148,7 @@ def _note_fixes(aligned: fixing.Aligned, sensors: Sensors) -> list[str]:
 
 
 def _derive_reference(
-    config: ReplayConfig, recording: Recording, grid: Grid, limits: Limits
+    config: ReplayConfig, recording: Recording, grid: TimeGrid, limits: Limits
 ) -> tuple[Array, Array, list[str]]:
     """Position and velocity of the reference on the grid, NaN where it has none; and notes."""
     gridded = derive(

@@ -77,9 +77,9 @@ def list_spectrum_notes(config: ReplayConfig) -> list[str]:
 
 def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
     """Doubts about the spectrum fitted to a record, or the reason why none could be fitted."""
-    from owtsweep.studies.replay.facts import describe_spectrum
+    from owtsweep.studies.replay.facts import summarise_motion
 
-    fit = describe_spectrum(config, file).fit
+    fit = summarise_motion(config, file).fit
     return (fit,) if isinstance(fit, str) else fit.warnings
 
 

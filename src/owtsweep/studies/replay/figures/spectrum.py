@@ -12,7 +12,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.decimate import decimate
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.facts import BEYOND, describe_spectrum
+from owtsweep.studies.replay.facts import BEYOND, summarise_motion
 from owtsweep.studies.replay.place import read_fit
 
 if TYPE_CHECKING:
@@ -36,10 +36,10 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     InputError
         If the record does not move.
     """
-    spectrum = describe_spectrum(config, config.grid.files[0])
-    if not spectrum.moves:
+    summary = summarise_motion(config, config.grid.files[0])
+    if not summary.moves:
         raise InputError("the record does not move, so it has no spectrum")
-    frequency, power = spectrum.frequency, spectrum.power
+    frequency, power = summary.frequency, summary.power
     low, high = config.fit_band
     shown = (frequency >= low / 2.0) & (frequency <= BEYOND * high)
     with style.context():
@@ -73,7 +73,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             share = f"; it holds {100 * record['band_share']:.0f} % of the variance"
         style.footnote(
             figure,
-            f"Horizontal displacement, from {spectrum.source}. Grey: band [{low:g}, {high:g}] Hz, "
+            f"Horizontal displacement, from {summary.source}. Grey: band [{low:g}, {high:g}] Hz, "
             f"where Eq. (1) is fitted by Whittle likelihood{share}.",
         )
     return figure
