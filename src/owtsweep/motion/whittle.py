@@ -20,7 +20,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum
 
-#: The band of the hub study, Hz.
+#: The band of waves and of the first bending mode of a support structure, Hz.
 BAND = (0.05, 0.6)
 #: Three parameters are fitted to at least this many lines of the periodogram.
 FEWEST_LINES = 12

@@ -1,6 +1,5 @@
 """Reads recorded motion and recorded sensors, checks them, and resamples them to a uniform grid."""
 
-from owtsweep.motion.recorded.checks import Limits
 from owtsweep.motion.recorded.deriving import to_motion
 from owtsweep.motion.recorded.describing import Channel, Description, describe
 from owtsweep.motion.recorded.formats import open_table
@@ -12,7 +11,6 @@ __all__ = [
     "Channel",
     "Description",
     "Gridded",
-    "Limits",
     "Recording",
     "TimeGrid",
     "describe",

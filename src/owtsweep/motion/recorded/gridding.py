@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.bandlimited import BandLimited
-from owtsweep.motion.recorded.checks import Limits, find_gaps
+from owtsweep.motion.recorded.checks import find_gaps
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.timing import fit_comb
 
@@ -85,7 +85,6 @@ def to_grid(
     rate: float,
     *,
     grid: TimeGrid | None = None,
-    limits: Limits | None = None,
 ) -> Gridded:
     """Resample channels.
 
@@ -93,7 +92,7 @@ def to_grid(
     up to 0.4 of the lower of the two rates in full and removes all above half that rate, so
     resampling makes no images and no aliases. A channel whose samples lie on the grid already is
     not changed. Irregular times and missing samples are first interpolated by a cubic spline, and
-    gaps longer than `limits.longest_gap` by a monotone one; a reference is NaN in such gaps. Fixes
+    gaps longer than `checks.LONGEST_GAP` by a monotone one; a reference is NaN in such gaps. Fixes
     are not resampled: each moves to the nearest step, and of two at one step the later one is kept.
 
     Parameters
@@ -107,10 +106,7 @@ def to_grid(
     grid
         The grid. By default it covers the time that the channels have in common, fixes and
         references aside.
-    limits
-        The same as for `read`.
     """
-    limits = limits or Limits()
     if grid is None:
         dense = [role for role in roles if not role.startswith(("fix", "reference"))]
         grid = find_common_grid(recording, dense or roles, rate)
@@ -122,7 +118,7 @@ def to_grid(
             channels[role], said = _place_fixes(recording, role, grid)
             notes += said
             continue
-        source, step, holes = make_uniform(recording, role, limits)
+        source, step, holes = make_uniform(recording, role)
         cutoff = FULL_BAND * min(1.0 / step, grid.rate)
         values = _take_if_on_grid(source, step, grid)
         if values is None:
@@ -147,14 +143,14 @@ def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
 
 
 def make_uniform(
-    recording: Recording, role: str, limits: Limits
+    recording: Recording, role: str
 ) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
     """((start, uniform samples), step, gaps) of a channel; missing samples are interpolated."""
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
     time, values = recording.series(role)
     comb = fit_comb(time)
-    holes = find_gaps(time, limits.longest_gap)
+    holes = find_gaps(time)
     if comb.uniform and comb.count == len(time):
         return (comb.start, values), comb.step, holes
     teeth = comb.teeth

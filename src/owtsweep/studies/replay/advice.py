@@ -30,6 +30,12 @@ COLUMNS = (
 )  # fmt: skip
 
 
+_NO_RUNNER_UP = {
+    "runner_up": "", "value_runner_up": np.nan, "margin": np.nan, "difference": np.nan,
+    "ci_low": np.nan, "ci_high": np.nan, "matters": False,
+}  # fmt: skip
+
+
 def compare(
     samples: Array, schemes: Sequence[str], *, whole: Array | None = None
 ) -> dict[str, Any] | None:
@@ -67,18 +73,11 @@ def compare(
     row: dict[str, Any] = {
         "best": names[best],
         "same_as": " ".join(names[i] for i in same if i != best),
-        "runner_up": "",
         "value_best": float(mean[best]),
-        "value_runner_up": np.nan,
-        "margin": np.nan,
-        "difference": np.nan,
-        "ci_low": np.nan,
-        "ci_high": np.nan,
         "n": int(kept.shape[1]),
-        "matters": False,
     }
     if not ranking.told_apart[0]:
-        return row
+        return {**_NO_RUNNER_UP, **row}
     _, error, n = mean_and_error(kept[second] - kept[best])
     difference = mean[second] - mean[best]
     half = float(t_quantile(n - 1) * error) if n > 1 else np.nan

@@ -9,7 +9,7 @@ from typing import Any
 
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import Limits, Recording, read
+from owtsweep.motion.recorded import Recording, read
 from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.long_records import release_memory
@@ -48,15 +48,14 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
 
 
 def _load(config: ReplayConfig, file: str) -> ReplayRecord:
-    limits = Limits(gaps=config.gaps)
     recording = read(
-        file, columns=config.columns.given(), units=config.units.given(), limits=limits
+        file, columns=config.columns.given(), units=config.units.given(), gaps=config.gaps
     )
     sensors = make_sensors(config.sensors)
     if _holds_sensors(config, recording):
         # positions beside a specific force are the reference
         recording = _rename(recording, "position", "reference")
-        record = make_record_of_sensors(config, recording, sensors, limits)
+        record = make_record_of_sensors(config, recording, sensors)
     else:
         require(
             config.replay.gnss == "auto",
@@ -64,7 +63,7 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
             "fixes are simulated: leave it at auto, or set columns.specific_force_x",
         )
         recording = _rename(recording, "reference", "position")
-        record = make_record_of_motion(config, recording, sensors, limits)
+        record = make_record_of_motion(config, recording, sensors)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(
         length >= settling + sensors.fix_step,

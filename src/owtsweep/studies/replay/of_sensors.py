@@ -7,7 +7,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import Limits, Recording, TimeGrid, find_common_grid, to_grid
+from owtsweep.motion.recorded import Recording, TimeGrid, find_common_grid, to_grid
 from owtsweep.studies.hub.public import Sensors
 from owtsweep.studies.replay import fixes as fixing
 from owtsweep.studies.replay.config import ReplayConfig
@@ -19,7 +19,7 @@ LARGEST_JITTER = 0.25
 
 
 def make_record_of_sensors(
-    config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits
+    config: ReplayConfig, recording: Recording, sensors: Sensors
 ) -> ReplayRecord:
     """Specific force, fixes and reference from the first moment at which a fix is due.
 
@@ -41,36 +41,32 @@ def make_record_of_sensors(
             f"specific force comes at {slow:.4g} Hz and is run at {rate:g} Hz, its noise no longer "
             "white; a lower sensors.imu.rate avoids that"
         )
-    offset, values = sensors.delay, None
+    offset, fixes = sensors.delay, None
     if gnss == "recorded":
         aligned = _align_fixes(recording, whole, sensors)
-        offset, values = round(aligned.offset * rate), aligned.values
+        offset, fixes = round(aligned.offset * rate), aligned.values
         notes += _note_fixes(aligned, sensors)
     recording.let_go("fix")
     grid = TimeGrid(whole.start + offset / rate, rate, whole.steps - offset)
-    gridded = to_grid(recording, forces, rate, grid=grid, limits=limits)
+    gridded = to_grid(recording, forces, rate, grid=grid)
     force = gridded.pairs["specific_force"]
     recording.let_go("specific_force")
     notes += gridded.notes
     position = velocity = None
     if recording.has("reference"):
-        position, velocity, more = _derive_reference(config, recording, whole, limits)
+        position, velocity, more = _derive_reference(config, recording, whole)
         notes += more
     origin = np.zeros(2)
     if config.replay.remove_mean:
-        positions = values if position is None else position
+        positions = fixes if position is None else position
         origin = np.nanmean(np.asarray(positions), axis=0)
+    if fixes is not None:
+        fixes = fixes - origin
     if position is not None and velocity is not None:
         position -= origin
-        if values is None:
-            values = fixing.make_fixes(position, offset, grid.steps, sensors)
-        else:
-            values = values - origin
+        if fixes is None:
+            fixes = fixing.make_fixes(position, offset, grid.steps, sensors)
         position, velocity = position[offset:], velocity[offset:]
-    elif values is not None:
-        values = values - origin
-    if values is None:
-        raise TypeError("neither fixes nor a reference")
     return ReplayRecord(
         file=str(recording.path),
         kind="sensors",
@@ -83,7 +79,7 @@ def make_record_of_sensors(
         velocity=velocity,
         acceleration=None,
         specific_force=force,
-        fixes=values,
+        fixes=np.asarray(fixes),
         truth="the reference" if position is not None else "",
         notes=tuple(notes),
     )
@@ -148,12 +144,12 @@ def _note_fixes(aligned: fixing.Aligned, sensors: Sensors) -> list[str]:
 
 
 def _derive_reference(
-    config: ReplayConfig, recording: Recording, grid: TimeGrid, limits: Limits
+    config: ReplayConfig, recording: Recording, grid: TimeGrid
 ) -> tuple[Array, Array, list[str]]:
     """Position and velocity of the reference on the grid, NaN where it has none; and notes."""
     gridded = derive(
         recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
-        grid=grid, limits=limits,
+        grid=grid,
     )  # fmt: skip
     position, velocity = gridded.pairs["position"], gridded.pairs["velocity"]
     unknown = ~np.all(np.isfinite(position), axis=1)
