@@ -186,7 +186,7 @@ def _run_scheme(
 def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int) -> int:
     """How many replicates to run at once, given the steps of the longest piece.
 
-    A kernel runs `WIDTH` series at once, used or not, and a replicate has two: x and y.
+    A kernel always runs `WIDTH` series at once, and a replicate has two: x and y.
     """
     if config.engine != "batch" or not hasattr(scheme, "kernel"):
         return 1

@@ -1,6 +1,7 @@
 """Write the estimates to files: estimates.parquet, and one CSV per scheme.
 
-Both are written piece by piece, one scheme at a time: a day at 100 Hz would take several GB.
+Both are written piece by piece, one scheme at a time: a day at 100 Hz as a whole would take several
+GB of memory.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """What figures show of a record and its schemes, replicate 0, without holding the whole of it.
 
-All schemes run through the record side by side, piece by piece. Kept are the steps that a figure
-shows; of the others, how large the errors grow and which schemes give the same line.
+All schemes run through the record side by side, piece by piece. The steps that a figure shows are
+kept. Of the others only two things are: how large the errors grow, and which schemes are alike.
 """
 
 from __future__ import annotations

@@ -63,7 +63,7 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
     )
     many = clean["file"].nunique() > 1
     return [
-        (f"{row['file']}: " if many else "") + advice.sentence(row)
+        (f"{row['file']}: " if many else "") + advice.write_sentence(row)
         for row in clean.to_dict("records")
     ]
 

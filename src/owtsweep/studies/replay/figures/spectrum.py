@@ -18,8 +18,8 @@ from owtsweep.studies.replay.place import read_fit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Lines of the periodogram that a point of its smooth form takes in, and the part of the band that
-#: it may take in where there are many.
+#: The running mean is over at least `SMOOTHED` lines of the periodogram; where the band holds many,
+#: it is over one in `SHARE` of them.
 SMOOTHED, SHARE = 7, 500
 
 
@@ -65,7 +65,8 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
         axes.set_ylabel("displacement spectrum, x + y (m²/Hz)")
         axes.legend(loc="upper right", frameon=False)
         axes.set_title(
-            f"Spectrum of {Path(config.grid.files[0]).name}\n{_said(record, shape is not None)}",
+            f"Spectrum of {Path(config.grid.files[0]).name}\n"
+            f"{_describe_fit(record, shape is not None)}",
             loc="left",
         )
         share = ""
@@ -83,7 +84,7 @@ def _smooth(power: Array, count: int) -> Array:
     return np.convolve(power, np.full(count, 1.0 / count), mode="same")
 
 
-def _said(record: Any, has_fit: bool) -> str:
+def _describe_fit(record: Any, has_fit: bool) -> str:
     if not has_fit:
         return "Eq. (1) could not be fitted inside the band"
     return (
