@@ -69,8 +69,9 @@ def _trace_state(session: Session, quantity: str, name: str) -> Traces:
     }
     series: Array | None = getattr(record, quantity)
     truth = None if series is None else series[window]
-    errors, deviations = {}, {}
+    lines, errors, deviations = {}, {}, {}
     for scheme, estimated in seen.items():
+        lines[scheme] = make_pair(time, estimated.state[:, columns])
         if truth is not None:
             errors[scheme] = make_line(time, estimated.state[:, columns.start] - truth[:, 0])
             deviations[scheme] = time, estimated.deviation[:, columns.start]
@@ -82,10 +83,7 @@ def _trace_state(session: Session, quantity: str, name: str) -> Traces:
             innovations[scheme] = time[there], scaled[there]
     return Traces(
         (float(time[0]), float(time[-1])),
-        {
-            scheme: make_pair(time, estimated.state[:, columns])
-            for scheme, estimated in seen.items()
-        },
+        lines,
         errors,
         max((session.bounds[quantity][scheme] for scheme in seen), default=0.0),
         truth=None if truth is None else make_pair(time, truth),
