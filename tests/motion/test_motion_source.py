@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,10 +14,11 @@ import pytest
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.source import RecordedSource
-from owtsweep.motion.source import Source
+from owtsweep.motion.source import Motion, Source
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.spectral import SpectralSource
 from owtsweep.motion.synthesis import synthesise
+from owtsweep.testing import check_source
 
 TIME = np.arange(0.0, 60.0, 0.02)
 
@@ -37,6 +41,46 @@ def streams(replicate: int):
         return np.random.default_rng([replicate, *name.encode()])
 
     return stream
+
+
+@pytest.mark.parametrize("source", SOURCES)
+def test_a_source_keeps_the_contract(source: Source) -> None:
+    check_source(source, steps=1000, step=0.05)
+
+
+@dataclass(frozen=True)
+class Faulty:
+    """A source whose motion is changed, or drawn from a stream that it does not name."""
+
+    change: Callable[[Motion], dict[str, Any]]
+    streams: tuple[str, ...] = ("phase",)
+    duration: float | None = None
+
+    def realise(self, stream, *, steps: int, step: float, history: int = 0) -> Motion:
+        motion = SPECTRAL.realise(stream, steps=steps, step=step, history=history)
+        return replace(motion, **self.change(motion))
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        (Faulty(lambda m: {"velocity": 1.1 * m.velocity}), "velocity differs from the slope"),
+        (Faulty(lambda m: {"acceleration": -m.acceleration}), "acceleration differs"),
+        (Faulty(lambda m: {"before": m.before + 1.0}), "positions before t = 0 jump"),
+        (Faulty(lambda m: {"before": m.before[1:]}), r"before has the shape \(9,\), not \(10,\)"),
+        (Faulty(lambda m: {"step": 1.0}), "the step is 1 s"),
+        (Faulty(lambda m: {}, streams=()), "draws from .'phase'., but `streams` names"),
+        (Faulty(lambda m: {}, duration=5.0), "its duration is 5 s"),
+        (
+            Faulty(lambda m: {"position": m.position + 1e-9 * np.random.default_rng().random()}),
+            "the same streams give another motion",
+        ),
+        (object(), "object: needs `streams`"),
+    ],
+)
+def test_a_broken_contract_is_told(source: Any, message: str) -> None:
+    with pytest.raises(AssertionError, match=message):
+        check_source(source, steps=1000, step=0.05)
 
 
 @pytest.mark.parametrize("source", SOURCES)

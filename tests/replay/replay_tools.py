@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+import itertools
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from owtsweep.arrays import Array
 from owtsweep.config import changed
+from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.motion.spectra import translated
 from owtsweep.motion.synthesis import synthesise
 from owtsweep.studies import compose
+from owtsweep.studies.hub.public import Scheme, Sensors
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.estimating import estimate_pieces
+from owtsweep.studies.replay.measures import Measured, Tally
+from owtsweep.studies.replay.measuring import Signals
+from owtsweep.studies.replay.record import ReplayRecord
 
 ROOT = Path(__file__).parents[2]
 DATA = Path(os.environ.get("OWTSWEEP_DATA", ROOT.parent / "shared/data"))
@@ -97,3 +105,25 @@ def sensor_file(
             fix[round(came / step)] = value
         columns |= {"fix_x": fix[:, 0], "fix_y": fix[:, 1]}
     return write_csv(path, columns)
+
+
+def estimate(
+    config: ReplayConfig, scheme: Scheme, sensors: Sensors, signals: Signals
+) -> Trajectory:
+    """Run a scheme over a whole record at once."""
+    return next(estimate_pieces(config, scheme, sensors, [signals], [0, signals.steps]))[0]
+
+
+def collect_force(signals: Signals) -> Array:
+    """(steps, 2) the whole specific force."""
+    return next(signals.force(signals.steps))
+
+
+def measure(
+    record: ReplayRecord, fixes: Array, estimated: Trajectory, sensors: Sensors, settled: int
+) -> Iterator[Measured]:
+    """All measures of one replicate whose estimates are in memory as a whole."""
+    tally = Tally(record, fixes, sensors, settled)
+    for begin, end in itertools.pairwise(tally.edges):
+        tally.add(estimated.part(slice(begin, end)))
+    yield from tally.measures()

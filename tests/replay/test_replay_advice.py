@@ -31,7 +31,7 @@ def test_too_small_a_margin_does_not_matter():
     assert found["best"] == "HME1"
     assert found["ci_low"] > 0.0
     assert not found["matters"]
-    line = advice.sentence({"source": "record", "criterion": "position", **found})
+    line = advice.write_sentence({"source": "record", "criterion": "position", **found})
     assert "no difference that matters" in line
 
 
@@ -70,18 +70,20 @@ def rows(measure: str, replicates: int) -> pd.DataFrame:
 
 
 def test_draws_are_compared_in_pairs_and_a_single_record_piece_by_piece():
-    found = advice.from_record(rows("position", 5), ["MKF", "HME1"], "position", "settled")
+    found = advice.advise_from_record(rows("position", 5), ["MKF", "HME1"], "position", "settled")
     assert (found["source"], found["n"], found["best"]) == ("record", 5, "HME1")
-    found = advice.from_record(rows("position", 1), ["MKF", "HME1"], "position", "settled")
+    found = advice.advise_from_record(rows("position", 1), ["MKF", "HME1"], "position", "settled")
     assert (found["n"], found["window"]) == (20, "settled")
     assert found["ci_low"] < found["difference"] < found["ci_high"]
     assert found["value_best"] == 1.0  # the whole settled record's; the pieces make the interval
 
 
 def test_without_errors_the_fixes_advise():
-    found = advice.from_record(rows("fix_residual", 1), ["MKF", "HME1"], "position", "settled")
+    found = advice.advise_from_record(
+        rows("fix_residual", 1), ["MKF", "HME1"], "position", "settled"
+    )
     assert (found["source"], found["criterion"]) == ("fixes", "fix_residual")
-    assert "from a fix" in advice.sentence(found)
+    assert "from a fix" in advice.write_sentence(found)
 
 
 def test_large_margins_are_told_in_times():
@@ -90,7 +92,7 @@ def test_large_margins_are_told_in_times():
         "runner_up": "MKF", "value_best": 0.01, "margin": 4.0, "ci_low": 0.03, "ci_high": 0.05,
         "matters": True,
     }  # fmt: skip
-    assert "MKF has 5 times as much (95 %: 4 to 6 times)" in advice.sentence(row)
-    assert "MKF has 5 times as much" in advice.sentence({**row, "source": "map"})
+    assert "MKF has 5 times as much (95 %: 4 to 6 times)" in advice.write_sentence(row)
+    assert "MKF has 5 times as much" in advice.write_sentence({**row, "source": "map"})
     near = {**row, "margin": 0.5, "ci_low": 0.004, "ci_high": 0.006}
-    assert "MKF has 50 % more (95 %: 40 to 60 %)" in advice.sentence(near)
+    assert "MKF has 50 % more (95 %: 40 to 60 %)" in advice.write_sentence(near)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from replay_tools import config_of, motion_file, sensor_file
+from replay_tools import config_of, estimate, measure, motion_file, sensor_file
 
 from owtsweep.config import changed
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve
-from owtsweep.studies.replay import measures
-from owtsweep.studies.replay.estimating import estimate
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import measure
+from owtsweep.studies.replay.measuring import listen
 
 SMALL = (
     "sensors.imu.rate=20", "hme.mhe.horizon=5", "hme.mhe.smoother_window=6", "hme.mhe.interval=0.5",
@@ -27,7 +25,7 @@ def test_all_engines_agree(tmp_path, name, missing):
     config = config_of([path], *SMALL)
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
-    measured = measure(config, sensors, record, 0)
+    measured = listen(config, sensors, record, 0)
     fast = estimate(config, resolve(name), sensors, measured)
     slow = estimate(changed(config, engine="reference"), resolve(name), sensors, measured)
     for part in ("state", "innovation", "innovation_covariance"):
@@ -50,7 +48,7 @@ def test_the_deviation_grows_while_fixes_are_missing(tmp_path):
     config = config_of([path])
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
-    found = estimate(config, resolve("HME1"), sensors, measure(config, sensors, record, 0))
+    found = estimate(config, resolve("HME1"), sensors, listen(config, sensors, record, 0))
     before, during = found.deviation[1950, 0], found.deviation[2950, 0]
     assert during > 3.0 * before
     assert found.deviation[4500, 0] == pytest.approx(found.deviation[4400, 0], rel=0.05)
@@ -65,9 +63,9 @@ def test_hme1_states_its_uncertainty_right(tmp_path):
     shares = {"HME1": [], "MKF": []}
     for name, found in shares.items():
         for replicate in range(8):
-            measured = measure(config, sensors, record, replicate)
+            measured = listen(config, sensors, record, replicate)
             estimated = estimate(config, resolve(name), sensors, measured)
-            rows = measures.measure(record, measured.fixes, estimated, sensors, 2000)
+            rows = measure(record, measured.fixes, estimated, sensors, 2000)
             found += [v for n, w, v, _ in rows if (n, w) == ("coverage_position", "settled")]
     assert len(shares["HME1"]) == 8
     assert 0.94 <= np.mean(shares["HME1"]) <= 0.96

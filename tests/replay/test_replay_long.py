@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from replay_tools import config_of, motion_file, sensor_file
+from replay_tools import collect_force, config_of, estimate, motion_file, sensor_file
 
 from owtsweep.evaluation.trajectory import Trajectory, join
 from owtsweep.figures.decimate import decimate
@@ -21,9 +21,9 @@ from owtsweep.studies.hub.one_pass import OnePassSeries
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.replay import blocks, estimating, measuring, session, states, windows
 from owtsweep.studies.replay.envelope import Envelope
-from owtsweep.studies.replay.estimating import estimate, estimate_pieces
+from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import listen, measure, simulate_true_bias
+from owtsweep.studies.replay.measuring import listen, simulate_true_bias
 
 ROOT = Path(__file__).parents[2]
 EDGES = [0, 1, 77, 77, 150, 777, 1501]
@@ -60,7 +60,7 @@ def test_estimates_do_not_depend_on_the_pieces(tmp_path, short_pieces, name, how
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
     edges = [*(e for e in EDGES if e < record.steps), record.steps]
-    whole = estimate(config, resolve(name), sensors, measure(config, sensors, record, 0))
+    whole = estimate(config, resolve(name), sensors, listen(config, sensors, record, 0))
     signals = [listen(config, sensors, record, 0)]
     pieces = [p for (p,) in estimate_pieces(config, resolve(name), sensors, signals, edges)]
     assert [len(p.state) for p in pieces] == list(np.diff(edges))
@@ -102,7 +102,7 @@ def test_the_noise_does_not_depend_on_the_pieces(tmp_path):
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
     signals = listen(config, sensors, record, 3)
-    whole = signals.collect().specific_force
+    whole = collect_force(signals)
     assert np.array_equal(np.concatenate([*signals.force(700)]), whole)
     # by hand: the streams as DESIGN.md has them
     named = partial(measuring.stream, config.seed, "replay", (0.0,), 3)
@@ -119,7 +119,7 @@ def test_the_simulated_bias_is_that_of_the_noise(tmp_path, monkeypatch):
     record = load_record(config, str(path))
     monkeypatch.setattr(measuring, "PIECE", 640)
     found = np.concatenate([*simulate_true_bias(config, sensors, record.steps, 2)])
-    force = measure(config, sensors, record, 2).specific_force @ sensors.rotation.T
+    force = collect_force(listen(config, sensors, record, 2)) @ sensors.rotation.T
     expected = force - record.acceleration + np.array(sensors.gravity)
     assert np.max(np.abs(found - expected)) < 1e-7
     assert np.ptp(found[:, 0]) > 1e-4
@@ -153,7 +153,7 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
             assert len(estimated.state) == steps.stop - steps.start
             assert same(estimated, other.seen[window][name])
     if one.record.position is not None:
-        whole = estimate(config, resolve("HME1"), one.sensors, one.signals.collect())
+        whole = estimate(config, resolve("HME1"), one.sensors, one.signals)
         error = np.abs(whole.state[:, 0] - one.record.position[:, 0])[one.record.steps // 5 :]
         assert other.bounds["position"]["HME1"] == np.nanmax(error)
     assert one_states.repeated == other_states.repeated

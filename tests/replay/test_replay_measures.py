@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from replay_tools import config_of, motion_file, sensor_file
+from replay_tools import config_of, estimate, measure, motion_file, sensor_file
 
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.replay import facts, measures, place
-from owtsweep.studies.replay.estimating import estimate
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import measure
+from owtsweep.studies.replay.measuring import listen
 
 
 @pytest.fixture(scope="module")
@@ -20,9 +19,9 @@ def case(tmp_path_factory):
     config = config_of([path])
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
-    measured = measure(config, sensors, record, 0)
+    measured = listen(config, sensors, record, 0)
     estimated = estimate(config, resolve("HME1"), sensors, measured)
-    rows = measures.measure(record, measured.fixes, estimated, sensors, 2000)
+    rows = measure(record, measured.fixes, estimated, sensors, 2000)
     return record, measured, estimated, {(n, w): (v, c) for n, w, v, c in rows}
 
 
@@ -102,9 +101,9 @@ def test_without_a_reference_there_are_innovations_alone(tmp_path):
     config = config_of([path])
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
-    measured = measure(config, sensors, record, 0)
+    measured = listen(config, sensors, record, 0)
     estimated = estimate(config, resolve("HME1"), sensors, measured)
-    names = {n for n, *_ in measures.measure(record, measured.fixes, estimated, sensors, 2000)}
+    names = {n for n, *_ in measure(record, measured.fixes, estimated, sensors, 2000)}
     assert names == {"fix_residual", "nis", "innovation", "innovation_lag_1", "innovation_white_p"}
     assert not list(measures.measure_last_fix(record, measured.fixes, sensors, 2000))
 
@@ -122,20 +121,18 @@ def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
         scheme = resolve(name)
         mse = []
         for replicate in range(4):
-            measured = measure(config, sensors, record, replicate)
+            measured = listen(config, sensors, record, replicate)
             state = estimate(config, scheme, sensors, measured).state[4000:]
             mse.append(np.mean(np.sum((state[:, :2] - record.position[4000:]) ** 2, axis=1)))
         known = expect_errors(config, scheme, sensors, record.steps, (0.05, 0.6))
         rms = float(np.sqrt(np.mean(np.sum(record.position[4000:] ** 2, axis=1))))
         expected, _ = known.mse(translated(5.0).density, (0.05, 0.6), rms)
         assert np.mean(mse) == pytest.approx(expected, rel=0.1), name
-        assert place.expect_at_record(config, facts_of(config, record, sensors))[name][0] == (
+        assert place.expect_at_record(config, facts_of(config, record))[name][0] == (
             pytest.approx(expected, rel=0.1)
         )
 
 
-def facts_of(config, record, sensors):
+def facts_of(config, record):
     """A record's line of records.csv."""
-    return {
-        n: v for n, _, v, _ in facts.measure_record(config, record, sensors, resolve("HME1"), 2000)
-    }
+    return {n: v for n, _, v, _ in facts.measure_record(config, record)}

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from replay_tools import config_of, motion_file, sensor_file, write_csv
+from replay_tools import collect_force, config_of, motion_file, sensor_file, write_csv
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.replay.fixes import align
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.measuring import count_replicates, measure
+from owtsweep.studies.replay.measuring import count_replicates, listen
 
 
 def sine_file(path, rate=25.0, mean=2.0):
@@ -49,18 +49,18 @@ def test_simulated_sensors_are_the_motion_and_the_noise(tmp_path):
     )
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, config.grid.files[0])
-    measured = measure(config, sensors, record, 3)
+    measured = listen(config, sensors, record, 3)
     M, delay = sensors.fix_interval, sensors.delay
     late = record.position[M - delay :: M]
     apart = measured.fixes[1:] - late[: len(measured.fixes) - 1]
     assert 0.5 * 0.03 < apart.std() < 1.5 * 0.03
-    in_ned = measured.specific_force @ sensors.rotation.T
+    in_ned = collect_force(measured) @ sensors.rotation.T
     rest = in_ned - record.acceleration + np.array([0.1, -0.2])  # - g
     assert rest.mean(axis=0) == pytest.approx([0.03, 0.067], abs=0.04)  # R b^b of .05, .05
     assert rest.std() == pytest.approx(0.15, rel=0.1)
-    again = measure(config, sensors, record, 3)
-    assert np.array_equal(again.specific_force, measured.specific_force)
-    other = measure(config, sensors, record, 4)
+    again = listen(config, sensors, record, 3)
+    assert np.array_equal(collect_force(again), collect_force(measured))
+    other = listen(config, sensors, record, 4)
     assert not np.array_equal(other.fixes, measured.fixes)
 
 
@@ -91,8 +91,8 @@ def test_fixes_are_made_from_a_reference(tmp_path):
     record = load_record(config, str(path))
     assert record.gnss == "from_reference"
     assert count_replicates(config, record) == 20
-    one, two = (measure(config, sensors, record, k) for k in range(2))
-    assert np.array_equal(one.specific_force, two.specific_force)  # what was recorded stays
+    one, two = (listen(config, sensors, record, k) for k in range(2))
+    assert np.array_equal(collect_force(one), collect_force(two))  # what was recorded stays
     noise = one.fixes - record.fixes
     assert noise.std() == pytest.approx(0.03, rel=0.25)
     assert not np.array_equal(one.fixes, two.fixes)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from owtsweep.errors import InputError
-from owtsweep.sensing.sampling import Sampling, sample
+from owtsweep.sensing.sampling import Sampling, make_sampling
 
 
 def test_reports_are_about_earlier_instants() -> None:
-    gnss = sample(rate=1.0, delay=0.2, base_rate=100.0)
+    gnss = make_sampling(rate=1.0, delay=0.2, base_rate=100.0)
     assert gnss == Sampling(interval=100, delay=20)
     assert gnss.count(201) == 3
     assert gnss.arrivals(201).tolist() == [0, 100, 200]
@@ -33,7 +33,7 @@ def test_the_count_is_that_of_the_arrivals_in_the_record(steps: int) -> None:
 )
 def test_rates_and_delays_that_do_not_fit(rate: float, delay: float, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        sample(rate, delay, 100.0)
+        make_sampling(rate, delay, 100.0)
 
 
 def test_an_interval_of_nothing() -> None:
@@ -42,5 +42,5 @@ def test_an_interval_of_nothing() -> None:
 
 
 def test_ratios_are_whole_but_for_round_off() -> None:
-    assert sample(rate=0.1, delay=0.3, base_rate=30.0) == Sampling(300, 9)
-    assert sample(rate=1 / 3, delay=0.07, base_rate=100.0) == Sampling(300, 7)
+    assert make_sampling(rate=0.1, delay=0.3, base_rate=30.0) == Sampling(300, 9)
+    assert make_sampling(rate=1 / 3, delay=0.07, base_rate=100.0) == Sampling(300, 7)

@@ -1,9 +1,9 @@
 """The Kalman filter where measurements arrive late, each by a delay of its own.
 
-At every step the filter goes back to the earliest instant that something new is about and filters
-again from there, with all that has arrived by now. That is exact whatever the delays are, and costs
-as many steps as the delay is long; nothing is done where nothing is late. (The other exact way
-keeps a copy of the state for every step of the longest delay in one large state.)
+At every step the filter goes back to the earliest instant that a new measurement is about. From
+there it filters again, with all that has arrived by now. That is exact whatever the delays are. It
+costs as many steps as the delay is long, and nothing where nothing is late. (The other exact way
+keeps a copy of the state for every step of the longest delay, all in one large state.)
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from owtsweep.errors import InputError
 from owtsweep.estimation.filter_data import (
     check_measurements,
     check_prior,
+    compute_input_effects,
     find_patterns,
-    input_effects,
     share_out,
     spread_state,
 )
@@ -32,12 +32,12 @@ from owtsweep.estimation.kalman_step import (
     transpose,
 )
 from owtsweep.estimation.linear import LinearModel
-from owtsweep.estimation.smoothing import smoother_gain
+from owtsweep.estimation.smoothing import compute_smoother_gain
 
 
 @dataclass(frozen=True)
 class Delayed:
-    """What a filter knows at each step of what has arrived by then.
+    """What a filter says of each step from what had arrived by then.
 
     Attributes
     ----------
@@ -93,11 +93,13 @@ def filter_delayed(
         raise InputError(f"lag: {lag} steps; give 0 or more")
     arrival, pattern = find_patterns(_arrivals(z, np.asarray(delay)))
     series, steps, _ = z.shape
-    chain = _Chain(model, z, arrival, pattern, input_effects(model, inputs, series, steps))
+    chain = _Chain(model, z, arrival, pattern, compute_input_effects(model, inputs, series, steps))
     chain.begin(spread_state(model, state, series), check_prior(model, covariance))
     smoothed, spread = np.empty_like(chain.filtered), np.empty_like(chain.filtered_P)
     nis = np.empty((series, steps))
     for now, first in enumerate(_earliest(arrival)):
+        # The NIS of all measurements is the sum over steps, whatever their order: the new ones have
+        # what they add to it.
         before = chain.nis[:, first:now].sum(axis=1)
         chain.filter_again(first, now)
         nis[:, now] = chain.nis[:, first : now + 1].sum(axis=1) - before
@@ -170,7 +172,7 @@ class _Chain:
         self.predicted[:, 0], self.predicted_P[:, 0] = state, covariance
 
     def filter_again(self, first: int, now: int) -> None:
-        """Filter steps first ... now with what has arrived by `now`."""
+        """Filter the steps `first` to `now` with what has arrived by `now`."""
         for k in range(first, now + 1):
             if k > 0:
                 F, Q, _, _, _ = self.model.at(k - 1)
@@ -186,11 +188,14 @@ class _Chain:
             self.nis[:, k] = compute_nis(e, share_out(S, self.pattern))
 
     def smooth_back(self, now: int, oldest: int) -> tuple[Array, Array]:
-        """States (series, steps, n) and covariances of steps oldest ... now, given what is here."""
+        """States (series, steps, n) and covariances (patterns, steps, n, n) of the steps `oldest`
+        to `now`, given all that has arrived by `now`."""
         window = slice(oldest, now + 1)
         x, P = self.filtered[:, window].copy(), self.filtered_P[:, window].copy()
         for k in range(now - 1, oldest - 1, -1):
-            C = smoother_gain(self.filtered_P[:, k], self.model.at(k).F, self.predicted_P[:, k + 1])
+            C = compute_smoother_gain(
+                self.filtered_P[:, k], self.model.at(k).F, self.predicted_P[:, k + 1]
+            )
             ahead = x[:, k + 1 - oldest] - self.predicted[:, k + 1]
             x[:, k - oldest] += multiply(share_out(C, self.pattern), ahead)
             wider = P[:, k + 1 - oldest] - self.predicted_P[:, k + 1]

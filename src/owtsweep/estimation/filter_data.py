@@ -1,4 +1,4 @@
-"""What a filter is given, checked: measurements, inputs, a prior; and series that lose alike."""
+"""Checks what a filter is given, and groups series by which measurements they lost."""
 
 from __future__ import annotations
 
@@ -83,7 +83,9 @@ def spread_state(model: LinearModel, state: Array, series: int) -> Array:
     return np.array(np.broadcast_to(x, (series, model.states)))
 
 
-def input_effects(model: LinearModel, inputs: Array | None, series: int, steps: int) -> Array:
+def compute_input_effects(
+    model: LinearModel, inputs: Array | None, series: int, steps: int
+) -> Array:
     """B u of every step, (series, steps, n); zeros where the model has no B.
 
     Raises
@@ -109,7 +111,7 @@ def input_effects(model: LinearModel, inputs: Array | None, series: int, steps: 
 
 
 def find_patterns(marks: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """The different rows of (series, ...) marks, and which of them each series has."""
+    """The different rows of (series, ...) marks, and for each series the number of its row."""
     flat = marks.reshape(len(marks), -1)
     if np.all(flat == flat[:1]):  # the common case, without sorting
         return marks[:1], np.zeros(len(marks), dtype=np.int64)

@@ -18,8 +18,8 @@ from owtsweep.estimation.filter_data import (
     check_measurements,
     check_prior,
     check_steps,
+    compute_input_effects,
     find_patterns,
-    input_effects,
     share_out,
     spread_state,
 )
@@ -208,7 +208,7 @@ def apply_gains(
     rows = gains.rows_of(steps)
     if np.any(np.isfinite(z) != share_out(gains.available[:, rows], pattern)):
         raise InputError("measurements: other components are lost than the gains are made for")
-    driven = input_effects(model, inputs, series, steps)
+    driven = compute_input_effects(model, inputs, series, steps)
     predicted, filtered = np.empty((2, series, steps, model.states))
     innovation = np.empty(z.shape)
     x = spread_state(model, state, series)

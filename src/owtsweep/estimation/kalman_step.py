@@ -20,12 +20,12 @@ def predict_covariance(P: Array, F: Array, Q: Array) -> Array:
 def correct_covariance(
     P: Array, H: Array, R: Array, available: NDArray[np.bool_]
 ) -> tuple[Array, Array, Array]:
-    """Gain, covariance of the innovation, and covariance of the corrected state.
+    """Correct covariances by a measurement.
 
     Joseph's form (I - K H) P (I - K H)' + K R K' keeps the covariance symmetric and positive
     (Bucy and Joseph 1968). A lost component has a zero row in H and unit noise that is correlated
-    with nothing. Its column of K is then zero, and the other components do not feel it: exactly
-    what is left when its rows and columns are dropped (Durbin and Koopman 2012, section 4.10).
+    with nothing. Its column of K is then zero, and the other components are corrected exactly as
+    if its rows and columns were dropped (Durbin and Koopman 2012, section 4.10).
 
     Parameters
     ----------
@@ -38,8 +38,9 @@ def correct_covariance(
 
     Returns
     -------
-    tuple
-        (patterns, n, m), (patterns, m, m), (patterns, n, n).
+    K, S, corrected
+        (patterns, n, m) gain P H' S^-1; (patterns, m, m) covariance S = H P H' + R of the
+        innovation; (patterns, n, n) covariance after the measurement.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Gains that repeat: where losses repeat, so do gains and covariances after a while.
+"""Gains that repeat: where measurements come in a fixed cycle, so do the gains after a while.
 
-With a model that does not change and measurements that come in a fixed cycle (as one sensor that is
-slower than another), the covariance converges to a periodic one (Anderson and Moore 1979, section
-4.4, for a cycle of one step). The transient and one cycle then serve records of any length.
+With a model that does not change and a fixed cycle (one sensor slower than another, for example)
+the covariance converges to a periodic one (Anderson and Moore 1979, section 4.4, for a cycle of one
+step). The transient and one cycle then serve records of any length.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ def schedule_gains(
     available
         (cycle, m): whether a component of the measurement is there, over one cycle.
     steps
-        Of the longest record. If the covariance has not settled by then, as that of a state that
-        nothing observes never does, every step has a row of its own.
+        Length of the longest record. If the covariance has not settled by then, every step has its
+        own row. (The covariance of a state that nothing observes never settles.)
 
     Raises
     ------

@@ -5,8 +5,8 @@ Rauch, Tung and Striebel (1965): with C[k] = P[k|k] F' P[k+1|k]^-1,
     x[k|N] = x[k|k] + C[k] (x[k+1|N] - x[k+1|k])
     P[k|N] = P[k|k] + C[k] (P[k+1|N] - P[k+1|k]) C[k]'
 
-(Anderson and Moore 1979, section 7.4). What was lost, or arrived in whatever order, is already in
-the filter's run that a smoother goes back over.
+(Anderson and Moore 1979, section 7.4). A smoother goes back over a filter's run and needs no
+measurement again, so it does not matter here which of them were lost.
 """
 
 from __future__ import annotations
@@ -49,9 +49,9 @@ def smooth(run: Filtered) -> Smoothed:
 def smooth_fixed_lag(run: Filtered, lag: int) -> Smoothed:
     """The state of step k given the measurements up to step k + lag, or to the record's end.
 
-    The pass of Rauch, Tung and Striebel over the window k ... k + lag, of all windows side by side.
-    It is optimal for that lag, while filters that correct a state several times by gains of their
-    own (as filterpy's FixedLagSmoother) are not.
+    For each step it is the pass of Rauch, Tung and Striebel over the window from k + lag back to k;
+    all windows are smoothed side by side. The result is optimal for that lag, unlike that of
+    filterpy's FixedLagSmoother.
 
     Parameters
     ----------
@@ -87,10 +87,10 @@ def compute_smoother_gains(model: LinearModel, gains: Gains) -> Array:
     count = rows if gains.cycle else rows - 1
     following = gains.predicted[:, gains.rows_of(count + 1)[1:]]
     F = model.F if model.F.ndim == 2 else model.F[:count]
-    return smoother_gain(gains.filtered[:, :count], F, following)
+    return compute_smoother_gain(gains.filtered[:, :count], F, following)
 
 
-def smoother_gain(filtered: Array, F: Array, following: Array) -> Array:
+def compute_smoother_gain(filtered: Array, F: Array, following: Array) -> Array:
     """C = P[k|k] F' P[k+1|k]^-1 of (..., n, n) covariances.
 
     The inverse is a pseudo-inverse, since a state may be known exactly (no noise drives it, and no

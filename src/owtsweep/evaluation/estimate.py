@@ -23,7 +23,7 @@ class Quantity(NamedTuple):
     components: tuple[str, ...]
 
 
-#: Position and velocity in the plane, as the hub study and its companions judge them.
+#: Position and velocity in the plane: what is judged if a study says nothing else.
 PLANAR_MOTION = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "vy")))
 
 
@@ -37,9 +37,10 @@ class Innovation(NamedTuple):
 class Estimate:
     """The estimate of the present state.
 
-    A study says which quantities it judges, their dimensions and units. The hub study judges
-    position and velocity, (2,) each, in NED, in m and m/s: `Estimate(position, velocity)`. Others
-    are given by name, `Estimate(angle=..., strain=...)`, and are attributes of that name.
+    A study says which quantities it judges, their dimensions and units. The hub study, for
+    example, judges position and velocity, (2,) each, in NED, in m and m/s:
+    `Estimate(position, velocity)`. Others are given by name, `Estimate(angle=..., strain=...)`, and
+    are attributes of that name.
 
     Parameters
     ----------

@@ -1,6 +1,7 @@
 """Run an estimator as it would run on board: one `update` per step.
 
-The reference engine runs every scheme this way, and every engine a user's scheme without a kernel.
+Some quantities, the inputs, are measured at every step. Others are measured only now and then; such
+a measurement is called a fix, as a position from GNSS beside the accelerations of an IMU.
 """
 
 from __future__ import annotations
@@ -40,10 +41,9 @@ def run_estimator(
     Parameters
     ----------
     inputs
-        (steps, i) what is measured at every step. In the hub study: specific force, m/s^2.
+        (steps, i) what is measured at every step.
     fixes
-        (fixes, m) what is measured at steps 0, M, 2 M, ...; NaN if it did not arrive. In the hub
-        study: position, m.
+        (fixes, m) what is measured at steps 0, M, 2 M, ...; NaN if it did not arrive.
     fix_interval
         M, in steps.
     judged

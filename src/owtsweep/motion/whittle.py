@@ -20,7 +20,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum
 
-#: The band of the hub study, Hz.
+#: The band of waves and of the first bending mode of a support structure, Hz.
 BAND = (0.05, 0.6)
 #: Three parameters are fitted to at least this many lines of the periodogram.
 FEWEST_LINES = 12
@@ -104,11 +104,7 @@ def periodogram(position: Array, step: float) -> tuple[Array, Array]:
     trend = np.vstack([np.ones(n), np.linspace(-1.0, 1.0, n)])
     flat = series - (series @ np.linalg.pinv(trend)) @ trend
     lines = rfft(flat, axis=1)
-    power = np.sum(np.abs(lines) ** 2, axis=0) * (2.0 * step / n)
-    if n % 2 == 0:
-        power[-1] *= 0.5
-    frequency = np.arange(len(power)) / (n * step)
-    return frequency[1:], power[1:]
+    return _make_one_sided(np.sum(np.abs(lines) ** 2, axis=0), n, step)
 
 
 def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
@@ -133,6 +129,11 @@ def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
         power += np.square(lines.real)
         power += np.square(lines.imag)
         del flat, lines
+    return _make_one_sided(power, n, step)
+
+
+def _make_one_sided(power: Array, n: int, step: float) -> tuple[Array, Array]:
+    """Frequencies (Hz) and density (m^2/Hz) of n samples from their lines' squares, in place."""
     power *= 2.0 * step / n
     if n % 2 == 0:
         power[-1] *= 0.5

@@ -1,4 +1,4 @@
-"""A sensor whose clock is wrong: what it stamps with t it measured at another instant."""
+"""A sensor with a wrong clock: it measured at another instant than its time stamp says."""
 
 from __future__ import annotations
 

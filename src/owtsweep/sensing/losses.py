@@ -63,7 +63,7 @@ class Losses:
         return lost
 
 
-def begin_probability(share: float, length: int) -> float:
+def compute_begin_probability(share: float, length: int) -> float:
     """The probability with which outages of a length begin, so that a share of samples is lost.
 
     Raises

@@ -52,7 +52,7 @@ class Sampling:
         return self.arrivals(steps) - self.delay
 
 
-def sample(rate: float, delay: float, base_rate: float) -> Sampling:
+def make_sampling(rate: float, delay: float, base_rate: float) -> Sampling:
     """The sampling of a sensor whose rate divides a base rate.
 
     Parameters

@@ -1,4 +1,4 @@
-"""The contracts of schemes and studies as checks that anybody can run on theirs."""
+"""The contracts of schemes, sources of motion and studies, as checks to run on your own."""
 
 from owtsweep.testing.schemes import (
     check_declaration,
@@ -9,6 +9,12 @@ from owtsweep.testing.schemes import (
     check_starts,
     check_superposition,
     example_sensors,
+)
+from owtsweep.testing.sources import (
+    check_delayed_positions,
+    check_derivatives,
+    check_source,
+    check_streams,
 )
 from owtsweep.testing.studies import (
     check_blocks_alone,
@@ -22,7 +28,8 @@ from owtsweep.testing.studies import (
 )
 
 __all__ = [
-    "check_blocks_alone", "check_declaration", "check_estimates", "check_failures", "check_inputs",
-    "check_kernel", "check_keys", "check_plan", "check_rows", "check_run", "check_scheme",
-    "check_starts", "check_study", "check_superposition", "check_tables", "example_sensors",
+    "check_blocks_alone", "check_declaration", "check_delayed_positions", "check_derivatives",
+    "check_estimates", "check_failures", "check_inputs", "check_kernel", "check_keys", "check_plan",
+    "check_rows", "check_run", "check_scheme", "check_source", "check_starts", "check_streams",
+    "check_study", "check_superposition", "check_tables", "example_sensors",
 ]  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import Limits, Recording, to_grid, to_motion
+from owtsweep.motion.recorded import Recording, checks, to_grid, to_motion
 
 OMEGA = 2 * np.pi * 0.3
 
@@ -53,12 +53,14 @@ def test_rounded_times_are_not_taken_at_their_word() -> None:
     assert np.max(np.abs(error)[INNER]) < 2e-3 * OMEGA**2
 
 
-def test_missing_samples_are_filled_and_long_gaps_of_a_reference_stay() -> None:
+def test_missing_samples_are_filled_and_long_gaps_of_a_reference_stay(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     lost = motion(TIME)
     lost[[300, 301, 500]] = np.nan
     lost[(TIME > 40.0) & (TIME < 42.0)] = np.nan
-    limits = Limits(longest_gap=0.2)
-    got = to_grid(recording(TIME, reference_x=lost), ["reference_x"], 100.0, limits=limits)
+    monkeypatch.setattr(checks, "LONGEST_GAP", 0.2)
+    got = to_grid(recording(TIME, reference_x=lost), ["reference_x"], 100.0)
     values, time = got.channels["reference_x"], got.grid.time
     hidden = (time > 40.0 + 1e-6) & (time < 42.0 - 1e-6)
     np.testing.assert_array_equal(np.isnan(values), hidden)

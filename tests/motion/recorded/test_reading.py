@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import Limits, describe, read
+from owtsweep.motion.recorded import checks, describe, read
 from owtsweep.motion.recorded.columns import guess_roles
 from owtsweep.motion.recorded.units import STANDARD_GRAVITY, find_factor
 
@@ -156,19 +156,20 @@ def test_what_is_wrong_is_said_with_its_place(
     assert said in refusal(record(tmp_path, **columns))
 
 
-def test_a_hole_in_time_is_a_gap(tmp_path: Path) -> None:
+def test_a_hole_in_time_is_a_gap(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     kept = (TIME < 6.0) | (TIME > 8.0)
     path = record(tmp_path, time=TIME[kept], acc_x=X[kept])
     assert "5.98 s to 8.02 s" in refusal(path)
-    notes = read(path, limits=Limits(gaps="interpolate")).notes
+    notes = read(path, gaps="interpolate").notes
     assert any("gaps interpolated: 5.98 s to 8.02 s" in note for note in notes)
-    assert read(path, limits=Limits(longest_gap=3.0))
     assert "none of refuse, interpolate" in refusal_of_option(path)
+    monkeypatch.setattr(checks, "LONGEST_GAP", 3.0)
+    assert read(path)
 
 
 def refusal_of_option(path: Path) -> str:
     with pytest.raises(InputError) as caught:
-        read(path, limits=Limits(gaps="fill"))
+        read(path, gaps="fill")
     return str(caught.value)
 
 

@@ -1,22 +1,20 @@
 """Reads recorded motion and recorded sensors, checks them, and resamples them to a uniform grid."""
 
-from owtsweep.motion.recorded.checks import Limits
 from owtsweep.motion.recorded.deriving import to_motion
 from owtsweep.motion.recorded.describing import Channel, Description, describe
 from owtsweep.motion.recorded.formats import open_table
-from owtsweep.motion.recorded.gridding import Grid, Gridded, grid_of, to_grid
+from owtsweep.motion.recorded.gridding import Gridded, TimeGrid, find_common_grid, to_grid
 from owtsweep.motion.recorded.reading import read
 from owtsweep.motion.recorded.recording import Recording
 
 __all__ = [
     "Channel",
     "Description",
-    "Grid",
     "Gridded",
-    "Limits",
     "Recording",
+    "TimeGrid",
     "describe",
-    "grid_of",
+    "find_common_grid",
     "open_table",
     "read",
     "to_grid",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -19,27 +18,11 @@ LARGEST_JUMP = 1000.0  # m
 #: A larger range gets a note that asks whether the unit is right.
 LARGEST_RANGE = 100.0  # m
 FEWEST_SAMPLES = 32
-
-
-@dataclass(frozen=True)
-class Limits:
-    """What a recording must satisfy.
-
-    Attributes
-    ----------
-    gaps
-        What happens to gaps in force and motion longer than `longest_gap`: "refuse" or
-        "interpolate".
-    longest_gap
-        In s; shorter gaps are interpolated. Gaps of two and a half sampling intervals are always
-        allowed. Fixes and references may be missing for any time.
-    lowest_imu_rate
-        Lowest sampling rate of the specific force, Hz.
-    """
-
-    gaps: str = "refuse"
-    longest_gap: float = 0.1
-    lowest_imu_rate: float = 5.0
+#: Shorter gaps are interpolated, and so are gaps of two and a half sampling intervals. Fixes and
+#: references may be missing for any time.
+LONGEST_GAP = 0.1  # s
+#: An IMU that samples less often is refused.
+LOWEST_IMU_RATE = 5.0  # Hz
 
 
 def check_time(path: Path, name: str, time: Array) -> None:
@@ -60,13 +43,10 @@ def check_time(path: Path, name: str, time: Array) -> None:
         )
 
 
-def find_gaps(time: Array, limit: float) -> list[tuple[float, float]]:
-    """(start, end) in s of each interval between two values that is longer than the limit.
-
-    The limit is raised to two and a half median intervals if it is less.
-    """
+def find_gaps(time: Array) -> list[tuple[float, float]]:
+    """(start, end) in s of each interval between two values that is too long to interpolate."""
     step = np.diff(time)
-    longest = max(limit, 2.5 * float(np.median(step)))
+    longest = max(LONGEST_GAP, 2.5 * float(np.median(step)))
     return [(float(time[k]), float(time[k + 1])) for k in np.flatnonzero(step > longest)]
 
 
@@ -76,8 +56,8 @@ def describe_gaps(gaps: list[tuple[float, float]], shown: int = 3) -> str:
     return text + (f" and {len(gaps) - shown} more" if len(gaps) > shown else "")
 
 
-def check_channels(recording: Recording, limits: Limits) -> list[str]:
-    """Check every channel and return notes for the user.
+def check_channels(recording: Recording, gaps: str) -> list[str]:
+    """Check every channel and return notes for the user; `gaps` is as for `read`.
 
     Raises
     ------
@@ -97,38 +77,38 @@ def check_channels(recording: Recording, limits: Limits) -> list[str]:
         if count < fewest:
             raise refuse(recording.path, f"{name} has {count} values; at least {fewest} are needed")
         time, there = recording.series(role)
-        notes += _check_sampling(recording.path, role, name, time, limits)
+        notes += _check_sampling(recording.path, role, name, time, gaps)
         notes += _check_size(recording.path, role, name, time, there)
     return list(dict.fromkeys(notes))
 
 
-def _check_sampling(path: Path, role: str, name: str, time: Array, limits: Limits) -> list[str]:
+def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) -> list[str]:
     notes = []
     force = role.startswith("specific_force")
     step = np.diff(time)
     median = float(np.median(step))
-    if force and 1.0 / median < limits.lowest_imu_rate:
+    if force and 1.0 / median < LOWEST_IMU_RATE:
         raise refuse(
             path,
-            f"{name} comes at {1.0 / median:.3g} Hz; an IMU needs {limits.lowest_imu_rate:g} Hz "
-            "or more",
+            f"{name} comes at {1.0 / median:.3g} Hz; an IMU needs {LOWEST_IMU_RATE:g} Hz or more",
         )
-    gaps = find_gaps(time, limits.longest_gap)
+    holes = find_gaps(time)
     sparse = role.startswith(("fix", "reference"))
     quantity = role.rsplit("_", 1)[0]
-    if gaps and sparse:
-        longest = max(end - start for start, end in gaps)
+    if holes and sparse:
+        longest = max(end - start for start, end in holes)
         notes.append(
-            f"{quantity}: {len(gaps)} gap(s), the longest {longest:.3g} s, at {describe_gaps(gaps)}"
+            f"{quantity}: {len(holes)} gap(s), the longest {longest:.3g} s, at "
+            f"{describe_gaps(holes)}"
         )
-    elif gaps and limits.gaps == "refuse":
+    elif holes and gaps == "refuse":
         raise refuse(
             path,
-            f"{name} has gaps longer than {limits.longest_gap:g} s: {describe_gaps(gaps)}; cut "
+            f"{name} has gaps longer than {LONGEST_GAP:g} s: {describe_gaps(holes)}; cut "
             "them out, or use gaps=interpolate",
         )
-    elif gaps:
-        notes.append(f"{quantity}: gaps interpolated: {describe_gaps(gaps)}")
+    elif holes:
+        notes.append(f"{quantity}: gaps interpolated: {describe_gaps(holes)}")
     if not sparse:
         comb = fit_comb(time)
         if not comb.uniform:

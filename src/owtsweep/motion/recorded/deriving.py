@@ -7,12 +7,11 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.bandlimited import BandLimited
-from owtsweep.motion.recorded.checks import Limits
 from owtsweep.motion.recorded.gridding import (
     FULL_BAND,
-    Grid,
     Gridded,
-    grid_of,
+    TimeGrid,
+    find_common_grid,
     make_column,
     make_uniform,
     mark_gaps,
@@ -32,8 +31,7 @@ def to_motion(
     quantity: str = "position",
     orders: int = 3,
     cutoff: float | None = None,
-    grid: Grid | None = None,
-    limits: Limits | None = None,
+    grid: TimeGrid | None = None,
 ) -> Gridded:
     """Position, velocity and acceleration on the grid, each the derivative of the one before.
 
@@ -57,7 +55,7 @@ def to_motion(
         How many of position, velocity and acceleration to make, in that order.
     cutoff
         Hz. By default 5 Hz, or 0.4 of the lower of the two rates if that is less.
-    grid, limits
+    grid
         As for `to_grid`.
 
     Returns
@@ -70,14 +68,13 @@ def to_motion(
     InputError
         If the recording lacks the quantity, or the cut-off is above 0.4 of either rate.
     """
-    limits = limits or Limits()
     roles = [f"{quantity}_{axis}" for axis in "xy" if f"{quantity}_{axis}" in recording.channels]
     if not roles:
         raise InputError(
             f"{recording.path}: no {quantity}: set columns.{quantity}_x and columns.{quantity}_y"
         )
-    grid = grid or grid_of(recording, roles, rate)
-    sources = {role: make_uniform(recording, role, limits) for role in roles}
+    grid = grid or find_common_grid(recording, roles, rate)
+    sources = {role: make_uniform(recording, role) for role in roles}
     highest = FULL_BAND * min([grid.rate, *(1.0 / step for _, step, _ in sources.values())])
     chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff
     if not 0.0 < chosen <= highest * (1 + 1e-9):
@@ -103,7 +100,7 @@ def to_motion(
                 continue
             derived = function.on_grid(grid.start, grid.rate, grid.steps, order)
             if quantity == "position" and order > 0 and given in recording.channels:
-                recorded = to_grid(recording, [given], rate, grid=grid, limits=limits)
+                recorded = to_grid(recording, [given], rate, grid=grid)
                 notes.append(_describe_mismatch(given, recorded.channels[given], derived))
                 derived = recorded.channels[given]
             channels[given][:] = derived

@@ -10,7 +10,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.checks import describe_gaps, find_gaps
+from owtsweep.motion.recorded.checks import LONGEST_GAP, describe_gaps, find_gaps
 from owtsweep.motion.recorded.columns import ROLES, assign_roles
 from owtsweep.motion.recorded.formats import ChannelTable, open_table
 from owtsweep.motion.recorded.formats.table import refuse
@@ -215,7 +215,9 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
     holes: tuple[tuple[float, float], ...] = ()
     if time is not None and len(kept) > 1:
         median = float(np.median(np.diff(time[there])))
-        rate, holes = 1.0 / median, tuple(find_gaps(time[there], max(0.1, 10 * median)))
+        rate = 1.0 / median
+        longest = max(LONGEST_GAP, 10 * median)
+        holes = tuple(gap for gap in find_gaps(time[there]) if gap[1] - gap[0] > longest)
     return Channel(
         name=name,
         unit=unit,

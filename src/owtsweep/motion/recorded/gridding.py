@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.bandlimited import BandLimited
-from owtsweep.motion.recorded.checks import Limits, find_gaps
+from owtsweep.motion.recorded.checks import find_gaps
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.timing import fit_comb
 
@@ -20,7 +20,7 @@ FULL_BAND = 0.4
 
 
 @dataclass(frozen=True)
-class Grid:
+class TimeGrid:
     """The times start + k / rate for k = 0 ... steps - 1; start in s, rate in Hz."""
 
     start: float
@@ -53,14 +53,14 @@ class Gridded:
         What a user should know about the resampling.
     """
 
-    grid: Grid
+    grid: TimeGrid
     channels: Mapping[str, Array]
     pairs: Mapping[str, Array]
     cutoff: float | None
     notes: tuple[str, ...]
 
 
-def grid_of(recording: Recording, roles: Sequence[str], rate: float) -> Grid:
+def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) -> TimeGrid:
     """The grid over the time that all the given channels cover.
 
     Raises
@@ -76,7 +76,7 @@ def grid_of(recording: Recording, roles: Sequence[str], rate: float) -> Grid:
             f"{recording.path}: {', '.join(roles)} share {max(end - start, 0.0):.3g} s; at least "
             "1 s is needed"
         )
-    return Grid(start, rate, int(np.floor((end - start) * rate + 1e-6)) + 1)
+    return TimeGrid(start, rate, int(np.floor((end - start) * rate + 1e-6)) + 1)
 
 
 def to_grid(
@@ -84,8 +84,7 @@ def to_grid(
     roles: Sequence[str],
     rate: float,
     *,
-    grid: Grid | None = None,
-    limits: Limits | None = None,
+    grid: TimeGrid | None = None,
 ) -> Gridded:
     """Resample channels.
 
@@ -93,7 +92,7 @@ def to_grid(
     up to 0.4 of the lower of the two rates in full and removes all above half that rate, so
     resampling makes no images and no aliases. A channel whose samples lie on the grid already is
     not changed. Irregular times and missing samples are first interpolated by a cubic spline, and
-    gaps longer than `limits.longest_gap` by a monotone one; a reference is NaN in such gaps. Fixes
+    gaps longer than `checks.LONGEST_GAP` by a monotone one; a reference is NaN in such gaps. Fixes
     are not resampled: each moves to the nearest step, and of two at one step the later one is kept.
 
     Parameters
@@ -107,13 +106,10 @@ def to_grid(
     grid
         The grid. By default it covers the time that the channels have in common, fixes and
         references aside.
-    limits
-        The same as for `read`.
     """
-    limits = limits or Limits()
     if grid is None:
         dense = [role for role in roles if not role.startswith(("fix", "reference"))]
-        grid = grid_of(recording, dense or roles, rate)
+        grid = find_common_grid(recording, dense or roles, rate)
     channels: dict[str, Array] = {}
     pairs: dict[str, Array] = {}
     notes: list[str] = []
@@ -122,7 +118,7 @@ def to_grid(
             channels[role], said = _place_fixes(recording, role, grid)
             notes += said
             continue
-        source, step, holes = make_uniform(recording, role, limits)
+        source, step, holes = make_uniform(recording, role)
         cutoff = FULL_BAND * min(1.0 / step, grid.rate)
         values = _take_if_on_grid(source, step, grid)
         if values is None:
@@ -135,7 +131,7 @@ def to_grid(
     return Gridded(grid, channels, pairs, None, tuple(dict.fromkeys(notes)))
 
 
-def make_column(pairs: dict[str, Array], role: str, grid: Grid) -> Array:
+def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
     """The array (steps,) for a role: a column of its quantity's pair, which is made if missing.
 
     A role that is not an axis of a quantity gets an array by itself.
@@ -147,14 +143,14 @@ def make_column(pairs: dict[str, Array], role: str, grid: Grid) -> Array:
 
 
 def make_uniform(
-    recording: Recording, role: str, limits: Limits
+    recording: Recording, role: str
 ) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
     """((start, uniform samples), step, gaps) of a channel; missing samples are interpolated."""
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
     time, values = recording.series(role)
     comb = fit_comb(time)
-    holes = find_gaps(time, limits.longest_gap)
+    holes = find_gaps(time)
     if comb.uniform and comb.count == len(time):
         return (comb.start, values), comb.step, holes
     teeth = comb.teeth
@@ -168,7 +164,7 @@ def make_uniform(
     return (comb.start, filled), comb.step, holes
 
 
-def _take_if_on_grid(source: tuple[float, Array], step: float, grid: Grid) -> Array | None:
+def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -> Array | None:
     """The samples, unchanged, if they lie on the grid to within 1e-3 of a step; else None."""
     start, values = source
     first = (grid.start - start) / step
@@ -187,13 +183,13 @@ def _mark_inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bo
     return result
 
 
-def mark_gaps(values: Array, grid: Grid, holes: list[tuple[float, float]]) -> None:
+def mark_gaps(values: Array, grid: TimeGrid, holes: list[tuple[float, float]]) -> None:
     """Set values inside gaps to NaN, in place."""
     if holes:
         values[_mark_inside(grid.time, holes)] = np.nan
 
 
-def _place_fixes(recording: Recording, role: str, grid: Grid) -> tuple[Array, list[str]]:
+def _place_fixes(recording: Recording, role: str, grid: TimeGrid) -> tuple[Array, list[str]]:
     """Fixes at their nearest steps, and notes on how far they moved and which were dropped."""
     time, values = recording.series(role)
     exact = (time - grid.start) * grid.rate

@@ -9,7 +9,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.checks import Limits, check_channels, check_time
+from owtsweep.motion.recorded.checks import check_channels, check_time
 from owtsweep.motion.recorded.columns import ROLES, assign_roles
 from owtsweep.motion.recorded.formats import ChannelTable, open_table
 from owtsweep.motion.recorded.formats.table import refuse
@@ -24,7 +24,7 @@ def read(
     *,
     columns: Mapping[str, str | None] | None = None,
     units: Mapping[str, str | None] | None = None,
-    limits: Limits | None = None,
+    gaps: str = "refuse",
 ) -> Recording:
     """Read and check one recording.
 
@@ -38,17 +38,17 @@ def read(
     units
         role -> unit, e.g. `{"position_x": "mm"}`; overrides the file's unit. If neither is there,
         SI is assumed, with a note.
-    limits
-        What the recording must satisfy; see `Limits`.
+    gaps
+        What happens to gaps in force and motion that are longer than `checks.LONGEST_GAP`:
+        "refuse" or "interpolate".
 
     Raises
     ------
     InputError
         If the file cannot be read or fails a check; the message names the file and the place.
     """
-    limits = limits or Limits()
-    if limits.gaps not in GAPS:
-        raise InputError(f"gaps: {limits.gaps!r} is none of {', '.join(GAPS)}")
+    if gaps not in GAPS:
+        raise InputError(f"gaps: {gaps!r} is none of {', '.join(GAPS)}")
     table = open_table(path)
     chosen = _assign_roles(table, columns or {})
     factors, notes = _find_factors(table, chosen, units or {})
@@ -60,7 +60,7 @@ def read(
     for values in channels.values():
         values[~np.isfinite(values)] = np.nan
     bare = Recording(table.path, time, channels, chosen, ())
-    notes += check_channels(bare, limits)
+    notes += check_channels(bare, gaps)
     return Recording(table.path, time, channels, chosen, tuple(notes))
 
 

@@ -33,9 +33,9 @@ from owtsweep.vectors import choose
 LONGEST_TRANSIENT = 2**18
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Chain:
-    """A scheme for the batch engine.
+    """A scheme for the batch engine; a cache tells chains apart by identity.
 
     Attributes
     ----------

@@ -30,13 +30,13 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.one_pass import OnePassSeries
     from owtsweep.studies.hub.schemes import check_scheme as require_scheme
     from owtsweep.studies.hub.schemes import resolve_all
-    from owtsweep.studies.hub.sensors import ForceNoise, Measurements, fix_count, fix_noise
+    from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise
     from owtsweep.studies.hub.sensors import sensors as make_sensors
     from owtsweep.studies.hub.true_bias import simulate_bias
 
 __all__ = [
     "ROOMS", "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "Lanes",
-    "Measurements", "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "at_amplitude", "backend",
+    "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "at_amplitude", "backend",
     "bias_of", "chain_for_runs", "chunks", "compare", "error_spectrum", "expected_mse",
     "explain_anew", "fix_count", "fix_noise", "has_acceleration", "lag_of", "make_lanes",
     "make_sensors", "noise_floor", "require_scheme", "resolve_all", "scheme_content",
@@ -57,7 +57,7 @@ _HOMES = {
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
     "schemes": ["require_scheme", "resolve_all"],
-    "sensors": ["ForceNoise", "Measurements", "fix_count", "fix_noise", "make_sensors"],
+    "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors"],
     "true_bias": ["simulate_bias"],
 }
 #: Names that are others there.

@@ -14,7 +14,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
 from owtsweep.motion.spectra import Spectrum, spectrum
-from owtsweep.motion.synthesis import synthesise
+from owtsweep.motion.spectral import SpectralSource
 from owtsweep.streams import stream
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
@@ -68,16 +68,12 @@ class Records:
     @cached_property
     def motion(self) -> tuple[Motion, ...]:
         """One per replicate, scaled to the unit amplitude."""
-        config = self.config
+        low, high = self.config.band
+        source = SpectralSource(self.spectrum, (low, high), self.config.normalise)
+        sensors = self.sensors
         return tuple(
-            synthesise(
-                self.spectrum,
-                self.stream(index)("phase"),
-                steps=self.steps,
-                step=self.sensors.step,
-                band=(config.band[0], config.band[1]),
-                normalise=config.normalise,
-                history=self.sensors.delay,
+            source.realise(
+                self.stream(index), steps=self.steps, step=sensors.step, history=sensors.delay
             )
             for index in range(len(self.replicates))
         )

@@ -64,10 +64,10 @@ class ReadingsStudy:
         return ["target", "search", "trial"]
 
     def tables(self, config: ReadingsConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """trials (all of them) and best (the best of each search, best first)."""
-        from owtsweep.studies.readings.results import list_trials, rank_trials
+        """trials (all, in order of time) and best (the best of each search, best first)."""
+        from owtsweep.studies.readings.results import rank_trials
 
-        return {"trials": list_trials(rows), "best": rank_trials(rows)}
+        return {"trials": rows.reset_index(drop=True), "best": rank_trials(rows)}
 
     def terminal(
         self, config: ReadingsConfig, tables: Mapping[str, pd.DataFrame]

@@ -20,11 +20,6 @@ if TYPE_CHECKING:
 KEPT = 5
 
 
-def list_trials(rows: pd.DataFrame) -> pd.DataFrame:
-    """All trials in order of time."""
-    return rows.reset_index(drop=True)
-
-
 def rank_trials(rows: pd.DataFrame) -> pd.DataFrame:
     """The best trial of each search and its runners-up, per target, best first."""
     done = rows[rows.status == OK]

@@ -37,6 +37,12 @@ KINDS = ("published", "settled")
 #: First spread of CMA-ES in units of each parameter's range.
 SPREAD = 0.03
 
+#: Keys that change no number, and those that a search takes from its target.
+_NOT_SHARED = frozenset({
+    "compute", "results", "name", "calibration", "schemes", "experiment", "tuning",
+    "ekf", "mkf", "hme1", "hme2", "hme",
+})  # fmt: skip
+
 #: The score of a trial that diverges.
 DIVERGED = 50.0
 
@@ -122,23 +128,8 @@ def _flatten(section: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def _collect_shared(config: ReadingsConfig) -> dict[str, Any]:
-    whole = as_mapping(config)
-    for key in (
-        "compute",
-        "results",
-        "name",
-        "calibration",
-        "schemes",
-        "experiment",
-        "tuning",
-        "ekf",
-        "mkf",
-        "hme1",
-        "hme2",
-        "hme",
-    ):
-        whole.pop(key)
-    return whole
+    """The part of the configuration that every search depends on."""
+    return {key: value for key, value in as_mapping(config).items() if key not in _NOT_SHARED}
 
 
 def _require_optuna() -> None:
@@ -186,8 +177,7 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
             values = {key: value for keys, value in chosen.items() for key in keys.split("+")}
             row |= judge(with_values(base, values))
         except (InputError, ArithmeticError, np.linalg.LinAlgError) as error:
-            text = as_text(error)
-            row |= {"score": DIVERGED, "status": FAILED, "reason": text}
+            row |= {"score": DIVERGED, "status": FAILED, "reason": as_text(error)}
         rows.append(row)
         return float(row["score"])
 

@@ -1,7 +1,8 @@
 """Which scheme to run, by how much it is better than the next, and whether that matters.
 
-Schemes are compared in pairs on the same data: replicate by replicate where the noise was drawn,
-piece by piece of the settled record where everything was recorded and there is one of it.
+Schemes are compared in pairs on the same data: replicate by replicate where noise was simulated.
+Where everything was recorded there is one replicate, and they are compared on pieces of its settled
+part.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from owtsweep.statistics.sums import mean_and_error
 if TYPE_CHECKING:
     import pandas as pd
 
-#: From this relative margin on it is told in times, not in per cent.
+#: A relative margin of at least this is told as a factor, not in per cent.
 MARGIN_IN_TIMES = 2.0
 #: A smaller relative margin does not decide what to run on board.
 LEAST_MARGIN = 0.05
@@ -28,6 +29,12 @@ COLUMNS = (
     "file", "source", "criterion", "window", "best", "same_as", "runner_up", "value_best",
     "value_runner_up", "margin", "difference", "ci_low", "ci_high", "n", "matters",
 )  # fmt: skip
+
+
+_NO_RUNNER_UP = {
+    "runner_up": "", "value_runner_up": np.nan, "margin": np.nan, "difference": np.nan,
+    "ci_low": np.nan, "ci_high": np.nan, "matters": False,
+}  # fmt: skip
 
 
 def compare(
@@ -42,8 +49,8 @@ def compare(
     schemes
         Their names.
     whole
-        (schemes,) the values to compare, where the samples are pieces that serve the interval
-        alone; the means of the samples by default.
+        (schemes,) the values to compare; by default the means of the samples. Give it where the
+        samples are pieces that only decide the interval.
 
     Returns
     -------
@@ -67,18 +74,11 @@ def compare(
     row: dict[str, Any] = {
         "best": names[best],
         "same_as": " ".join(names[i] for i in same if i != best),
-        "runner_up": "",
         "value_best": float(mean[best]),
-        "value_runner_up": np.nan,
-        "margin": np.nan,
-        "difference": np.nan,
-        "ci_low": np.nan,
-        "ci_high": np.nan,
         "n": int(kept.shape[1]),
-        "matters": False,
     }
     if not ranking.told_apart[0]:
-        return row
+        return {**_NO_RUNNER_UP, **row}
     _, error, n = mean_and_error(kept[second] - kept[best])
     difference = mean[second] - mean[best]
     half = float(t_quantile(n - 1) * error) if n > 1 else np.nan
@@ -95,7 +95,7 @@ def compare(
     }
 
 
-def from_record(
+def advise_from_record(
     values: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str
 ) -> dict[str, Any] | None:
     """The advice of one record's own errors, or without a reference of its fixes.
@@ -129,7 +129,7 @@ def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
     return np.asarray(table.reindex(list(schemes)).to_numpy(dtype=float))
 
 
-def sentence(row: Any) -> str:
+def write_sentence(row: Any) -> str:
     """One line of advice, as a report and the terminal say it."""
     where = {
         "record": "this record's own errors",
@@ -146,14 +146,14 @@ def sentence(row: Any) -> str:
         size += f" {row['criterion']} MSE (root {root:.2g} {unit})"
     if not row["runner_up"]:
         return f"by {where}: {best}, {size}; there is nothing to compare it with"
-    margin = f"{row['runner_up']} has {_more(row)}"
+    margin = f"{row['runner_up']} has {_describe_margin(row)}"
     if not row["matters"]:
         return f"by {where}: no difference that matters; {best}, {size}; {margin}"
     return f"by {where}: run {best}, {size}; {margin}"
 
 
-def _more(row: Any) -> str:
-    """How much more error the runner-up has, in per cent, or in times where these grow long."""
+def _describe_margin(row: Any) -> str:
+    """How much more error the runner-up has: in per cent, or as a factor where it is large."""
     parts = [row["margin"]]
     if row["source"] != "map" and np.isfinite(row["ci_low"]):
         parts += [row[key] / row["value_best"] for key in ("ci_low", "ci_high")]

@@ -30,7 +30,7 @@ from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.long_records import LONG, release_memory
 from owtsweep.studies.replay.measuring import count_replicates, listen
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 from owtsweep.sweep.study import FAILED, OK, Block
 
 if TYPE_CHECKING:
@@ -138,8 +138,7 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         label, name = block.content["file"], block.content["scheme"]
         record = load_record(config, files[label])
         if name == RECORD:
-            describer = list(schemes.values())[facts.choose_describer(config)]
-            rows = _describe_record(config, record, label, describer, sensors, settled)
+            rows = _describe_record(config, record, label, sensors, settled)
         else:
             rows = _run_scheme(config, record, label, schemes[name], sensors, settled)
         release_memory(record)
@@ -147,11 +146,10 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
 
 
 def _describe_record(
-    config: ReplayConfig, record: Record, label: str, scheme: Scheme, sensors: Sensors, settled: int
+    config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
 ) -> list[dict[str, Any]]:
     """The rows of the record itself, and of holding the last fix."""
-    measured = facts.measure_record(config, record, sensors, scheme, settled)
-    rows = [_make_row(label, RECORD, 0, fact) for fact in measured]
+    rows = [_make_row(label, RECORD, 0, fact) for fact in facts.measure_record(config, record)]
     for replicate in range(count_replicates(config, record)):
         fixes = listen(config, sensors, record, replicate).fixes
         errors = measures.measure_last_fix(record, fixes, sensors, settled)
@@ -160,7 +158,12 @@ def _describe_record(
 
 
 def _run_scheme(
-    config: ReplayConfig, record: Record, label: str, scheme: Scheme, sensors: Sensors, settled: int
+    config: ReplayConfig,
+    record: ReplayRecord,
+    label: str,
+    scheme: Scheme,
+    sensors: Sensors,
+    settled: int,
 ) -> list[dict[str, Any]]:
     """The rows of all replicates, some of them run side by side, or of the one that failed."""
     rows: list[dict[str, Any]] = []
@@ -187,7 +190,7 @@ def _run_scheme(
 def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int) -> int:
     """How many replicates to run at once, given the steps of the longest piece.
 
-    A kernel runs `WIDTH` series at once, used or not, and a replicate has two: x and y.
+    A kernel always runs `WIDTH` series at once, and a replicate has two: x and y.
     """
     if config.engine != "batch" or not hasattr(scheme, "kernel"):
         return 1

@@ -16,7 +16,7 @@ class Envelope:
     Parameters
     ----------
     steps
-        Length of the series; its values are finite, and further ones are left out.
+        Length of the series. Its values must be finite; values beyond this length are left out.
     points
         A series that is no longer than this is kept as it is.
     """

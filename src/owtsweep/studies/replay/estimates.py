@@ -1,6 +1,7 @@
 """Write the estimates to files: estimates.parquet, and one CSV per scheme.
 
-Both are written piece by piece, one scheme at a time: a day at 100 Hz would take several GB.
+Both are written piece by piece, one scheme at a time: a day at 100 Hz as a whole would take several
+GB of memory.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.long_records import LONG, release_memory
 from owtsweep.studies.replay.measuring import cut_into_pieces, listen
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 from owtsweep.studies.replay.session import SchemeFailed, run_scheme
 
 STATES = ("x", "y", "vx", "vy")
@@ -69,7 +70,7 @@ def write(
 
 
 def _write_all(
-    record: Record, schemes: Mapping[str, Iterator[Trajectory]], folder: Path
+    record: ReplayRecord, schemes: Mapping[str, Iterator[Trajectory]], folder: Path
 ) -> list[Path]:
     import pyarrow as pa
     import pyarrow.csv as pc
@@ -107,7 +108,7 @@ def _replace_when_written(path: Path) -> Iterator[str]:
 
 
 def _make_columns(
-    record: Record, pieces: Iterator[Trajectory], name: str
+    record: ReplayRecord, pieces: Iterator[Trajectory], name: str
 ) -> Iterator[dict[str, Any]]:
     origin = np.concatenate([record.origin, np.zeros(2)])
     first = 0

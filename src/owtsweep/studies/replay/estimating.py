@@ -13,22 +13,13 @@ from owtsweep.evaluation.trajectory import Trajectory, spread_to_both_axes
 from owtsweep.studies.hub.public import (
     Chain,
     HubConfig,
-    Measurements,
     OnePassSeries,
     Scheme,
     Sensors,
     chain_for_runs,
     chunks,
 )
-from owtsweep.studies.replay.measuring import PIECE, Signals, make_signals
-
-
-def estimate(
-    config: HubConfig, scheme: Scheme, sensors: Sensors, measured: Measurements
-) -> Trajectory:
-    """Run a scheme over a record, all at once. See `estimate_pieces`."""
-    signals = [make_signals(measured)]
-    return next(estimate_pieces(config, scheme, sensors, signals, [0, signals[0].steps]))[0]
+from owtsweep.studies.replay.measuring import PIECE, Signals
 
 
 def estimate_pieces(

@@ -64,25 +64,10 @@ def expect_errors(
     if kernel is None:
         raise InputError(f"schemes: {scheme.name} has no kernel, so nothing can be expected of it")
     chain = kernel(sensors, config, steps)
-    return _compute(_SharedChain(chain), sensors, *band)
-
-
-class _SharedChain:
-    """A chain as a key of the cache: equal chains are one and the same object."""
-
-    def __init__(self, chain: Chain) -> None:
-        self.chain = chain
-
-    def __hash__(self) -> int:
-        return id(self.chain)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _SharedChain) and other.chain is self.chain
+    return _compute(chain, sensors, *band)
 
 
 @lru_cache(maxsize=8)
-def _compute(shared: _SharedChain, sensors: Sensors, low: float, high: float) -> Expectation:
+def _compute(chain: Chain, sensors: Sensors, low: float, high: float) -> Expectation:
     frequencies = np.geomspace(low, high, NODES)
-    return Expectation(
-        error_spectrum(shared.chain, sensors, frequencies), noise_floor(shared.chain, sensors)
-    )
+    return Expectation(error_spectrum(chain, sensors, frequencies), noise_floor(chain, sensors))

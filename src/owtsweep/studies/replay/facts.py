@@ -3,55 +3,120 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.whittle import Fit, fit_lines, periodogram
-from owtsweep.studies.hub.public import Scheme, Sensors, make_sensors, resolve_all
+from owtsweep.studies.hub.public import Scheme, make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.long_records import release_memory
 from owtsweep.studies.replay.measures import Measured
 from owtsweep.studies.replay.measuring import cut_into_pieces, listen
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 #: The spectrum is kept up to this many times the upper edge of the band.
 BEYOND = 2.0
 
 
-class Displacement(NamedTuple):
-    """(n, 2) m around its mean, without gaps; and its source, in words."""
+@dataclass(frozen=True)
+class MotionSummary:
+    """The horizontal motion of a record, in numbers.
 
-    values: Array
-    source: str
-
-
-def take_displacement(
-    config: ReplayConfig, record: Record, sensors: Sensors, scheme: Scheme, settled: int
-) -> Displacement:
-    """The horizontal motion: the truth, or without one a scheme's settled estimate.
-
-    The truth is that of `measures.window`, because simulations begin with a transient. Straight
-    lines bridge gaps of a reference.
+    Attributes
+    ----------
+    source
+        Where the displacement comes from, in words.
+    samples
+        How many samples of it were taken.
+    size
+        Its rms and peak (m), its main direction (deg) and the share of the variance along that.
+    frequency, power
+        Periodogram of the displacement, Hz and m^2/Hz, up to `BEYOND` times the band.
+    fit
+        Eq. (1) fitted inside the band, or the reason why it cannot be fitted.
     """
+
+    source: str
+    samples: int
+    size: Mapping[str, float]
+    frequency: Array
+    power: Array
+    fit: Fit | str
+
+    @property
+    def moves(self) -> bool:
+        """Whether the record moves at all."""
+        return self.size["peak"] > 0.0
+
+
+#: The summaries of the last few records.
+_SUMMARIES: OrderedDict[tuple[str, ...], MotionSummary] = OrderedDict()
+_MOST_KEPT = 4
+
+
+def summarise_motion(config: ReplayConfig, file: str) -> MotionSummary:
+    """Summarise the motion of a file's record."""
+    from owtsweep.studies.replay.blocks import hash_file
+
+    key = (file, hash_file(file), repr(config))
+    summary = _SUMMARIES.get(key)
+    if summary is None:
+        summary = _SUMMARIES[key] = _summarise(config, file)
+        while len(_SUMMARIES) > _MOST_KEPT:
+            _SUMMARIES.popitem(last=False)
+    return summary
+
+
+def _summarise(config: ReplayConfig, file: str) -> MotionSummary:
+    from owtsweep.studies.replay.loading import load_record
+
+    record = load_record(config, file)
+    xy, source = _take_displacement(config, record)
+    angle, share = find_main_direction(xy)
+    size = {
+        "rms": float(np.sqrt(np.mean(xy[:, 0] ** 2 + xy[:, 1] ** 2))),
+        "peak": float(np.max(np.hypot(xy[:, 0], xy[:, 1]))),
+        "direction": angle,
+        "direction_share": share,
+    }
+    frequency, power = periodogram(xy.T, record.step)
+    shown = np.searchsorted(frequency, 1.1 * BEYOND * config.fit_band[1], "right")
+    try:
+        fitted: Fit | str = fit_lines(frequency, power, band=config.fit_band)
+    except InputError as error:
+        fitted = str(error)
+    release_memory(record)
+    return MotionSummary(
+        source, len(xy), size, frequency[:shown].copy(), power[:shown].copy(), fitted
+    )
+
+
+def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Array, str]:
+    """(n, 2) m around its mean, without gaps; and its source, in words.
+
+    It is the truth, or without one a scheme's settled estimate. Of the truth it is the part that
+    `measures.window` names, because simulations begin with a transient. Straight lines bridge gaps
+    of a reference.
+    """
+    settled = round(config.measures.settling_time / record.step)
     if record.position is not None:
         begin = settled if config.measures.window == "settled" else 0
         xy, source = bridge_gaps(record.position)[begin:], record.truth
     else:
-        xy = _estimate_position(config, record, sensors, scheme)[settled:]
+        scheme = resolve_all(config.schemes, config)[choose_describer(config)]
+        xy = _estimate_position(config, record, scheme)[settled:]
         source = f"the estimate of {scheme.name}"
-    return Displacement(xy - xy.mean(axis=0), source)
+    return xy - xy.mean(axis=0), source
 
 
-def _estimate_position(
-    config: ReplayConfig, record: Record, sensors: Sensors, scheme: Scheme
-) -> Array:
+def _estimate_position(config: ReplayConfig, record: ReplayRecord, scheme: Scheme) -> Array:
     """(steps, 2) a scheme's estimate of the position, m."""
+    sensors = make_sensors(config.sensors)
     signals = [listen(config, sensors, record, 0)]
     pieces = estimate_pieces(config, scheme, sensors, signals, cut_into_pieces(record.steps))
     position, begin = np.empty((record.steps, 2)), 0
@@ -60,72 +125,6 @@ def _estimate_position(
         position[begin:end] = piece.state[:, :2]
         begin = end
     return position
-
-
-@dataclass(frozen=True)
-class Description:
-    """A record's spectrum.
-
-    Attributes
-    ----------
-    source
-        Where the displacement comes from, in words.
-    moves
-        Whether it is not zero.
-    frequency, power
-        Periodogram of the displacement, Hz and m^2/Hz, up to `BEYOND` times the band.
-    fit
-        Eq. (1) fitted inside the band, or the reason why it cannot be fitted.
-    """
-
-    source: str
-    moves: bool
-    frequency: Array
-    power: Array
-    fit: Fit | str
-
-
-#: The descriptions of the last few records.
-_DESCRIPTIONS: OrderedDict[Any, Description] = OrderedDict()
-_MOST_KEPT = 4
-
-
-def describe_spectrum(config: ReplayConfig, file: str) -> Description:
-    """The spectrum of a file's record, the same as in its facts."""
-    from owtsweep.studies.replay.loading import load_record
-
-    kept = _DESCRIPTIONS.get(_make_key(config, file))
-    if kept is not None:
-        return kept
-    sensors = make_sensors(config.sensors)
-    scheme = resolve_all(config.schemes, config)[choose_describer(config)]
-    settled = round(config.measures.settling_time / sensors.step)
-    displacement = take_displacement(config, load_record(config, file), sensors, scheme, settled)
-    return _fit(config, file, displacement, sensors.step)
-
-
-def _make_key(config: ReplayConfig, file: str) -> tuple[str, ...]:
-    from owtsweep.studies.replay.blocks import hash_file
-
-    return file, hash_file(file), repr(config)
-
-
-def _fit(config: ReplayConfig, file: str, displacement: Displacement, step: float) -> Description:
-    """Fit a record's spectrum and keep the description."""
-    xy = displacement.values
-    frequency, power = periodogram(xy.T, step)
-    shown = np.searchsorted(frequency, 1.1 * BEYOND * config.fit_band[1], "right")
-    try:
-        shape: Fit | str = fit_lines(frequency, power, band=config.fit_band)
-    except InputError as error:
-        shape = str(error)
-    result = Description(
-        displacement.source, bool(np.any(xy)), frequency[:shown].copy(), power[:shown].copy(), shape
-    )
-    _DESCRIPTIONS[_make_key(config, file)] = result
-    while len(_DESCRIPTIONS) > _MOST_KEPT:
-        _DESCRIPTIONS.popitem(last=False)
-    return result
 
 
 def choose_describer(config: ReplayConfig) -> int:
@@ -153,37 +152,25 @@ def find_main_direction(xy: Array) -> tuple[float, float]:
     return angle, float(variance[1] / total) if total > 0.0 else 1.0
 
 
-def measure_record(
-    config: ReplayConfig, record: Record, sensors: Sensors, scheme: Scheme, settled: int
-) -> Iterator[Measured]:
+def measure_record(config: ReplayConfig, record: ReplayRecord) -> Iterator[Measured]:
     """Facts as measures: duration (s), rms and peak (m), direction (deg), the fit of Eq. (1).
 
     The fit's `..._error` are standard errors; a report's ± is 1.96 times them.
     """
-    displacement = take_displacement(config, record, sensors, scheme, settled)
-    xy = displacement.values
-    n = len(xy)
-    angle, share = find_main_direction(xy)
-    facts = {
-        "duration": record.steps * sensors.step,
-        "rms": float(np.sqrt(np.mean(xy[:, 0] ** 2 + xy[:, 1] ** 2))),
-        "peak": float(np.max(np.hypot(xy[:, 0], xy[:, 1]))),
-        "direction": angle,
-        "direction_share": share,
-    }
-    shape = _fit(config, record.file, displacement, sensors.step).fit
-    release_memory(record)
-    if not isinstance(shape, str):
+    summary = summarise_motion(config, record.file)
+    facts = {"duration": record.steps * record.step, **summary.size}
+    fitted = summary.fit
+    if not isinstance(fitted, str):
         facts |= {
-            "natural_period": shape.natural_period,
-            "natural_period_error": shape.errors["natural_period"],
-            "half_bandwidth": shape.half_bandwidth,
-            "half_bandwidth_error": shape.errors["half_bandwidth"],
-            "a": shape.spectrum.a,
-            "b": shape.spectrum.b,
-            "c": shape.spectrum.c,
-            "band_share": shape.band_share,
-            "fit_p": shape.probability,
+            "natural_period": fitted.natural_period,
+            "natural_period_error": fitted.errors["natural_period"],
+            "half_bandwidth": fitted.half_bandwidth,
+            "half_bandwidth_error": fitted.errors["half_bandwidth"],
+            "a": fitted.spectrum.a,
+            "b": fitted.spectrum.b,
+            "c": fitted.spectrum.c,
+            "band_share": fitted.band_share,
+            "fit_p": fitted.probability,
         }
     for name, value in facts.items():
-        yield (name, "full", float(value), n)
+        yield (name, "full", float(value), summary.samples)

@@ -9,21 +9,21 @@ from typing import Any
 
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import Limits, Recording, read
+from owtsweep.motion.recorded import Recording, read
 from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.long_records import release_memory
 from owtsweep.studies.replay.of_motion import make_record_of_motion
 from owtsweep.studies.replay.of_sensors import make_record_of_sensors
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 #: How many records are kept, and the bytes above which the older ones are dropped for a new one.
 _MOST_KEPT, _MOST_BYTES = 2, 1 << 28
-_RECORDS: OrderedDict[Any, Record] = OrderedDict()
+_RECORDS: OrderedDict[Any, ReplayRecord] = OrderedDict()
 _LOCK = Lock()
 
 
-def load_record(config: ReplayConfig, file: str) -> Record:
+def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     """Read, check and resample a file. The last two records are kept; of long ones only the last.
 
     Raises
@@ -47,16 +47,15 @@ def load_record(config: ReplayConfig, file: str) -> Record:
         return _RECORDS[key]
 
 
-def _load(config: ReplayConfig, file: str) -> Record:
-    limits = Limits(gaps=config.gaps)
+def _load(config: ReplayConfig, file: str) -> ReplayRecord:
     recording = read(
-        file, columns=config.columns.given(), units=config.units.given(), limits=limits
+        file, columns=config.columns.given(), units=config.units.given(), gaps=config.gaps
     )
     sensors = make_sensors(config.sensors)
     if _holds_sensors(config, recording):
         # positions beside a specific force are the reference
         recording = _rename(recording, "position", "reference")
-        record = make_record_of_sensors(config, recording, sensors, limits)
+        record = make_record_of_sensors(config, recording, sensors)
     else:
         require(
             config.replay.gnss == "auto",
@@ -64,7 +63,7 @@ def _load(config: ReplayConfig, file: str) -> Record:
             "fixes are simulated: leave it at auto, or set columns.specific_force_x",
         )
         recording = _rename(recording, "reference", "position")
-        record = make_record_of_motion(config, recording, sensors, limits)
+        record = make_record_of_motion(config, recording, sensors)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(
         length >= settling + sensors.fix_step,

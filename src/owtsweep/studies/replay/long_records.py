@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from owtsweep.freed_memory import give_back_freed_memory
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 #: Steps beyond which a record is long: its memory is watched, and slow work is announced.
 LONG = 1_000_000
 
 
-def release_memory(record: Record) -> None:
+def release_memory(record: ReplayRecord) -> None:
     """Return freed memory to the system after a long record's pieces, which take some 100 MB."""
     if record.steps > LONG:
         give_back_freed_memory()

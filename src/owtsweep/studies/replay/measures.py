@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.public import Sensors
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 WINDOWS = ("full", "settled")
 #: Parts of the settled record; their spread gives the interval of a difference observed once.
@@ -46,7 +46,7 @@ class Tally:
         First settled step.
     """
 
-    def __init__(self, record: Record, fixes: Array, sensors: Sensors, settled: int) -> None:
+    def __init__(self, record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int) -> None:
         self.record, self.settled = record, settled
         self.edges = cut_into_parts(settled, record.steps)
         self._sums: list[dict[str, tuple[float, int]]] = []
@@ -92,18 +92,8 @@ class Tally:
             yield from _average("fix_residual", f"part_{number:02d}", self._residual[inside])
 
 
-def measure(
-    record: Record, fixes: Array, estimated: Trajectory, sensors: Sensors, settled: int
-) -> Iterator[Measured]:
-    """All measures of one replicate whose estimates are in memory as a whole; see `Tally`."""
-    tally = Tally(record, fixes, sensors, settled)
-    for begin, end in itertools.pairwise(tally.edges):
-        tally.add(estimated.part(slice(begin, end)))
-    yield from tally.measures()
-
-
 def measure_last_fix(
-    record: Record, fixes: Array, sensors: Sensors, settled: int
+    record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int
 ) -> Iterator[Measured]:
     """The position error of holding the last fix, which an estimator has to beat."""
     if record.position is None:
@@ -137,7 +127,9 @@ def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[
                 yield (name, f"part_{number:02d}", total / count, count)
 
 
-def _sum_errors(record: Record, estimated: Trajectory, begin: int) -> dict[str, tuple[float, int]]:
+def _sum_errors(
+    record: ReplayRecord, estimated: Trajectory, begin: int
+) -> dict[str, tuple[float, int]]:
     """Measure -> sum and number of its values where there is a truth; none without one.
 
     Axis by axis, in arrays that lie close together: this is where a replay spends its time.

@@ -12,13 +12,12 @@ from owtsweep.arrays import Array
 from owtsweep.streams import stream
 from owtsweep.studies.hub.public import (
     ForceNoise,
-    Measurements,
     Sensors,
     fix_noise,
     simulate_bias,
 )
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 STUDY = "replay"
 #: Steps of specific force that are made at once.
@@ -44,17 +43,13 @@ class Signals:
     fixes: Array
     force: Callable[[int], Iterator[Array]]
 
-    def collect(self) -> Measurements:
-        """All measurements at once."""
-        return Measurements(next(self.force(self.steps)), self.fixes)
 
-
-def count_replicates(config: ReplayConfig, record: Record) -> int:
+def count_replicates(config: ReplayConfig, record: ReplayRecord) -> int:
     """The number of replicates of a record: one where nothing is simulated."""
     return 1 if record.gnss == "recorded" else config.replay.replicates
 
 
-def listen(config: ReplayConfig, sensors: Sensors, record: Record, replicate: int) -> Signals:
+def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replicate: int) -> Signals:
     """The measurements of one replicate; the specific force is made piece by piece.
 
     The noise of a replicate depends neither on the file nor on the length of the pieces.
@@ -64,7 +59,12 @@ def listen(config: ReplayConfig, sensors: Sensors, record: Record, replicate: in
     if record.gnss != "recorded":
         fixes = fixes + fix_noise(sensors, steps, streams)
     if record.specific_force is not None:  # a real IMU has its own noise
-        return Signals(steps, fixes, _cut(record.specific_force))
+        recorded = record.specific_force
+        return Signals(
+            steps,
+            fixes,
+            lambda size: (recorded[begin : begin + size] for begin in range(0, steps, size)),
+        )
     acceleration = record.given("acceleration")
 
     def force(size: int) -> Iterator[Array]:
@@ -82,17 +82,6 @@ def cut_into_pieces(steps: int, size: int = PIECE) -> list[int]:
     return [*range(0, steps, size), steps]
 
 
-def make_signals(measured: Measurements) -> Signals:
-    """Signals of measurements that are in memory."""
-    force = measured.specific_force
-    return Signals(len(force), measured.fixes, _cut(force))
-
-
-def measure(config: ReplayConfig, sensors: Sensors, record: Record, replicate: int) -> Measurements:
-    """All measurements of one replicate; fixes are NaN where none came."""
-    return listen(config, sensors, record, replicate).collect()
-
-
 def simulate_true_bias(
     config: ReplayConfig, sensors: Sensors, steps: int, replicate: int
 ) -> Iterator[Array]:
@@ -103,7 +92,3 @@ def simulate_true_bias(
 
 def _streams_of(config: ReplayConfig, replicate: int) -> Callable[[str], np.random.Generator]:
     return partial(stream, config.seed, STUDY, (0.0,), replicate)
-
-
-def _cut(series: Array) -> Callable[[int], Iterator[Array]]:
-    return lambda size: (series[at : at + size] for at in range(0, len(series), size))

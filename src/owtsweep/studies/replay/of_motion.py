@@ -8,16 +8,16 @@ import numpy as np
 
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import Gridded, Limits, Recording, to_motion
+from owtsweep.motion.recorded import Gridded, Recording, to_motion
 from owtsweep.studies.hub.public import Sensors
 from owtsweep.studies.replay import fixes as fixing
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 
 def make_record_of_motion(
-    config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits
-) -> Record:
+    config: ReplayConfig, recording: Recording, sensors: Sensors
+) -> ReplayRecord:
     """Position, velocity and acceleration on the IMU's grid, and fixes without noise.
 
     Raises
@@ -26,7 +26,7 @@ def make_record_of_motion(
         If the record is too slow for the band, or shorter than the fixes' delay.
     """
     rate = config.sensors.imu.rate
-    gridded = derive(recording, rate, cutoff=config.replay.cutoff, limits=limits)
+    gridded = derive(recording, rate, cutoff=config.replay.cutoff)
     lowest = config.fit_band[0]
     kept = gridded.cutoff or 0.0
     require(
@@ -44,7 +44,7 @@ def make_record_of_motion(
         f"{recording.path}: the record is shorter than sensors.gnss.delay; use a longer record or "
         "a shorter delay",
     )
-    return Record(
+    return ReplayRecord(
         file=str(recording.path),
         kind="motion",
         gnss="simulated",

@@ -7,20 +7,20 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import Grid, Limits, Recording, grid_of, to_grid
+from owtsweep.motion.recorded import Recording, TimeGrid, find_common_grid, to_grid
 from owtsweep.studies.hub.public import Sensors
 from owtsweep.studies.replay import fixes as fixing
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.of_motion import derive
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 #: Fixes must lie within this part of the GNSS interval of the moments at which they are due.
 LARGEST_JITTER = 0.25
 
 
 def make_record_of_sensors(
-    config: ReplayConfig, recording: Recording, sensors: Sensors, limits: Limits
-) -> Record:
+    config: ReplayConfig, recording: Recording, sensors: Sensors
+) -> ReplayRecord:
     """Specific force, fixes and reference from the first moment at which a fix is due.
 
     To save memory the recording loses every channel once it has been read.
@@ -32,7 +32,7 @@ def make_record_of_sensors(
     """
     rate = config.sensors.imu.rate
     forces = [role for role in recording.channels if role.startswith("specific_force")]
-    whole = grid_of(recording, forces, rate)
+    whole = find_common_grid(recording, forces, rate)
     gnss = _choose_gnss(config, recording)
     notes = [*recording.notes]
     slow = min(recording.rate(role) for role in forces)
@@ -41,37 +41,33 @@ def make_record_of_sensors(
             f"specific force comes at {slow:.4g} Hz and is run at {rate:g} Hz, its noise no longer "
             "white; a lower sensors.imu.rate avoids that"
         )
-    offset, values = sensors.delay, None
+    offset, fixes = sensors.delay, None
     if gnss == "recorded":
         aligned = _align_fixes(recording, whole, sensors)
-        offset, values = round(aligned.offset * rate), aligned.values
+        offset, fixes = round(aligned.offset * rate), aligned.values
         notes += _note_fixes(aligned, sensors)
     recording.let_go("fix")
-    grid = Grid(whole.start + offset / rate, rate, whole.steps - offset)
-    gridded = to_grid(recording, forces, rate, grid=grid, limits=limits)
+    grid = TimeGrid(whole.start + offset / rate, rate, whole.steps - offset)
+    gridded = to_grid(recording, forces, rate, grid=grid)
     force = gridded.pairs["specific_force"]
     recording.let_go("specific_force")
     notes += gridded.notes
     position = velocity = None
     if recording.has("reference"):
-        position, velocity, more = _derive_reference(config, recording, whole, limits)
+        position, velocity, more = _derive_reference(config, recording, whole)
         notes += more
     origin = np.zeros(2)
     if config.replay.remove_mean:
-        positions = values if position is None else position
+        positions = fixes if position is None else position
         origin = np.nanmean(np.asarray(positions), axis=0)
+    if fixes is not None:
+        fixes = fixes - origin
     if position is not None and velocity is not None:
         position -= origin
-        if values is None:
-            values = fixing.make_fixes(position, offset, grid.steps, sensors)
-        else:
-            values = values - origin
+        if fixes is None:
+            fixes = fixing.make_fixes(position, offset, grid.steps, sensors)
         position, velocity = position[offset:], velocity[offset:]
-    elif values is not None:
-        values = values - origin
-    if values is None:
-        raise TypeError("neither fixes nor a reference")
-    return Record(
+    return ReplayRecord(
         file=str(recording.path),
         kind="sensors",
         gnss=gnss,
@@ -83,7 +79,7 @@ def make_record_of_sensors(
         velocity=velocity,
         acceleration=None,
         specific_force=force,
-        fixes=values,
+        fixes=np.asarray(fixes),
         truth="the reference" if position is not None else "",
         notes=tuple(notes),
     )
@@ -107,7 +103,7 @@ def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
     return wanted
 
 
-def _align_fixes(recording: Recording, grid: Grid, sensors: Sensors) -> fixing.Aligned:
+def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> fixing.Aligned:
     time = recording.time - grid.start
     axes = [recording.channels.get(f"fix_{axis}") for axis in "xy"]
     values = np.stack([np.zeros(len(time)) if a is None else a for a in axes], axis=1)
@@ -148,12 +144,12 @@ def _note_fixes(aligned: fixing.Aligned, sensors: Sensors) -> list[str]:
 
 
 def _derive_reference(
-    config: ReplayConfig, recording: Recording, grid: Grid, limits: Limits
+    config: ReplayConfig, recording: Recording, grid: TimeGrid
 ) -> tuple[Array, Array, list[str]]:
     """Position and velocity of the reference on the grid, NaN where it has none; and notes."""
     gridded = derive(
         recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
-        grid=grid, limits=limits,
+        grid=grid,
     )  # fmt: skip
     position, velocity = gridded.pairs["position"], gridded.pairs["velocity"]
     unknown = ~np.all(np.isfinite(position), axis=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from owtsweep.motion.spectra import Spectrum, spectrum
 from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub.public import make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.expectation import expect_errors
+from owtsweep.studies.replay.expectation import Expectation, expect_errors
 
 
 def read_fit(record: Any) -> Spectrum | None:
@@ -36,13 +37,10 @@ def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float
     band = config.fit_band
     if shape is None or not band[0] <= shape.peak_frequency <= band[1]:
         return None
-    sensors = make_sensors(config.sensors)
-    steps = round(float(record["duration"]) / sensors.step)
+    rms = compute_rms_in_band(record)
     return {
-        scheme.name: expect_errors(config, scheme, sensors, steps, band).mse(
-            shape.density, band, compute_rms_in_band(record)
-        )
-        for scheme in resolve_all(config.schemes, config)
+        name: expectation.mse(shape.density, band, rms)
+        for name, expectation in _expect_all(config, record)
     }
 
 
@@ -54,18 +52,23 @@ def expect_map(
     Motions have the spectrum of the configuration, and the record's ratio of the largest to the
     root mean square displacement; amplitudes are largest displacements.
     """
-    sensors = make_sensors(config.sensors)
-    steps = round(float(record["duration"]) / sensors.step)
     band = config.fit_band
     ratio = compute_rms_in_band(record) / float(record["peak"])
     which = 1 if config.measures.criterion == "velocity" else 0
     result: dict[str, Array] = {}
-    for scheme in resolve_all(config.schemes, config):
-        expectation = expect_errors(config, scheme, sensors, steps, band)
+    for name, expectation in _expect_all(config, record):
         floor = expectation.floor.of(("position", "velocity")[which])
-        result[scheme.name] = np.empty((len(periods), len(amplitudes)))
+        result[name] = np.empty((len(periods), len(amplitudes)))
         for i, period in enumerate(periods):
             shape = spectrum("translated", float(period), config.spectrum.bandwidth)
             unit = expectation.mse(shape.density, band, 1.0)[which] - floor
-            result[scheme.name][i] = superpose(unit, 0.0, floor, amplitudes * ratio)
+            result[name][i] = superpose(unit, 0.0, floor, amplitudes * ratio)
     return result
+
+
+def _expect_all(config: ReplayConfig, record: Any) -> Iterator[tuple[str, Expectation]]:
+    """The name of each scheme and what is expected of it over a record of that duration."""
+    sensors = make_sensors(config.sensors)
+    steps = round(float(record["duration"]) / sensors.step)
+    for scheme in resolve_all(config.schemes, config):
+        yield scheme.name, expect_errors(config, scheme, sensors, steps, config.fit_band)

@@ -10,7 +10,7 @@ from owtsweep.arrays import Array
 
 
 @dataclass(frozen=True)
-class Record:
+class ReplayRecord:
     """What a replay runs on: in NED relative to the origin, SI units.
 
     Attributes

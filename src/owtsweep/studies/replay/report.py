@@ -12,7 +12,7 @@ from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 from owtsweep.studies.replay.terminal import list_fit_warnings, make_error_cells, make_sentences
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def write(
 
 
 def _describe_one(
-    config: ReplayConfig, tables: Mapping[str, pd.DataFrame], record: Record
+    config: ReplayConfig, tables: Mapping[str, pd.DataFrame], record: ReplayRecord
 ) -> list[str]:
     count = int(tables["errors"]["n"].max()) if len(tables["errors"]) else 0
     headings, rows = make_error_cells(config, tables["errors"])

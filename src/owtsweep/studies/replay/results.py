@@ -94,7 +94,7 @@ def _advise(
     for file in files:
         values = rows[(rows["file"] == file) & rows["scheme"].isin(schemes)]
         if not values.empty:
-            advised = advice.from_record(
+            advised = advice.advise_from_record(
                 values, schemes, config.measures.criterion, config.measures.window
             )
             if advised is not None:

@@ -1,7 +1,7 @@
 """What figures show of a record and its schemes, replicate 0, without holding the whole of it.
 
-All schemes run through the record side by side, piece by piece. Kept are the steps that a figure
-shows; of the others, how large the errors grow and which schemes give the same line.
+All schemes run through the record side by side, piece by piece. The steps that a figure shows are
+kept. Of the others only two things are: how large the errors grow, and which schemes are alike.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import Signals, cut_into_pieces, listen
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 from owtsweep.studies.replay.windows import LargestMotion, choose_windows
 
 #: Quantity -> its columns of the state.
@@ -45,7 +45,7 @@ class Session:
         Scheme -> why it has no estimates.
     """
 
-    record: Record
+    record: ReplayRecord
     sensors: Sensors
     signals: Signals
     windows: Mapping[str, slice]
@@ -60,7 +60,7 @@ class Session:
         return list(next(iter(self.seen.values())))
 
 
-def skip_start(record: Record) -> int:
+def skip_start(record: ReplayRecord) -> int:
     """The step after a fifth of the record: from there on errors decide how far an axis reaches."""
     return record.steps // 5
 
@@ -113,7 +113,7 @@ def run_scheme(
 
 def _run_side_by_side(
     config: ReplayConfig,
-    record: Record,
+    record: ReplayRecord,
     sensors: Sensors,
     signals: Signals,
     schemes: Mapping[str, Scheme],

@@ -12,6 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.figures.lines import POINTS
 from owtsweep.studies.hub.public import (
     Chain,
+    Rows,
     bias_of,
     chain_for_runs,
     has_acceleration,
@@ -132,16 +133,11 @@ def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[A
     """
     lag, steps = lag_of(chain), session.record.steps
     chunks = state_chunks(chain, *make_lanes([session.signals], session.sensors))
-    first, count, chunk = next(chunks)
+    late = Rows((chunk[:count].reshape(count, 8) for _, count, chunk in chunks), (steps, 8))
     for begin, end in itertools.pairwise(edges):
         result = np.full((end - begin, 4, 2), np.nan)
-        at = begin + lag
-        while at < min(end + lag, steps):
-            while at >= first + count:
-                first, count, chunk = next(chunks)
-            stop = min(first + count, end + lag)
-            result[at - lag - begin : stop - lag - begin] = chunk[at - first : stop - first]
-            at = stop
+        piece = late[begin + lag : end + lag].reshape(-1, 4, 2)
+        result[: len(piece)] = piece
         result[:, 3] = bias_of(result, session.sensors)
         yield result
 

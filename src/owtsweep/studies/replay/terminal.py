@@ -63,7 +63,7 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
     )
     many = clean["file"].nunique() > 1
     return [
-        (f"{row['file']}: " if many else "") + advice.sentence(row)
+        (f"{row['file']}: " if many else "") + advice.write_sentence(row)
         for row in clean.to_dict("records")
     ]
 
@@ -77,9 +77,9 @@ def list_spectrum_notes(config: ReplayConfig) -> list[str]:
 
 def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
     """Doubts about the spectrum fitted to a record, or the reason why none could be fitted."""
-    from owtsweep.studies.replay.facts import describe_spectrum
+    from owtsweep.studies.replay.facts import summarise_motion
 
-    fit = describe_spectrum(config, file).fit
+    fit = summarise_motion(config, file).fit
     return (fit,) if isinstance(fit, str) else fit.warnings
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.studies.replay.measuring import PIECE
-from owtsweep.studies.replay.record import Record
+from owtsweep.studies.replay.record import ReplayRecord
 
 #: The most that a whole and a zoomed view show, s.
 SPAN, ZOOM, ACCELERATION_ZOOM = 200.0, 15.0, 6.0
@@ -17,7 +17,7 @@ SETTLING = 20.0
 class LargestMotion:
     """Finds where the motion is largest, piece by piece, for zoomed views of several lengths."""
 
-    def __init__(self, record: Record) -> None:
+    def __init__(self, record: ReplayRecord) -> None:
         self._record = record
         self._added = 0
         self._largest = dict.fromkeys((ZOOM, ACCELERATION_ZOOM), (0.0, -1))
@@ -46,7 +46,7 @@ class LargestMotion:
         return step if step >= 0 else self._record.steps // 2
 
 
-def choose_windows(record: Record, largest: LargestMotion) -> dict[str, slice]:
+def choose_windows(record: ReplayRecord, largest: LargestMotion) -> dict[str, slice]:
     """Name of a window -> its steps: "whole", "zoom" and "acceleration"."""
     first, last = _ends(record)
     windows = {"whole": _select(record, first, min(first + SPAN, last))}
@@ -56,7 +56,7 @@ def choose_windows(record: Record, largest: LargestMotion) -> dict[str, slice]:
     return windows
 
 
-def choose_zoom(record: Record, middle: int, length: float) -> tuple[float, float]:
+def choose_zoom(record: ReplayRecord, middle: int, length: float) -> tuple[float, float]:
     """Start and end (s) of a view of some length about a step."""
     first, last = _ends(record)
     centre = float(record.time_at(slice(middle, middle + 1))[0])
@@ -64,12 +64,12 @@ def choose_zoom(record: Record, middle: int, length: float) -> tuple[float, floa
     return start, min(start + length, last)
 
 
-def _ends(record: Record) -> tuple[float, float]:
+def _ends(record: ReplayRecord) -> tuple[float, float]:
     steps = record.steps
     return float(record.time_at(slice(0, 1))[0]), float(record.time_at(slice(steps - 1, steps))[0])
 
 
-def _select(record: Record, start: float, end: float) -> slice:
+def _select(record: ReplayRecord, start: float, end: float) -> slice:
     """The steps from start to end (s), both included."""
     near = slice(
         max(int((start - record.begin) / record.step) - 2, 0),

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse, shorten
 
 AXES = "xyz"
 
@@ -41,7 +41,7 @@ def open_npz(path: Path) -> ChannelTable:
         if "allow_pickle" in str(error):
             reason = "holds pickled objects, which can run code: save plain arrays instead"
         else:
-            reason = f"cannot be read ({' '.join(str(error).split())[:120]})"
+            reason = f"cannot be read ({shorten(error)})"
         raise refuse(path, reason) from None
     except (OSError, EOFError, zipfile.BadZipFile, AttributeError) as error:
         raise refuse(path, f"is not a whole .npz archive ({error})") from None
@@ -73,8 +73,7 @@ def open_parquet(path: Path) -> ChannelTable:
     try:
         schema = parquet.read_schema(path)
     except (pa.ArrowInvalid, OSError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise refuse(path, f"is not a whole Parquet file ({reason})") from None
+        raise refuse(path, f"is not a whole Parquet file ({shorten(error)})") from None
     units = []
     for field in schema:
         metadata = field.metadata or {}
@@ -87,7 +86,7 @@ def open_parquet(path: Path) -> ChannelTable:
                 path, columns=list(names), page_checksum_verification=True
             ).slice(0, rows)
         except (pa.ArrowInvalid, OSError) as error:
-            raise refuse(path, f"is damaged ({' '.join(str(error).split())[:120]})") from None
+            raise refuse(path, f"is damaged ({shorten(error)})") from None
         result: dict[str, Array] = {}
         for name in names:
             column = table.column(name)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse, shorten
 
 TIME = "Time"
 
@@ -45,8 +45,7 @@ def open_gtsdf(path: Path) -> ChannelTable:
             ]
             units = _read_words(file, "attribute_units", count) or [""] * count
     except OSError as error:
-        reason = " ".join(str(error).split())[:120]
-        raise refuse(path, f"is not a whole HDF5 file ({reason})") from None
+        raise refuse(path, f"is not a whole HDF5 file ({shorten(error)})") from None
     names = list(number_repeats([TIME, *(name or str(k + 1) for k, name in enumerate(names))]))
     units = ["s", *("" if unit in ("-", "") else unit for unit in units)]
 

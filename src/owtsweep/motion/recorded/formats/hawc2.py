@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse, shorten
 
 SUMMARY_LINE = 8
 FIRST_CHANNEL = 12
@@ -94,16 +94,15 @@ def _read_selection(sel: Path) -> Selection:
 
 
 def _check_length(dat: Path, selection: Selection) -> None:
-    if dat.stat().st_size == 0:
-        raise refuse(dat, "is empty")
-    if selection.factors is None:
-        return
     there = dat.stat().st_size
-    if there < 2 * selection.scans * len(selection.names):
+    needed = 2 * selection.scans * len(selection.names)
+    if there == 0:
+        raise refuse(dat, "is empty")
+    if selection.factors is not None and there < needed:
         raise refuse(
             dat,
             f"is cut short: {selection.scans} scans of {len(selection.names)} channels need "
-            f"{2 * selection.scans * len(selection.names)} bytes, {there} are there",
+            f"{needed} bytes, {there} are there",
         )
 
 
@@ -131,8 +130,7 @@ def _load(
             dtype="float64",
         )
     except (ValueError, pd.errors.ParserError) as error:
-        reason = " ".join(str(error).split())[:160]
-        raise refuse(dat, f"cannot be read as numbers ({reason})") from None
+        raise refuse(dat, f"cannot be read as numbers ({shorten(error, 160)})") from None
     if rows is None and len(frame) < selection.scans:
         raise refuse(dat, f"is cut short: {selection.scans} scans announced, {len(frame)} there")
     return {

@@ -52,6 +52,11 @@ def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(result)
 
 
+def shorten(error: Exception, length: int = 120) -> str:
+    """A library's message as one line of at most `length` characters."""
+    return " ".join(str(error).split())[:length]
+
+
 def refuse(path: Path, reason: str) -> InputError:
     """The error to raise for a file: its path, then the reason."""
     return InputError(f"{path}: {reason}")

@@ -17,7 +17,8 @@ from typing import IO, Any
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse, shorten
 
 #: The layout is found from this many bytes at the start of the file.
 HEAD = 1 << 18
@@ -124,10 +125,11 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
             or len(split_fields(follower, delimiter)) != len(fields)
         ):
             continue
-        if delimiter != "," and any(_DECIMAL_COMMA.match(field) for field in fields):
+        with_comma = [field for field in fields if _DECIMAL_COMMA.match(field)]
+        if delimiter != "," and with_comma:
             raise refuse(
                 path,
-                f"line {first + 1} has decimal commas ({_find_decimal_comma(fields)}): "
+                f"line {first + 1} has decimal commas ({with_comma[0]}): "
                 "write numbers with a point",
             )
         names, units = _read_header(lines[:first], delimiter, len(fields))
@@ -137,10 +139,6 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
         "has no table of numbers (at least two lines and two columns, separated by commas, "
         "semicolons, tabs or blanks)",
     )
-
-
-def _find_decimal_comma(fields: list[str]) -> str:
-    return next(field for field in fields if _DECIMAL_COMMA.match(field))
 
 
 def _find_delimiter(line: str) -> str:
@@ -215,12 +213,15 @@ def _load_delimited(
                 if rows is not None and count >= rows:
                     break
     except (pa.ArrowInvalid, OSError, EOFError) as error:
-        reason = " ".join(str(error).split())
-        raise refuse(path, f"cannot be read as a table of numbers ({reason[:160]})") from None
+        raise _not_numbers(path, error) from None
     return {
         name: column[: count if rows is None else min(rows, count)]
         for name, column in columns.items()
     }
+
+
+def _not_numbers(path: Path, error: Exception) -> InputError:
+    return refuse(path, f"cannot be read as a table of numbers ({shorten(error, 160)})")
 
 
 def _lengthen(column: Array, count: int, least: int) -> Array:
@@ -253,6 +254,5 @@ def _load_blanks(
                 **options,
             )
     except (ValueError, OSError, EOFError, pd.errors.ParserError) as error:
-        reason = " ".join(str(error).split())
-        raise refuse(path, f"cannot be read as a table of numbers ({reason[:160]})") from None
+        raise _not_numbers(path, error) from None
     return {name: frame[name].to_numpy(dtype=float) for name in names}

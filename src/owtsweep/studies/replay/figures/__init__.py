@@ -37,11 +37,11 @@ def drawings(
 ) -> dict[str, Drawing]:
     """The figures of a run by name: of one record its histories, of many the map over them."""
     single = len(config.grid.files) == 1
-    figures = _of_one(config, tables) if single else _of_many(config, tables)
+    figures = _figures_of_one(config, tables) if single else _figures_of_many(config, tables)
     return {name: save_figure(draw, metadata) for name, draw in figures.items()}
 
 
-def _of_one(
+def _figures_of_one(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame]
 ) -> dict[str, Callable[[], Figure]]:
     from owtsweep.studies.replay.figures import histories, place, spectrum
@@ -56,7 +56,7 @@ def _of_one(
         filtered = quantity in ("acceleration", "bias")
         return lambda: histories.draw(
             config, recorded(), states() if filtered else NO_STATES, quantity, zoom=zoom,
-            advised=_advised(tables),
+            advised=_find_advised(tables),
         )  # fmt: skip
 
     return {
@@ -66,7 +66,7 @@ def _of_one(
     }
 
 
-def _of_many(
+def _figures_of_many(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame]
 ) -> dict[str, Callable[[], Figure]]:
     from owtsweep.studies.replay.figures import records
@@ -76,7 +76,7 @@ def _of_many(
     }
 
 
-def _advised(tables: Mapping[str, pd.DataFrame]) -> str | None:
+def _find_advised(tables: Mapping[str, pd.DataFrame]) -> str | None:
     """The scheme whose uncertainty the figures show."""
     advised = tables["advice"]
     return str(advised.iloc[0]["best"]) if len(advised) else None

@@ -14,7 +14,7 @@ from owtsweep.figures.lines import POINTS
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.time_histories import UNITS, Band, Curve, Level, Panel
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.figures.traces import Traces, traces
+from owtsweep.studies.replay.figures.traces import Traces, collect_traces
 from owtsweep.studies.replay.measures import QUANTILE
 from owtsweep.studies.replay.session import Session
 from owtsweep.studies.replay.states import FilterStates
@@ -37,7 +37,7 @@ def draw(
     Parameters
     ----------
     states
-        What the filters believe besides.
+        The other states of the filters: acceleration and bias.
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom
@@ -50,42 +50,42 @@ def draw(
     InputError
         If no scheme estimates the quantity.
     """
-    shown = traces(session, states, quantity, zoom=zoom)
+    shown = collect_traces(session, states, quantity, zoom=zoom)
     if not shown.lines:
         hint = "" if quantity in ("position", "velocity") else "; kernels give one with every fix"
         raise InputError(f"there is no estimate of {quantity} here{hint}")
-    panels = [_values(session, quantity, axis, shown) for axis in range(2)]
+    panels = [_make_values_panel(session, quantity, axis, shown) for axis in range(2)]
     if shown.truth is not None:
-        panels.append(_errors(session, quantity, shown, advised))
+        panels.append(_make_errors_panel(session, quantity, shown, advised))
     elif quantity == "position":
-        panels.append(_innovations(session, shown))
+        panels.append(_make_innovations_panel(session, shown))
     return time_histories.draw(
         panels,
-        title=f"{time_histories.describe(quantity)}{_part(session, shown, zoom=zoom)}: "
+        title=f"{time_histories.describe(quantity)}{_name_part(session, shown, zoom=zoom)}: "
         f"{Path(session.record.file).name}, tuning: {config.tuning}",
-        footnote=_explanations(session, quantity, shown),
+        footnote=_explain(session, quantity, shown),
         time_label="time on the file's clock (s)",
         shared=True,
     )
 
 
-def _part(session: Session, shown: Traces, *, zoom: bool) -> str:
+def _name_part(session: Session, shown: Traces, *, zoom: bool) -> str:
     """Which part of the record a figure shows, in words, unless it is all of it."""
     if zoom:
         return ", zoomed in"
     length = session.record.steps * session.record.step
     part = shown.view[1] - shown.view[0]
-    return f", the first {part:.3g} s of {_duration(length)}" if part < 0.99 * length else ""
+    return f", the first {part:.3g} s of {_format_duration(length)}" if part < 0.99 * length else ""
 
 
-def _duration(seconds: float) -> str:
+def _format_duration(seconds: float) -> str:
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= 2.0 * size:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds:.3g} s"
 
 
-def _values(session: Session, quantity: str, axis: int, shown: Traces) -> Panel:
+def _make_values_panel(session: Session, quantity: str, axis: int, shown: Traces) -> Panel:
     """The panel of x or y: truth, what the sensors said, and the estimates."""
     marks: list[Curve] = []
     if shown.imu is not None:
@@ -108,8 +108,10 @@ def _values(session: Session, quantity: str, axis: int, shown: Traces) -> Panel:
     return Panel(f"{'xy'[axis]} {quantity} ({UNITS[quantity]})", marks, shown.view, limits)
 
 
-def _errors(session: Session, quantity: str, shown: Traces, advised: str | None) -> Panel:
-    """The errors of x, and what the advised scheme says of its own."""
+def _make_errors_panel(
+    session: Session, quantity: str, shown: Traces, advised: str | None
+) -> Panel:
+    """The errors of x, and the deviations that the advised scheme states for itself."""
     marks: list[Band | Curve | Level] = []
     note = ""
     if advised is not None and advised in shown.deviations:
@@ -128,8 +130,8 @@ def _errors(session: Session, quantity: str, shown: Traces, advised: str | None)
     return Panel(label, [*marks, Level(0.0)], shown.view, (-reach, reach), note)
 
 
-def _innovations(session: Session, shown: Traces) -> Panel:
-    """Without a truth: how far each fix was from what the filter had expected, in its sigma."""
+def _make_innovations_panel(session: Session, shown: Traces) -> Panel:
+    """Without a truth: innovations of x over the standard deviations that the filter states."""
     marks: list[Curve | Level] = []
     for name, (time, scaled) in shown.innovations.items():
         scheme = style_of(name, session.names)
@@ -141,7 +143,7 @@ def _innovations(session: Session, shown: Traces) -> Panel:
     return Panel(label, marks, shown.view, (-6.0, 6.0), note)
 
 
-def _explanations(session: Session, quantity: str, shown: Traces) -> str:
+def _explain(session: Session, quantity: str, shown: Traces) -> str:
     sentences = []
     left = [name for name in session.names if name not in shown.lines]
     if quantity in ("position", "velocity") and left:

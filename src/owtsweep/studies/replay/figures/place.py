@@ -42,7 +42,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     large = max([*config.grid.amplitude, 1.5 * amplitude])
     amplitudes = np.geomspace(small, large, AMPLITUDES)
     expected = expect_map(config, record, periods, amplitudes)
-    names = _distinct(expected)
+    names = _find_distinct(expected)
     values = np.array([expected[name] for name in names])
     order = np.sort(values, axis=0)
     best = np.argmin(values, axis=0)
@@ -56,7 +56,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             shading="nearest", rasterized=True,
         )  # fmt: skip
         handles = [
-            Patch(facecolor=style_of(names[i], names).color, label=_name(names[i], expected))
+            Patch(facecolor=style_of(names[i], names).color, label=_join_names(names[i], expected))
             for i in np.unique(best)
         ]
         if len(names) > 1:
@@ -97,7 +97,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     return figure
 
 
-def _distinct(expected: dict[str, Any]) -> list[str]:
+def _find_distinct(expected: dict[str, Any]) -> list[str]:
     """Names of schemes with different values, the last of those that are the same."""
     names = list(expected)
     return [
@@ -107,6 +107,6 @@ def _distinct(expected: dict[str, Any]) -> list[str]:
     ]
 
 
-def _name(name: str, expected: dict[str, Any]) -> str:
+def _join_names(name: str, expected: dict[str, Any]) -> str:
     same = [other for other in expected if np.allclose(expected[other], expected[name], rtol=1e-9)]
     return " = ".join(same)

@@ -22,7 +22,7 @@ MOST_TICKS = 12
 
 
 def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> Figure:
-    """One mark per record: its best scheme, the next and by how much; hatched where it is all one.
+    """One mark per record: its best scheme, the next, and by how much; hatched if none matters.
 
     Over the first two columns of numbers of `replay.table`; without one, over the fitted natural
     period and the largest displacement.
@@ -34,7 +34,7 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     """
     from matplotlib.patches import Patch
 
-    table, (first, second) = _coordinates(config, records)
+    table, (first, second) = _choose_coordinates(config, records)
     measured = advised[advised["source"] != "map"]
     shown = table.merge(measured, on="file").dropna(subset=[first, second])
     if shown.empty:
@@ -43,7 +43,7 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     with style.context():
         figure = style.new_figure(8.0, 6.0)
         axes = figure.add_subplot()
-        width, height = _cell(shown[first]), _cell(shown[second])
+        width, height = _measure_cell(shown[first]), _measure_cell(shown[second])
         for line in shown.to_dict("records"):
             _mark(axes, line, (first, second), (width, height), names)
         axes.set_xlim(shown[first].min() - width, shown[first].max() + width)
@@ -81,7 +81,7 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
 _LABELS = {"natural_period": "fitted natural period (s)", "peak": "amplitude (m)"}
 
 
-def _coordinates(
+def _choose_coordinates(
     config: ReplayConfig, records: pd.DataFrame
 ) -> tuple[pd.DataFrame, tuple[str, str]]:
     states = read_sea_states(config)
@@ -95,7 +95,7 @@ def _coordinates(
     return records, ("natural_period", "peak")
 
 
-def _cell(values: pd.Series[Any]) -> float:
+def _measure_cell(values: pd.Series[Any]) -> float:
     """Width of a mark: the least distance between different coordinates, not too small."""
     coordinates = sorted({float(value) for value in values})
     if len(coordinates) < 2:

@@ -12,14 +12,14 @@ from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.decimate import decimate
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.facts import BEYOND, describe_spectrum
+from owtsweep.studies.replay.facts import BEYOND, summarise_motion
 from owtsweep.studies.replay.place import read_fit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Lines of the periodogram that a point of its smooth form takes in, and the part of the band that
-#: it may take in where there are many.
+#: The running mean is over at least `SMOOTHED` lines of the periodogram; where the band holds many,
+#: it is over one in `SHARE` of them.
 SMOOTHED, SHARE = 7, 500
 
 
@@ -36,10 +36,10 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     InputError
         If the record does not move.
     """
-    spectrum = describe_spectrum(config, config.grid.files[0])
-    if not spectrum.moves:
+    summary = summarise_motion(config, config.grid.files[0])
+    if not summary.moves:
         raise InputError("the record does not move, so it has no spectrum")
-    frequency, power = spectrum.frequency, spectrum.power
+    frequency, power = summary.frequency, summary.power
     low, high = config.fit_band
     shown = (frequency >= low / 2.0) & (frequency <= BEYOND * high)
     with style.context():
@@ -65,7 +65,8 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
         axes.set_ylabel("displacement spectrum, x + y (m²/Hz)")
         axes.legend(loc="upper right", frameon=False)
         axes.set_title(
-            f"Spectrum of {Path(config.grid.files[0]).name}\n{_said(record, shape is not None)}",
+            f"Spectrum of {Path(config.grid.files[0]).name}\n"
+            f"{_describe_fit(record, shape is not None)}",
             loc="left",
         )
         share = ""
@@ -73,7 +74,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             share = f"; it holds {100 * record['band_share']:.0f} % of the variance"
         style.footnote(
             figure,
-            f"Horizontal displacement, from {spectrum.source}. Grey: band [{low:g}, {high:g}] Hz, "
+            f"Horizontal displacement, from {summary.source}. Grey: band [{low:g}, {high:g}] Hz, "
             f"where Eq. (1) is fitted by Whittle likelihood{share}.",
         )
     return figure
@@ -83,7 +84,7 @@ def _smooth(power: Array, count: int) -> Array:
     return np.convolve(power, np.full(count, 1.0 / count), mode="same")
 
 
-def _said(record: Any, has_fit: bool) -> str:
+def _describe_fit(record: Any, has_fit: bool) -> str:
     if not has_fit:
         return "Eq. (1) could not be fitted inside the band"
     return (

@@ -35,7 +35,7 @@ class Traces:
     deviations, innovations
         Scheme -> times and standard deviations of x; times and innovations of x over their own.
     limits
-        What the axes of x and of y have to hold, where that is not all there is.
+        (2, 2) what the axes of x and of y must show, if not all of the lines.
     """
 
     view: tuple[float, float]
@@ -50,16 +50,16 @@ class Traces:
     limits: Array | None = None
 
 
-def traces(session: Session, states: FilterStates, quantity: str, *, zoom: bool) -> Traces:
+def collect_traces(session: Session, states: FilterStates, quantity: str, *, zoom: bool) -> Traces:
     """The lines of "position", "velocity", "acceleration" (zoomed in) or "bias" (whole)."""
     if quantity == "bias":
-        return _of_bias(session, states)
+        return _trace_bias(session, states)
     if quantity == "acceleration":
-        return _of_acceleration(session, states)
-    return _of_state(session, quantity, "zoom" if zoom else "whole")
+        return _trace_acceleration(session, states)
+    return _trace_state(session, quantity, "zoom" if zoom else "whole")
 
 
-def _of_state(session: Session, quantity: str, name: str) -> Traces:
+def _trace_state(session: Session, quantity: str, name: str) -> Traces:
     record, window, columns = session.record, session.windows[name], COLUMNS[quantity]
     time = record.time_at(window)
     seen = {
@@ -69,8 +69,9 @@ def _of_state(session: Session, quantity: str, name: str) -> Traces:
     }
     series: Array | None = getattr(record, quantity)
     truth = None if series is None else series[window]
-    errors, deviations = {}, {}
+    lines, errors, deviations = {}, {}, {}
     for scheme, estimated in seen.items():
+        lines[scheme] = make_pair(time, estimated.state[:, columns])
         if truth is not None:
             errors[scheme] = make_line(time, estimated.state[:, columns.start] - truth[:, 0])
             deviations[scheme] = time, estimated.deviation[:, columns.start]
@@ -82,27 +83,24 @@ def _of_state(session: Session, quantity: str, name: str) -> Traces:
             innovations[scheme] = time[there], scaled[there]
     return Traces(
         (float(time[0]), float(time[-1])),
-        {
-            scheme: make_pair(time, estimated.state[:, columns])
-            for scheme, estimated in seen.items()
-        },
+        lines,
         errors,
         max((session.bounds[quantity][scheme] for scheme in seen), default=0.0),
         truth=None if truth is None else make_pair(time, truth),
-        fixes=_fixes(session, window) if quantity == "position" else None,
+        fixes=_take_fixes(session, window) if quantity == "position" else None,
         deviations=deviations,
         innovations=innovations,
     )
 
 
-def _fixes(session: Session, window: slice) -> tuple[Array, Array]:
+def _take_fixes(session: Session, window: slice) -> tuple[Array, Array]:
     M = session.sensors.fix_interval
     number = slice(-(-window.start // M), -(-window.stop // M))
     due = M * np.arange(number.start, number.stop)
     return session.record.time_at(window)[due - window.start], session.signals.fixes[number]
 
 
-def _of_acceleration(session: Session, states: FilterStates) -> Traces:
+def _trace_acceleration(session: Session, states: FilterStates) -> Traces:
     record, window = session.record, session.windows["acceleration"]
     time = record.time_at(window)
     filters = {
@@ -117,7 +115,7 @@ def _of_acceleration(session: Session, states: FilterStates) -> Traces:
             lines[name] = make_pair(time, state.acceleration)
             if truth is not None:
                 errors[name] = make_line(time, state.acceleration[:, 0] - truth[:, 0])
-    measured = _force(session, window) + np.array(session.sensors.gravity)
+    measured = _take_force(session, window) + np.array(session.sensors.gravity)
     return Traces(
         (float(time[0]), float(time[-1])),
         lines,
@@ -128,7 +126,7 @@ def _of_acceleration(session: Session, states: FilterStates) -> Traces:
     )
 
 
-def _force(session: Session, window: slice) -> Array:
+def _take_force(session: Session, window: slice) -> Array:
     """(n, 2) the specific force in NED in a window."""
     parts, begin = [], 0
     for piece in rotate_force(session.signals, session.sensors):
@@ -139,12 +137,12 @@ def _force(session: Session, window: slice) -> Array:
     return np.concatenate(parts)
 
 
-def _of_bias(session: Session, states: FilterStates) -> Traces:
+def _trace_bias(session: Session, states: FilterStates) -> Traces:
     record = session.record
     filters = {n: state for n, state in states.of.items() if n not in states.repeated["bias"]}
     limits = np.array([state.bias_range for state in filters.values()] + [states.true_range])
 
-    def drawn(envelope: Envelope) -> Line:
+    def to_line(envelope: Envelope) -> Line:
         steps, values = envelope.points()
         return [(record.begin + record.step * steps, values)]
 
@@ -152,9 +150,9 @@ def _of_bias(session: Session, states: FilterStates) -> Traces:
     last = record.time_at(slice(record.steps - 1, record.steps))[0]
     return Traces(
         (record.begin, float(last)),
-        {name: (drawn(state.bias[0]), drawn(state.bias[1])) for name, state in filters.items()},
-        {} if truth is None else {n: drawn(state.bias_error) for n, state in filters.items()},
+        {name: (to_line(state.bias[0]), to_line(state.bias[1])) for name, state in filters.items()},
+        {} if truth is None else {n: to_line(state.bias_error) for n, state in filters.items()},
         max((state.bias_bound for state in filters.values()), default=0.0),
-        truth=None if truth is None else (drawn(truth[0]), drawn(truth[1])),
+        truth=None if truth is None else (to_line(truth[0]), to_line(truth[1])),
         limits=np.stack([limits[..., 0].min(axis=0), limits[..., 1].max(axis=0)], axis=1),
     )

@@ -1,0 +1,183 @@
+"""The contract of a source of motion as checks that anybody can run on theirs.
+
+    from owtsweep.testing import check_source
+
+    def test_my_source():
+        check_source(MySource(), steps=1000, step=0.02)
+
+Every check raises `AssertionError` with one line that says what of the contract is broken. The
+contract itself is in `owtsweep.motion.source`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from owtsweep.arrays import Array
+    from owtsweep.motion.source import Motion, Source
+
+__all__ = ["check_delayed_positions", "check_derivatives", "check_source", "check_streams"]
+
+#: Largest difference between a series and the slope of the one before, relative to the largest of
+#: the series.
+TOLERANCE = 0.05
+#: The share of the record that is left out at each end: a file's continuation is not known there.
+EDGE = 0.1
+
+
+def check_source(
+    source: Source,
+    *,
+    steps: int,
+    step: float,
+    history: int = 10,
+    tolerance: float = TOLERANCE,
+) -> None:
+    """Run all checks on a source.
+
+    Parameters
+    ----------
+    source
+        What keeps the protocol `owtsweep.motion.source.Source`.
+    steps, step, history
+        A record that it has, as for `Source.realise`. The step must be short against the motion,
+        and the history must be at least 1 step.
+    tolerance
+        See `check_derivatives`.
+
+    Raises
+    ------
+    AssertionError
+        With one line naming the source and what of the contract it breaks.
+    """
+    from owtsweep.motion.source import Source
+
+    name = type(source).__name__
+    assert isinstance(source, Source), f"{name}: needs `streams`, `duration` and `realise`"
+    motion = source.realise(_streams(0), steps=steps, step=step, history=history)
+    length = (steps + history) * step
+    assert source.duration is None or source.duration >= length - step * (1 + 1e-9), (
+        f"{name}: gives {length:g} s with its history, but its duration is {source.duration:g} s"
+    )
+    _check_shapes(name, motion, steps, step, history)
+    check_streams(source, steps=steps, step=step, history=history)
+    check_derivatives(name, motion, tolerance)
+    check_delayed_positions(name, motion)
+
+
+def check_streams(source: Source, *, steps: int, step: float, history: int) -> None:
+    """The streams that it names, and no others, decide what it gives.
+
+    Raises
+    ------
+    AssertionError
+        If it asks for other streams, or gives other bits for the same ones, or the same for others.
+    """
+    name = type(source).__name__
+    asked: set[str] = set()
+
+    def listen(stream: str) -> np.random.Generator:
+        asked.add(stream)
+        return _streams(0)(stream)
+
+    first, again, other = (
+        source.realise(streams, steps=steps, step=step, history=history)
+        for streams in (listen, _streams(0), _streams(1))
+    )
+    assert asked == set(source.streams), (
+        f"{name}: draws from {sorted(asked)}, but `streams` names {sorted(source.streams)}"
+    )
+    assert _is_same(first, again), f"{name}: the same streams give another motion"
+    if source.streams:
+        assert not _is_same(first, other), f"{name}: other streams give the same motion"
+    else:
+        assert _is_same(first, other), f"{name}: names no stream, but its realisations differ"
+
+
+def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -> None:
+    """Velocity is the slope of the position, acceleration that of the velocity.
+
+    Slopes are central differences, so their error is of the order (omega step)^2 / 6.
+
+    Parameters
+    ----------
+    name
+        What to call the source in a message.
+    tolerance
+        Largest difference, relative to the largest value of the derivative.
+
+    Raises
+    ------
+    AssertionError
+        If one differs by more.
+    """
+    import numpy as np
+
+    steps = len(motion.position)
+    inner = slice(1 + int(EDGE * steps), steps - 1 - int(EDGE * steps))
+    for series, derivative in (("position", "velocity"), ("velocity", "acceleration")):
+        expected = getattr(motion, derivative)[inner]
+        slope = np.gradient(getattr(motion, series), motion.step, axis=0)[inner]
+        largest = float(np.max(np.abs(expected), initial=0.0))
+        apart = float(np.max(np.abs(slope - expected), initial=0.0))
+        assert apart <= tolerance * largest, (
+            f"{name}: {derivative} differs from the slope of the {series} by {apart:.3g}, more "
+            f"than {tolerance:g} of its largest value {largest:.3g}"
+        )
+
+
+def check_delayed_positions(name: str, motion: Motion) -> None:
+    """What stands before t = 0 leads into the record, so that a delayed sensor sees one motion.
+
+    Raises
+    ------
+    AssertionError
+        If the positions jump at t = 0, or `position_at` does not give them.
+    """
+    import numpy as np
+
+    history, steps = len(motion.before), len(motion.position)
+    whole = np.concatenate([motion.before, motion.position])
+    speed = np.max(np.abs(motion.velocity), initial=0.0)
+    jump = np.max(np.abs(np.diff(whole[: history + 2], axis=0)), initial=0.0)
+    assert jump <= 2.0 * motion.step * speed, (
+        f"{name}: positions before t = 0 jump by {jump:.3g} in a step; at the record's largest "
+        f"speed they move by {motion.step * speed:.3g}"
+    )
+    for stride in (1, 3):
+        count = -(-(history + steps) // stride)
+        assert np.array_equal(motion.position_at(-history, stride, count), whole[::stride]), (
+            f"{name}: position_at({-history}, {stride}, {count}) is not the history and the record"
+        )
+
+
+def _check_shapes(name: str, motion: Motion, steps: int, step: float, history: int) -> None:
+    """The series have as many samples as were asked for, along the same axes."""
+    assert motion.step == step, f"{name}: the step is {motion.step:g} s, not {step:g} s"
+    axes = motion.position.shape[1:]
+    lengths = {"position": steps, "velocity": steps, "acceleration": steps, "before": history}
+    for series, length in lengths.items():
+        shape = getattr(motion, series).shape
+        assert shape == (length, *axes), (
+            f"{name}: {series} has the shape {shape}, not {(length, *axes)}"
+        )
+
+
+def _is_same(one: Motion, other: Motion) -> bool:
+    """Whether two motions are the same bits."""
+    import numpy as np
+
+    names = ("position", "velocity", "acceleration", "before")
+    pairs: list[tuple[Array, Array]] = [(getattr(one, n), getattr(other, n)) for n in names]
+    return all(np.array_equal(a, b) for a, b in pairs)
+
+
+def _streams(replicate: int) -> Callable[[str], np.random.Generator]:
+    """Named streams of a replicate, fresh each time."""
+    import numpy as np
+
+    return lambda name: np.random.default_rng([replicate, *name.encode()])
