@@ -19,7 +19,9 @@ def rows(study: Any, config: Any) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize("column", ["status", "reason", "level", "scheme", "replicate"])
-def test_a_missing_column_is_named(study: Any, config: Any, rows: pd.DataFrame, column: str) -> None:
+def test_a_missing_column_is_named(
+    study: Any, config: Any, rows: pd.DataFrame, column: str
+) -> None:
     require_rows(study, config(), rows)
     with pytest.raises(ValueError, match=rf"^the study's rows have no column {column}$"):
         require_rows(study, config(), rows.drop(columns=column))
