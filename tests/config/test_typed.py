@@ -8,6 +8,7 @@ import pytest
 from pydantic import ValidationError
 
 from owtsweep.config import (
+    Axis,
     Config,
     NotNegative,
     Positive,
@@ -39,6 +40,7 @@ class Model(Config):
     kind: Literal["a", "b"] = key("one of two", default="a")
     count: int = key("a whole number", default=3, ge=1, le=9, unit="steps")
     label: str = key("a text", default="")
+    kinds: list[Literal["a", "b"]] = key("some of two", default=["a"])
     pair: list[Positive] = key(
         "two", default=[1.0, 2.0], form="two numbers", min_length=2, max_length=2
     )
@@ -76,6 +78,7 @@ def test_whole_numbers(value: object, expected: int | None) -> None:
         ("inner", 3, "inner: 3 is one value where keys are expected; use inner.<key>=..."),
         ("inner", {"sigm": 3}, "inner.sigm: there is no such key; did you mean inner.sigma?"),
         ("kind", "c", "kind: 'c' is none of a, b"),
+        ("kinds", ["a", "c"], "kinds[1]: 'c' is none of a, b"),
         ("count", 0, "count: 0 must be at least 1 steps"),
         ("count", 10, "count: 10 is more than 9; lower it"),
         ("pair", [1.0], "pair: [1.0] must be two numbers"),
@@ -89,6 +92,20 @@ def test_what_is_wrong_is_one_line(key: str, value: object, message: str) -> Non
     with pytest.raises(InputError) as caught:
         make(**{key: value})
     assert str(caught.value) == message
+
+
+def test_bounds_on_a_list_are_refused_where_the_section_is_made() -> None:
+    with pytest.raises(TypeError, match=r"^Grid\.level: the bounds of a list's numbers .* Axis\["):
+
+        class Grid(Section):
+            """Its author means each number of the list."""
+
+            level: Axis[float] = key("a level", gt=0.0)
+
+
+def test_a_study_with_one_engine_has_no_other() -> None:
+    with pytest.raises(InputError, match=r"^engine: 'refrence' is not known; .* one engine"):
+        checked(Model, {"study": "x", "engine": "refrence"})
 
 
 def test_texts_from_numbers_and_numbers_from_texts() -> None:

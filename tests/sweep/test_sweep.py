@@ -317,3 +317,9 @@ def test_failures_are_grouped_by_reason():
     assert lines[1] == "failed: 1 case: reason 00: other 0"
     assert lines[-1] == "failed: 11 more reasons: see run.log"
     assert len(lines) == 11
+
+
+def test_a_backend_that_is_none_is_told(study, config, monkeypatch):
+    monkeypatch.setattr(type(study), "backend", lambda self, config: "threads")
+    with pytest.raises(InputError, match=r"^study dummy: its backend is 'threads'; a study says"):
+        sweep(study, config())

@@ -59,6 +59,11 @@ class Config(Section):
     def check(self) -> None:
         """Raise `InputError` for values that cannot work together; studies extend it."""
         self._check_scheduler()
+        engine = type(self).model_fields["engine"]
+        require(
+            engine.annotation is not str or self.engine == engine.default,
+            f"engine: {self.engine!r} is not known; the study has one engine, {engine.default}",
+        )
         require(self.results.strip() != "", "results: it is empty; name a folder, e.g. results")
         require(
             self.config_version == CONFIG_VERSION,

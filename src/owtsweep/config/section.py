@@ -13,6 +13,8 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
+#: Attributes of a bound of a number.
+BOUNDS = ("gt", "ge", "lt", "le")
 #: How messages and docs/configuration.md name a type.
 TYPE_NAMES = {bool: "true or false", str: "text", int: "a whole number", float: "a number"}
 
@@ -25,6 +27,23 @@ class Section(BaseModel):
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", coerce_numbers_to_str=True)
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        """Refuse bounds on a list of numbers: pydantic would hold the list against them.
+
+        Raises
+        ------
+        TypeError
+            When the class is made, so that whoever writes it sees it.
+        """
+        for name, field in cls.model_fields.items():
+            bounded = any(hasattr(mark, sign) for mark in field.metadata for sign in BOUNDS)
+            if bounded and get_origin(bare_type(field.annotation)) is list:
+                raise TypeError(
+                    f"{cls.__name__}.{name}: the bounds of a list's numbers belong to their type, "
+                    "e.g. Axis[Positive] or Axis[Annotated[int, Field(ge=1)]]"
+                )
 
     @field_validator("*", mode="before")
     @classmethod
@@ -67,7 +86,7 @@ def key(
         Whether the key is younger than stored runs. While it stands at its default it is no part
         of what identifies a configuration, so that their hashes and block keys stay.
     bounds
-        As for `pydantic.Field`: ge, gt, le, lt, min_length, max_length.
+        As for `pydantic.Field`: ge, gt, le, lt of a number, min_length and max_length of a list.
     """
     facts: dict[str, Any] = {"unit": unit, "form": form, "advice": advice, "younger": younger}
     return Field(default, description=meaning, json_schema_extra=facts, **bounds)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -42,8 +42,8 @@ def _line(error: ErrorDetails, model: Any) -> str:
     facts = {} if field is None else facts_of(field)
     unit = str(facts.get("unit", ""))
     if kind == "literal_error":
-        options = ", ".join(map(str, get_args(bare_type(field.annotation)))) if field else ""
-        return f"{key}: {value!r} is none of {options}"
+        options = _options(field.annotation) if field else ()
+        return f"{key}: {value!r} is none of {', '.join(map(str, options))}"
     if kind in ("too_short", "too_long"):
         if form := facts.get("form"):
             return f"{key}: {value} must be {form}"
@@ -72,6 +72,14 @@ def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: st
     if kind in ("less_than", "less_than_equal"):
         return f"{value} is more than {limit}; lower it"
     return f"{value!r} cannot be taken ({kind.replace('_', ' ')})"
+
+
+def _options(annotation: Any) -> tuple[Any, ...]:
+    """The values of a choice, or of each item of a list of choices."""
+    kind = bare_type(annotation)
+    if get_origin(kind) is list:
+        kind = bare_type(get_args(kind)[0])
+    return get_args(kind)
 
 
 def _dotted(location: Sequence[str | int]) -> str:

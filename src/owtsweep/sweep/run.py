@@ -16,7 +16,7 @@ from owtsweep.config import Config, dump, require
 from owtsweep.config.stored import load
 from owtsweep.io.files import check_writable, remove_stale, unwritable, write_atomically
 from owtsweep.io.tables import write_tables
-from owtsweep.sweep.execute import Executor
+from owtsweep.sweep.execute import PLACES, Executor
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.log import repeat, run_log
 from owtsweep.sweep.plan import Plan, count_cases, make_plan, make_tasks
@@ -317,6 +317,10 @@ def _executor(run: Run) -> Iterator[Executor]:
 
     compute = run.config.compute
     backend = compute.backend if compute.backend != "auto" else run.engine.backend(run.config)
+    require(
+        backend in PLACES,
+        f"study {run.study.name}: its backend is {backend!r}; a study says threading or loky",
+    )
     executor = Executor(
         study=run.study,
         config=run.config,

@@ -21,6 +21,7 @@ from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.sweep.keys import block_key
 from owtsweep.sweep.log import LogEntry, collect_entries, working_on
 from owtsweep.sweep.plan import Plan
+from owtsweep.sweep.rows import require_rows
 from owtsweep.sweep.setback import Setback, collect_setbacks
 from owtsweep.sweep.store import Store, seal
 from owtsweep.sweep.study import FAILED, Block, Study
@@ -208,6 +209,7 @@ class _Task:
     def _store(self, block: Block, rows: pd.DataFrame, seconds: float) -> None:
         key = block_key(self.work.study, block)
         try:
+            require_rows(self.work.study, self.work.config, rows)
             failed = collect_setbacks(block, rows, FAILED)
             succeeded = block.cases - sum(failure.cases for failure in failed)
             data = seal(key, rows, self.work.metadata)

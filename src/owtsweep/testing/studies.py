@@ -11,6 +11,7 @@ contract itself is in `owtsweep.sweep.study`.
 
 from __future__ import annotations
 
+from io import StringIO
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
@@ -111,7 +112,9 @@ def check_keys(study: Study, config: Config) -> list[str]:
 
 
 def check_run(study: Study, config: Config) -> Run:
-    """A run computes its plan once, is found again, and can be drawn."""
+    """A run computes its plan once, is found again, and can be shown and drawn."""
+    from rich.console import Console
+
     from owtsweep.sweep.plan import count_cases, make_plan
     from owtsweep.sweep.run import sweep
 
@@ -124,8 +127,10 @@ def check_run(study: Study, config: Config) -> Run:
         f"{study.name}: a second sweep computes {again.computed} of {cases} cases again"
     )
     run = first.run
-    overview = study.engine(config).overview(config)
-    files = [*run.draw(overview), *run.draw()]
+    engine, shown = study.engine(config), StringIO()
+    Console(file=shown).print(engine.terminal(config, run.tables()))
+    assert shown.getvalue().strip(), f"{study.name}: the terminal shows nothing"
+    files = [*run.draw(engine.overview(config)), *run.draw()]
     missing = [str(file) for file in files if not file.is_file()]
     assert files, f"{study.name}: nothing is drawn"
     assert not missing, f"{study.name}: drawings are named but not written: {', '.join(missing)}"
