@@ -64,8 +64,10 @@ def _numbers(entry: Mapping[Any, Any]) -> list[float]:
     shown = ", ".join(f"{spacing}: {ends}" for spacing, ends in entry.items())
     try:
         ((spacing, (first, last, count)),) = entry.items()
+        if spacing not in ("log", "linear") or bool in (type(first), type(last), type(count)):
+            raise ValueError
         first, last, points = float(first), float(last), int(count)
-        if spacing not in ("log", "linear") or points != count:
+        if points != count:
             raise ValueError
     except (TypeError, ValueError):
         raise ValueError(f"{{{shown}}} is no entry of an axis; use a number, {ENTRY}") from None

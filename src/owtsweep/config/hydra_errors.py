@@ -29,6 +29,11 @@ def in_one_line(error: Exception, tree: Tree | None = None) -> str:
     plugin = re.search(r"Could not find '(hydra/\w+)/([^']*)'", text)
     if plugin:
         return f"{plugin[1]}: there is no {plugin[2]!r}; is its plugin installed?"
+    if text.startswith("Error merging override"):  # of a list with keys, or of keys with a list
+        place, _, value = text.removeprefix("Error merging override ").partition("=")
+        if getattr(error.__cause__, "object_type", None) is list:
+            return f"{place}: {value} is no list; use e.g. {place}=[{value}]"
+        return f"{place}: {value} is a list where keys are expected; use {place}.<key>=..."
     override = getattr(error, "override", None)
     if override or text.startswith("Error parsing override"):
         shown = override or text.split("'")[1]

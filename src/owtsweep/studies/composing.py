@@ -75,8 +75,14 @@ def compose(
     """
     located = locate(overrides, primary=primary)
     plain = compose_plain(located.tree, located.overrides, config_dir)
-    _check_command(str(located.study or plain.get("study", registry.DEFAULT)), primary)
-    return _checked(plain, located.study)
+    study = str(plain.get("study", located.study or registry.DEFAULT))
+    require(
+        located.study in (None, study),
+        f"study: {located.study!r} is named, but its files or another override say {study!r}; "
+        "leave one out",
+    )
+    _check_command(study, primary)
+    return _checked(plain, study)
 
 
 def from_mapping(mapping: Any, study: str | None = None) -> Config:
@@ -112,8 +118,8 @@ def load_config(path: Path) -> Config:
         study = str(plain.get("study", registry.DEFAULT))
         if study not in registry.names():
             raise InputError(
-                f"{path}: the study {study!r} of this run is not installed; there are "
-                f"{', '.join(registry.names())}"
+                f"{path}: the study {study!r} of this run is not installed; install its package "
+                f"(there are {', '.join(registry.names())})"
             ) from error
         raise InputError(f"{path}: {error}") from error
 

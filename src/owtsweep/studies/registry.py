@@ -10,6 +10,8 @@ and its Hydra tree in the folder `conf` beside that module, with the file sweep.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -70,7 +72,7 @@ def find(name: str) -> Entry:
     Raises
     ------
     InputError
-        If there is none, with the nearest name and all others.
+        If there is none, with the nearest name and all others; or if several packages have one.
     """
     if name in OURS:
         return OURS[name]
@@ -78,7 +80,10 @@ def find(name: str) -> Entry:
     if name not in others:
         hint = did_you_mean(name, [*OURS, *sorted(others)])
         raise InputError(f"study: there is no study {name!r}; {hint}")
-    return others[name]
+    first, *more = others[name]
+    packages = " and ".join(entry.package for entry in others[name])
+    require(not more, f"study: {name!r} is in the packages {packages}; uninstall all but one")
+    return first
 
 
 def get_study(name: str) -> Study:
@@ -91,31 +96,46 @@ def get_study(name: str) -> Study:
     """
     entry = find(name)
     module, _, attribute = entry.target.partition(":")
-    try:
+    with blame_package(name):
         study = getattr(import_module(module), attribute)()
         lacks = _lacks(study)
         require(not lacks, f"it lacks {', '.join(lacks)}")
         require(study.name == name, f"it calls itself {study.name!r}")
         if entry.package:
             require(issubclass(study.config_type(), Config), "its configuration is no Config")
-    except (Exception, SystemExit) as error:  # whatever another package does while it loads
-        if not entry.package:
-            raise
-        reason = str(error) if isinstance(error, InputError) else as_text(error)
-        raise InputError(
-            f"study: {name!r} of the package {entry.package} does not work ({reason}); "
-            "update or uninstall that package"
-        ) from error
     return study  # type: ignore[no-any-return]
 
 
-def _of_others() -> dict[str, Entry]:
+@contextmanager
+def blame_package(name: str) -> Iterator[None]:
+    """Turn whatever the code of another package's study raises into one line with its package.
+
+    Raises
+    ------
+    InputError
+        Instead of any error within; errors of our own studies stay as they are.
+    """
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        package = find(name).package
+        if not package:
+            raise
+        reason = str(error) if isinstance(error, InputError) else as_text(error)
+        raise InputError(
+            f"study: {name!r} of the package {package} does not work ({reason}); "
+            "update or uninstall that package"
+        ) from error
+
+
+def _of_others() -> dict[str, list[Entry]]:
     """The studies of other packages; a name of ours stays ours."""
-    return {
-        point.name: Entry(point.value, package=point.dist.name if point.dist else point.value)
-        for point in entry_points(group=GROUP)
-        if point.name not in OURS
-    }
+    others: dict[str, list[Entry]] = {}
+    for point in entry_points(group=GROUP):
+        if point.name not in OURS:
+            package = point.dist.name if point.dist else point.value
+            others.setdefault(point.name, []).append(Entry(point.value, package=package))
+    return others
 
 
 def _lacks(study: Any) -> list[str]:
