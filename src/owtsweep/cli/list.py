@@ -12,9 +12,9 @@ from owtsweep.cli import DONE
 from owtsweep.config import Tree
 from owtsweep.errors import InputError
 from owtsweep.studies import get_study, names
-from owtsweep.studies.registry import DEFAULT, blame_package, tree_of
+from owtsweep.studies.registry import DEFAULT, blame_package, find_tree
 
-#: What the options of a group are called, where its own name with an s is no word.
+#: The plural of a group's name, where it is not that name with an s.
 PLURALS = {"spectrum": "spectra", "sensors": "sensors", "compute": "compute"}
 
 
@@ -25,7 +25,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     for name in names():
         try:
             told = _purpose(name)
-            tree = tree_of(name)
+            tree = find_tree(name)
             if tree.folder not in choices:
                 choices[tree.folder] = _list_choices(name, tree)
         except InputError as error:  # another package's; the other studies work

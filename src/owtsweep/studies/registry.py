@@ -20,7 +20,7 @@ from typing import Any
 
 from owtsweep.config import Config, Tree, conf_directory, require
 from owtsweep.config.composition import TREES
-from owtsweep.config.hints import did_you_mean
+from owtsweep.config.hints import suggest_name
 from owtsweep.errors import InputError, as_text
 from owtsweep.sweep.study import Study
 
@@ -66,7 +66,7 @@ def names() -> list[str]:
     return [*OURS, *sorted(_of_others())]
 
 
-def find(name: str) -> Entry:
+def find_entry(name: str) -> Entry:
     """Where the study of that name is found.
 
     Raises
@@ -78,7 +78,7 @@ def find(name: str) -> Entry:
         return OURS[name]
     others = _of_others()
     if name not in others:
-        hint = did_you_mean(name, [*OURS, *sorted(others)])
+        hint = suggest_name(name, [*OURS, *sorted(others)])
         raise InputError(f"study: there is no study {name!r}; {hint}")
     first, *more = others[name]
     packages = " and ".join(entry.package for entry in others[name])
@@ -94,7 +94,7 @@ def get_study(name: str) -> Study:
     InputError
         If there is no such study, or another package's does not work; with the package's name.
     """
-    entry = find(name)
+    entry = find_entry(name)
     module, _, attribute = entry.target.partition(":")
     with blame_package(name):
         study = getattr(import_module(module), attribute)()
@@ -118,7 +118,7 @@ def blame_package(name: str) -> Iterator[None]:
     try:
         yield
     except (Exception, SystemExit) as error:
-        package = find(name).package
+        package = find_entry(name).package
         if not package:
             raise
         reason = str(error) if isinstance(error, InputError) else as_text(error)
@@ -144,7 +144,7 @@ def _lacks(study: Any) -> list[str]:
     return sorted(member for member in protocol if not hasattr(study, member))
 
 
-def tree_of(name: str) -> Tree:
+def find_tree(name: str) -> Tree:
     """The Hydra tree of a study.
 
     Raises
@@ -152,7 +152,7 @@ def tree_of(name: str) -> Tree:
     InputError
         As `get_study`, or if the study has no tree.
     """
-    entry, model = find(name), get_study(name).config_type()
+    entry, model = find_entry(name), get_study(name).config_type()
     if entry.package:
         module = import_module(entry.target.partition(":")[0])
         folder = Path(str(module.__file__)).resolve().parent / "conf"
