@@ -12,6 +12,13 @@ HEAVY = {
     "pandas", "pyarrow", "pydantic", "pydantic_core", "rich", "scipy", "seaborn",
 }  # fmt: skip
 
+HELP = """
+from contextlib import suppress
+from owtsweep.cli import main
+with suppress(SystemExit):
+    main([*{}, "--help"])
+"""
+
 
 def loaded_packages(statement: str) -> set[str]:
     """The top-level packages that a fresh interpreter holds after a statement."""
@@ -29,8 +36,10 @@ def loaded_packages(statement: str) -> set[str]:
         "import owtsweep; dir(owtsweep)",
         "import owtsweep; owtsweep.InputError",
         "from owtsweep.cli import make_parser; make_parser().format_help()",
+        HELP.format([]),
+        HELP.format(["sweep"]),
     ],
-    ids=["import", "dir", "error", "help"],
+    ids=["import", "dir", "error", "help", "--help", "sweep --help"],
 )
 def test_nothing_heavy_is_loaded(statement: str) -> None:
     packages = loaded_packages(statement)

@@ -57,6 +57,7 @@ def test_the_ends_are_exact_and_the_numbers_rise_evenly(
     [
         ([{"log": [10, 0.05, 3]}], r"{log: \[10, 0.05, 3\]} does not rise; give the lower end"),
         ([{"linear": [1, 1, 3]}], r"does not rise"),
+        ([{"log": [True, 10, 3]}], r"is no entry of an axis"),
         ([{"log": [0.05, 10, 1]}], r"has a count of 1; give 2 to 1000000"),
         ([{"log": [0.05, 10, 10**9]}], r"give 2 to 1000000"),
         ([{"log": [0, 10, 3]}], r"must begin above zero; use linear"),

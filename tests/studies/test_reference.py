@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from owtsweep.config.hints import all_keys
+from owtsweep.config.hints import list_keys
 from owtsweep.studies.reference import reference
-from owtsweep.studies.registry import OURS, tree_of
+from owtsweep.studies.registry import OURS, find_tree
 
 PAGE = Path(__file__).parents[2] / "docs/configuration.md"
 
@@ -20,4 +20,4 @@ def test_every_key_has_a_meaning() -> None:
     rows = [line.split(" | ") for line in reference().splitlines() if line.startswith("| `")]
     meanings = {cells[0].strip("|` "): cells[-1].strip("| ") for cells in rows}
     for name in OURS:
-        assert all(meanings.get(key) for key in all_keys(tree_of(name).model))
+        assert all(meanings.get(key) for key in list_keys(find_tree(name).model))

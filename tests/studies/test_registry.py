@@ -11,6 +11,7 @@ import yaml
 
 from owtsweep import studies
 from owtsweep.cli import main
+from owtsweep.config import dump
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study, load_config, locate
 
@@ -107,6 +108,85 @@ def test_studies_that_do_not_work_leave_the_others_alone(
     out = capsys.readouterr().out
     assert out.count("broken-study") == 4
     assert "The stranger's own." in out
+
+
+def test_a_study_that_two_packages_have_is_one_line(
+    stranger: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    twin = stranger / "twin_study-1.0.dist-info"
+    shutil.copytree(stranger / "stranger_study-1.0.dist-info", twin)
+    (twin / "METADATA").write_text("Metadata-Version: 2.1\nName: twin-study\nVersion: 1.0\n")
+    told = r"^study: 'stranger' is in the packages (stranger|twin)-study and .*; uninstall all but "
+    with pytest.raises(InputError, match=told):
+        compose(["study=stranger"])
+    assert compose([]).study == "hub"
+    assert main(["list"]) == 0
+    assert capsys.readouterr().out.count("is in the packages") == 1
+
+
+def test_a_list_blames_a_package_whose_schemes_or_files_cannot_be_read(
+    stranger: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (stranger / "stranger_study/conf/tuning/quick.yaml").write_bytes(b"# \xff\n")
+    assert main(["list"]) == 0
+    out = capsys.readouterr().out
+    assert "'stranger' of the package stranger-study does not work (UnicodeDecodeError" in out
+    assert "tunings (tuning=...):" in out
+
+
+def test_commands_name_the_study_that_is_not_installed(
+    stranger: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for sigma in ("0.1", "0.2"):
+        assert main(["sweep", "study=stranger", f"sigma={sigma}", f"name=s{sigma}"]) == 0
+    monkeypatch.setattr(sys, "path", [path for path in sys.path if path != str(stranger)])
+    before = sorted(Path().rglob("*"))
+    for command in ("show", "figures", "fidelity", "compare"):
+        capsys.readouterr()
+        assert main([command, "results/s0.1"]) == 2
+        told = capsys.readouterr().err
+        assert told.startswith("owtsweep: results/s0.1/config.yaml: the study 'stranger' of this ")
+        assert "is not installed; install its package (there are hub, readings" in told
+        assert told.count("\n") == 1
+    assert sorted(Path().rglob("*")) == before
+
+
+@pytest.mark.usefixtures("stranger")
+def test_runs_of_two_studies_are_not_compared(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sweep", "study=stranger", "name=theirs"]) == 0
+    Path("results/ours").mkdir()
+    Path("results/ours/config.yaml").write_text(dump(compose([])))
+    capsys.readouterr()
+    assert main(["compare", "results/ours", "results/theirs"]) == 2
+    assert capsys.readouterr().err == (
+        "owtsweep: compare: these are runs of several studies, hub, stranger; compare runs of one "
+        "study\n"
+    )
+    assert not list(Path("results").glob("comparison*"))
+
+
+@pytest.mark.usefixtures("stranger")
+@pytest.mark.parametrize(
+    ("overrides", "says"),
+    [
+        (["study=stranger", "grid.nothing=[1]"], "grid.nothing: there is no such key; there are "),
+        (["study=stranger", "grid.level=[{log:[3,1,2]}]"], "grid.level: {log: [3, 1, 2]} does not"),
+        (["grid.amplitude=[{log:[0.1,1]}]"], "grid.amplitude: {log: [0.1, 1]} is no entry of an "),
+        (["grid.replicates=[{log:[1,2,3]}]"], "grid.replicates: [{'log': [1, 2, 3]}] is not a who"),
+        (["grid.amplitude={log:[1,2,3]}"], "grid.amplitude: {log:[1,2,3]} is no list; use e.g. gr"),
+        (["sensors.imu=[1]"], "sensors.imu: [1] is a list where keys are expected; use sensors.im"),
+        (["study=hub", "experiment=readings"], "study: 'hub' is named, but its files or another "),
+    ],
+)
+def test_wrong_axes_and_mixed_studies_are_one_line(
+    overrides: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for words in (["sweep"], ["sweep", "--cfg"], ["sweep", "--multirun"], ["spectrum"]):
+        assert main([*words, *overrides]) == 2
+        told = capsys.readouterr().err
+        assert told.startswith(f"owtsweep: {says}")
+        assert told.count("\n") == 1
+    assert [path.name for path in Path().iterdir()] == ["site"]
 
 
 def test_a_study_without_a_tree_says_where_it_belongs(stranger: Path) -> None:

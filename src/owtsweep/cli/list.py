@@ -5,48 +5,48 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from itertools import chain
+from pathlib import Path
 
 from owtsweep.cli import DONE
 from owtsweep.config import Tree
 from owtsweep.errors import InputError
 from owtsweep.studies import get_study, names
-from owtsweep.studies.registry import DEFAULT, tree_of
+from owtsweep.studies.registry import DEFAULT, blame_package, find_tree
 
-#: What the options of a group are called, where its own name with an s is no word.
+#: The plural of a group's name, where it is not that name with an s.
 PLURALS = {"spectrum": "spectra", "sensors": "sensors", "compute": "compute"}
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Print the studies, then each one's schemes and config groups."""
     print("studies (study=...):")
-    shown: list[Tree] = []
+    choices: dict[Path, list[str]] = {}
     for name in names():
         try:
-            print(f"  {name:<12}{_purpose(name)}")
+            told = _purpose(name)
+            tree = find_tree(name)
+            if tree.folder not in choices:
+                choices[tree.folder] = _list_choices(name, tree)
         except InputError as error:  # another package's; the other studies work
-            print(f"  {name:<12}{error}")
-    for name in names():
-        try:
-            tree = tree_of(name)
-        except InputError:
-            continue
-        if tree.folder not in [other.folder for other in shown]:
-            shown.append(tree)
-            _print_choices(name, tree)
+            told = str(error)
+        print(f"  {name:<12}{told}")
+    for line in chain(*choices.values()):
+        print(line)
     return DONE
 
 
-def _print_choices(study: str, tree: Tree) -> None:
+def _list_choices(study: str, tree: Tree) -> list[str]:
     prefix = "" if study == DEFAULT else f"study={study} "
-    schemes: dict[str, str] = getattr(get_study(study), "schemes", dict)()
-    if schemes:
-        print(f"{prefix}schemes (schemes=[...]):")
-        for name, purpose in schemes.items():
-            print(f"  {name:<12}{purpose}")
-    for group in tree.groups():
-        print(f"{prefix}{PLURALS.get(group, group + 's')} ({group}=...):")
-        for option in tree.options(group):
-            print(f"  {option:<12}{_first_comment(tree, group, option)}")
+    with blame_package(study):
+        schemes: dict[str, str] = getattr(get_study(study), "schemes", dict)()
+        lines = [f"{prefix}schemes (schemes=[...]):"] if schemes else []
+        lines += [f"  {name:<12}{purpose}" for name, purpose in schemes.items()]
+        for group in tree.groups():
+            lines.append(f"{prefix}{PLURALS.get(group, group + 's')} ({group}=...):")
+            for option in tree.options(group):
+                lines.append(f"  {option:<12}{_first_comment(tree, group, option)}")
+    return lines
 
 
 def _purpose(study: str) -> str:

@@ -25,7 +25,7 @@ from owtsweep.cli.multirun_outcomes import (
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM
 from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, dump, require
-from owtsweep.config.hydra_errors import in_one_line
+from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.errors import InputError, as_text
 from owtsweep.io.files import check_writable
 from owtsweep.studies import compose, from_mapping, locate
@@ -152,17 +152,15 @@ def _check_hydra(overrides: Sequence[str], tree: Tree) -> None:
     """Refuse launchers and sweepers that are not there before anything is written."""
     from hydra import compose as hydra_compose
     from hydra import initialize_config_dir
-    from hydra.errors import HydraException
-    from omegaconf.errors import OmegaConfBaseException
 
     settings = [o for o in overrides if o.lstrip("+~").startswith("hydra")]
     if not settings:
         return
-    try:
-        with initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"):
-            hydra_compose(tree.primary, overrides=settings, return_hydra_config=True)
-    except (HydraException, OmegaConfBaseException) as error:
-        raise InputError(in_one_line(error, tree)) from error
+    with (
+        hydra_in_one_line(tree),
+        initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"),
+    ):
+        hydra_compose(tree.primary, overrides=settings, return_hydra_config=True)
 
 
 def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[str]]) -> None:
@@ -190,16 +188,13 @@ def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str],
     """
     from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
     from hydra.core.override_parser.overrides_parser import OverridesParser
-    from hydra.errors import HydraException
 
     if any(o.startswith("hydra/sweeper=") and o != "hydra/sweeper=basic" for o in overrides):
         return []
-    try:
+    with hydra_in_one_line(tree):
         parsed = OverridesParser.create().parse_overrides(list(overrides))
         keys = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
         batches = BasicSweeper.split_arguments(keys, max_batch_size=None)
-    except HydraException as error:
-        raise InputError(in_one_line(error, tree)) from error
     swept = {o.get_key_element() for o in keys if o.is_sweep_override()}
     combinations = []
     for words in (list(job) for batch in batches for job in batch):
@@ -210,8 +205,6 @@ def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str],
 
 def _through_hydra(job: Job, options: argparse.Namespace, folder: Path, located: Located) -> None:
     import hydra
-    from hydra.errors import HydraException
-    from omegaconf.errors import OmegaConfBaseException
 
     settings = [
         f"++results={folder}",
@@ -230,11 +223,9 @@ def _through_hydra(job: Job, options: argparse.Namespace, folder: Path, located:
     full_error = os.environ.get("HYDRA_FULL_ERROR")
     os.environ["HYDRA_FULL_ERROR"] = "1"  # let errors reach us instead of ending in sys.exit
     try:
-        hydra.main(version_base="1.3", config_path=str(tree.folder), config_name=tree.primary)(
-            job
-        )()
-    except (HydraException, OmegaConfBaseException) as error:
-        raise InputError(in_one_line(error, tree)) from error
+        main = hydra.main(str(tree.folder), tree.primary, version_base="1.3")
+        with hydra_in_one_line(tree):
+            main(job)()
     finally:
         sys.argv = before
         if full_error is None:

@@ -84,10 +84,6 @@ def _add_runs(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _add_nothing(parser: argparse.ArgumentParser) -> None:
-    pass
-
-
 #: Name -> (what it does, example, arguments). Each lives in owtsweep.cli.<name>.
 COMMANDS = {
     "sweep": (
@@ -128,7 +124,7 @@ COMMANDS = {
     "list": (
         "List schemes, tunings, spectra, sensors, grids and experiments.",
         "list",
-        _add_nothing,
+        lambda parser: None,
     ),
 }
 
@@ -140,14 +136,16 @@ def make_parser() -> Parser:
     subparsers = parser.add_subparsers(
         dest="command", metavar="COMMAND", title="commands", parser_class=Parser
     )
-    for name, (purpose, example, add_arguments) in COMMANDS.items():
-        subparser = subparsers.add_parser(
-            name,
-            help=purpose,
-            description=purpose,
-            epilog=f"example: {PROGRAM} {example}",
-        )
-        add_arguments(subparser)
+    for name, (purpose, _, _) in COMMANDS.items():
+        _describe_command(subparsers.add_parser(name, help=purpose), name)
+    return parser
+
+
+def _describe_command(parser: Parser, name: str) -> Parser:
+    """Give a parser a command's description and arguments."""
+    parser.description, example, add_arguments = COMMANDS[name]
+    parser.epilog = f"example: {PROGRAM} {example}"
+    add_arguments(parser)
     return parser
 
 
@@ -202,12 +200,7 @@ def _run(arguments: list[str]) -> int:
     name, rest = arguments[0], arguments[1:]
     if name in COMMANDS:
         # Intermixed parsing lets flags stand anywhere among the overrides.
-        subparser = Parser(
-            prog=f"{PROGRAM} {name}",
-            description=COMMANDS[name][0],
-            epilog=f"example: {PROGRAM} {COMMANDS[name][1]}",
-        )
-        COMMANDS[name][2](subparser)
+        subparser = _describe_command(Parser(prog=f"{PROGRAM} {name}"), name)
         options = subparser.parse_intermixed_args(_without_cfg_kind(rest))
     else:
         options = parser.parse_args(arguments)  # --help, or an error that names the commands

@@ -15,15 +15,15 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.fields import FieldInfo
 
 ENTRY = "{log: [first, last, count]} or {linear: [first, last, count]}"
-#: What fits a machine: more points are a slip.
+#: More points than this do not fit a machine: the count is mistyped.
 MOST_POINTS = 1_000_000
-#: Numbers between the ends are rounded to so many digits: 0.3 instead of 0.30000000000000004, on
-#: every machine, so that they have the block keys of the same numbers written out.
+#: Numbers between the ends are rounded to so many digits: 0.3 instead of 0.30000000000000004. So
+#: they have, on every machine, the block keys of the same numbers written out.
 DIGITS = 12
 
 
 def expand(values: Any) -> Any:
-    """A list with numbers in the place of entries; what is no list is left to the type."""
+    """Replace the entries of a list by their numbers; what is no list is returned as it is."""
     if not isinstance(values, list):
         return values
     return [
@@ -64,8 +64,10 @@ def _numbers(entry: Mapping[Any, Any]) -> list[float]:
     shown = ", ".join(f"{spacing}: {ends}" for spacing, ends in entry.items())
     try:
         ((spacing, (first, last, count)),) = entry.items()
+        if spacing not in ("log", "linear") or bool in (type(first), type(last), type(count)):
+            raise ValueError
         first, last, points = float(first), float(last), int(count)
-        if spacing not in ("log", "linear") or points != count:
+        if points != count:
             raise ValueError
     except (TypeError, ValueError):
         raise ValueError(f"{{{shown}}} is no entry of an axis; use a number, {ENTRY}") from None

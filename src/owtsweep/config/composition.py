@@ -9,7 +9,7 @@ from typing import Any
 
 from owtsweep.config.checks import require
 from owtsweep.config.common import Config
-from owtsweep.config.hydra_errors import in_one_line
+from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import bare_type, is_section
 from owtsweep.config.stored import read, resolved
 from owtsweep.errors import InputError
@@ -36,22 +36,22 @@ class Tree:
         return group_options(self.folder, group)
 
     def admit(self, overrides: Sequence[str]) -> list[str]:
-        """Overrides as Hydra takes them: `++` before a key that the files leave to the model.
+        """Put `++` before overrides of keys whose default stands in the model, not in the files.
 
-        A tree need not list a key that has a default in the model; Hydra would refuse it then.
+        Hydra refuses to set a key that the files do not list, unless `++` stands before it.
         """
         listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
-        left = {key for key in _keys_with_default(self.model) if not _holds(listed, key)}
+        unlisted = {key for key in _keys_with_default(self.model) if not _holds(listed, key)}
         keys = [override.partition("=")[0] for override in overrides]
         groups = set(self.groups())
         return [
-            f"++{override}" if key in left and key.partition(".")[0] not in groups else override
+            f"++{override}" if key in unlisted and key.partition(".")[0] not in groups else override
             for key, override in zip(keys, overrides, strict=True)
         ]
 
 
 def _keys_with_default(model: Any, prefix: str = "", *, within: bool = False) -> Iterator[str]:
-    """Dotted keys that may be missing; `within` a section that may be missing all may."""
+    """Dotted keys that have a default; `within` a section that has one, every key counts."""
     for name, field in model.model_fields.items():
         missing = within or not field.is_required()
         if missing:
@@ -101,8 +101,6 @@ def compose_plain(
         With one line, for anything that Hydra refuses.
     """
     from hydra import compose, initialize_config_dir
-    from hydra.errors import HydraException
-    from omegaconf.errors import OmegaConfBaseException
 
     for override in overrides:
         require(
@@ -115,10 +113,13 @@ def compose_plain(
         require(directory.is_dir(), f"--config-dir: {config_dir} is no folder")
         search = [f"hydra.searchpath=[file://{directory}]"]
     try:
-        with initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"):
+        with (
+            hydra_in_one_line(tree),
+            initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"),
+        ):
             composed = compose(tree.primary, overrides=[*search, *overrides])
-    except (HydraException, OmegaConfBaseException) as error:
-        raise InputError(in_one_line(error, tree)) from error
+    except InputError:
+        raise
     except (ValueError, TypeError) as error:  # a number where Hydra expects an option's name
         wrong = [o for o in overrides if o.split("=")[0] in tree.groups()]
         if not wrong:

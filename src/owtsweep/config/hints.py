@@ -12,17 +12,17 @@ from owtsweep.config.section import bare_type, is_section
 RENAMED: dict[str, str] = {}
 
 
-def all_keys(model: Any, prefix: str = "") -> list[str]:
+def list_keys(model: Any, prefix: str = "") -> list[str]:
     """All keys of a configuration's model, dotted, sections included."""
     keys = []
     for name, field in model.model_fields.items():
         keys.append(f"{prefix}{name}")
         if is_section(kind := bare_type(field.annotation)):
-            keys += all_keys(kind, f"{prefix}{name}.")
+            keys += list_keys(kind, f"{prefix}{name}.")
     return keys
 
 
-def unknown_key(key: str, keys: Sequence[str]) -> str:
+def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
     """One line on a key that is none of `keys`: its new name, the nearest one or its neighbours."""
     if key in RENAMED:
         return f"{key}: this key was renamed; use {RENAMED[key]}"
@@ -38,7 +38,7 @@ def unknown_key(key: str, keys: Sequence[str]) -> str:
     return f"{key}: there is no such key; {hint}"
 
 
-def did_you_mean(name: str, names: Sequence[str]) -> str:
+def suggest_name(name: str, names: Sequence[str]) -> str:
     """The nearest name, if any is near, and all names."""
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     return (f"did you mean {near[0]}? There" if near else "there") + f" are {', '.join(names)}"

@@ -1,22 +1,37 @@
-"""What Hydra and OmegaConf find wrong spans lines; one line names the argument and the fault."""
+"""The errors of Hydra and OmegaConf, of several lines, as one line: the argument and the fault."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from owtsweep.config.hints import all_keys, unknown_key
+from owtsweep.config.hints import explain_unknown_key, list_keys
+from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
     from owtsweep.config.composition import Tree
 
 
+@contextmanager
+def hydra_in_one_line(tree: Tree | None = None) -> Iterator[None]:
+    """Raise `InputError` for what Hydra and OmegaConf refuse within."""
+    from hydra.errors import HydraException
+    from omegaconf.errors import OmegaConfBaseException
+
+    try:
+        yield
+    except (HydraException, OmegaConfBaseException) as error:
+        raise InputError(in_one_line(error, tree)) from error
+
+
 def in_one_line(error: Exception, tree: Tree | None = None) -> str:
-    """Their message in one line; with a tree also what there is instead."""
+    """The message of an error in one line; with a tree it also says what there is instead."""
     text = str(error)
     unknown = re.search(r"Could not override '([^']+)'", text)
     if tree and unknown and "is not in struct" in f"{text} {error.__cause__}":
-        return unknown_key(unknown[1], all_keys(tree.model))
+        return explain_unknown_key(unknown[1], list_keys(tree.model))
     if text.startswith("Ambiguous value"):
         key = re.search(r"argument '([^=']+)=", text)
         name = key[1] if key else "override"
@@ -29,6 +44,11 @@ def in_one_line(error: Exception, tree: Tree | None = None) -> str:
     plugin = re.search(r"Could not find '(hydra/\w+)/([^']*)'", text)
     if plugin:
         return f"{plugin[1]}: there is no {plugin[2]!r}; is its plugin installed?"
+    if text.startswith("Error merging override"):  # of a list with keys, or of keys with a list
+        place, _, value = text.removeprefix("Error merging override ").partition("=")
+        if getattr(error.__cause__, "object_type", None) is list:
+            return f"{place}: {value} is no list; use e.g. {place}=[{value}]"
+        return f"{place}: {value} is a list where keys are expected; use {place}.<key>=..."
     override = getattr(error, "override", None)
     if override or text.startswith("Error parsing override"):
         shown = override or text.split("'")[1]

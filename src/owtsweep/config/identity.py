@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from owtsweep.config.section import Section, facts_of
+from owtsweep.config.section import Section, read_facts
 
 
 def as_mapping(value: Any) -> dict[str, Any]:
@@ -32,7 +32,7 @@ def _plain(value: Any, *, every: bool) -> Any:
             item = getattr(value, name)
             plain = _plain(item, every=every)
             default = field.get_default(call_default_factory=True)
-            if every or not (facts_of(field).get("younger") and (item == default or plain == {})):
+            if every or not (read_facts(field).get("younger") and (item == default or plain == {})):
                 mapping[name] = plain
         return mapping
     if dataclasses.is_dataclass(value) and not isinstance(value, type):

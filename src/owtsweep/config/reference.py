@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from owtsweep.config.axes import is_axis
-from owtsweep.config.section import bare_type, facts_of, is_section
+from owtsweep.config.section import bare_type, is_section, read_facts
 from owtsweep.io.markdown import table
 
 COLUMNS = ("key", "type", "unit", "default", "bounds", "meaning")
@@ -47,7 +47,7 @@ def describe(model: Any, defaults: Mapping[str, Any], prefix: str = "") -> list[
             Row(
                 f"`{prefix}{name}`",
                 "section" if section else _type(field),
-                str(facts_of(field).get("unit", "")),
+                str(read_facts(field).get("unit", "")),
                 _shown(value) if name in defaults and not section else "",
                 ", ".join(dict.fromkeys(_bounds(field))),
                 str(field.description or ""),

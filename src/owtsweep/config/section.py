@@ -92,7 +92,7 @@ def key(
     return Field(default, description=meaning, json_schema_extra=facts, **bounds)
 
 
-def facts_of(field: FieldInfo) -> dict[str, Any]:
+def read_facts(field: FieldInfo) -> dict[str, Any]:
     """What `key` declared of a field besides its type, default and bounds."""
     extra = field.json_schema_extra
     return dict(extra) if isinstance(extra, dict) else {}

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from owtsweep.config.common import Config
-from owtsweep.config.hydra_errors import in_one_line
+from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.identity import as_plain
 from owtsweep.config.typed import checked
 from owtsweep.errors import InputError
@@ -64,13 +64,10 @@ def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
         If it is no mapping, or an interpolation leads nowhere.
     """
     from omegaconf import OmegaConf
-    from omegaconf.errors import OmegaConfBaseException
 
-    try:
+    with hydra_in_one_line():
         loaded = mapping if OmegaConf.is_config(mapping) else OmegaConf.create(dict(mapping))
         plain = OmegaConf.to_container(loaded, resolve=resolve)
-    except OmegaConfBaseException as error:
-        raise InputError(in_one_line(error)) from error
     if not isinstance(plain, dict):
         raise InputError("config: this is a list, not a mapping of keys")
     return {str(key): value for key, value in plain.items()}

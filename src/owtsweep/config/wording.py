@@ -1,4 +1,4 @@
-"""What pydantic finds wrong, in one line: the key, what is wrong with it, what would work."""
+"""The errors of pydantic as one line: the key, what is wrong with it, what would work."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Any, get_args, get_origin
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from owtsweep.config.hints import all_keys, unknown_key
-from owtsweep.config.section import TYPE_NAMES, bare_type, facts_of, is_section
+from owtsweep.config.hints import explain_unknown_key, list_keys
+from owtsweep.config.section import TYPE_NAMES, bare_type, is_section, read_facts
 
 #: pydantic's names of errors begin with these words where the type is wrong.
 TYPES = {"bool": bool, "string": str, "int": int, "float": float}
@@ -26,7 +26,7 @@ def _line(error: ErrorDetails, model: Any) -> str:
     kind, value, limits = error["type"], error["input"], error.get("ctx", {})
     key = _dotted(error["loc"])
     if kind == "extra_forbidden":
-        return unknown_key(key, all_keys(model))
+        return explain_unknown_key(key, list_keys(model))
     if kind == "missing":
         return f"{key}: this key has no value; give it one"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
@@ -39,7 +39,7 @@ def _line(error: ErrorDetails, model: Any) -> str:
     if kind == "value_error":
         return f"{key}: {limits['error']}"
     field = _field(model, error["loc"])
-    facts = {} if field is None else facts_of(field)
+    facts = {} if field is None else read_facts(field)
     unit = str(facts.get("unit", ""))
     if kind == "literal_error":
         options = _options(field.annotation) if field else ()

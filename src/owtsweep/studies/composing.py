@@ -43,13 +43,13 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
     """
     name, others = _take_out_study(overrides)
     if name is None:
-        tree = registry.tree_of(_default(primary))
+        tree = registry.find_tree(_default(primary))
         return Located(None, tree, tree.admit(others))
-    entry = registry.find(name)
+    entry = registry.find_entry(name)
     _check_command(name, primary)
     given = {_key(other) for other in others}
     implied = [override for override in entry.implied if _key(override) not in given]
-    tree = registry.tree_of(name)
+    tree = registry.find_tree(name)
     return Located(name, tree, [*implied, *tree.admit(others)])
 
 
@@ -75,8 +75,14 @@ def compose(
     """
     located = locate(overrides, primary=primary)
     plain = compose_plain(located.tree, located.overrides, config_dir)
-    _check_command(str(located.study or plain.get("study", registry.DEFAULT)), primary)
-    return _checked(plain, located.study)
+    study = str(plain.get("study", located.study or registry.DEFAULT))
+    require(
+        located.study in (None, study),
+        f"study: {located.study!r} is named, but its files or another override say {study!r}; "
+        "leave one out",
+    )
+    _check_command(study, primary)
+    return _checked(plain, study)
 
 
 def from_mapping(mapping: Any, study: str | None = None) -> Config:
@@ -112,8 +118,8 @@ def load_config(path: Path) -> Config:
         study = str(plain.get("study", registry.DEFAULT))
         if study not in registry.names():
             raise InputError(
-                f"{path}: the study {study!r} of this run is not installed; there are "
-                f"{', '.join(registry.names())}"
+                f"{path}: the study {study!r} of this run is not installed; install its package "
+                f"(there are {', '.join(registry.names())})"
             ) from error
         raise InputError(f"{path}: {error}") from error
 
@@ -129,8 +135,8 @@ def _default(primary: str) -> str:
 
 
 def _check_command(study: str, primary: str) -> None:
-    """Each file of a tree has its own keys; those of another study's would be missing."""
-    needed = registry.find(study).primary
+    """Refuse a study that another command runs: its tree begins with another file."""
+    needed = registry.find_entry(study).primary
     if needed == primary:
         return
     if primary == "sweep":
@@ -160,5 +166,5 @@ def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
         )
         require("," not in value, f"study: {value!r} are several studies; run one at a time")
         name = value.strip("'\"")
-        registry.find(name)
+        registry.find_entry(name)
     return name, others

@@ -10,6 +10,8 @@ and its Hydra tree in the folder `conf` beside that module, with the file sweep.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import entry_points
@@ -18,7 +20,7 @@ from typing import Any
 
 from owtsweep.config import Config, Tree, conf_directory, require
 from owtsweep.config.composition import TREES
-from owtsweep.config.hints import did_you_mean
+from owtsweep.config.hints import suggest_name
 from owtsweep.errors import InputError, as_text
 from owtsweep.sweep.study import Study
 
@@ -64,21 +66,24 @@ def names() -> list[str]:
     return [*OURS, *sorted(_of_others())]
 
 
-def find(name: str) -> Entry:
+def find_entry(name: str) -> Entry:
     """Where the study of that name is found.
 
     Raises
     ------
     InputError
-        If there is none, with the nearest name and all others.
+        If there is none, with the nearest name and all others; or if several packages have one.
     """
     if name in OURS:
         return OURS[name]
     others = _of_others()
     if name not in others:
-        hint = did_you_mean(name, [*OURS, *sorted(others)])
+        hint = suggest_name(name, [*OURS, *sorted(others)])
         raise InputError(f"study: there is no study {name!r}; {hint}")
-    return others[name]
+    first, *more = others[name]
+    packages = " and ".join(entry.package for entry in others[name])
+    require(not more, f"study: {name!r} is in the packages {packages}; uninstall all but one")
+    return first
 
 
 def get_study(name: str) -> Study:
@@ -89,33 +94,48 @@ def get_study(name: str) -> Study:
     InputError
         If there is no such study, or another package's does not work; with the package's name.
     """
-    entry = find(name)
+    entry = find_entry(name)
     module, _, attribute = entry.target.partition(":")
-    try:
+    with blame_package(name):
         study = getattr(import_module(module), attribute)()
         lacks = _lacks(study)
         require(not lacks, f"it lacks {', '.join(lacks)}")
         require(study.name == name, f"it calls itself {study.name!r}")
         if entry.package:
             require(issubclass(study.config_type(), Config), "its configuration is no Config")
-    except (Exception, SystemExit) as error:  # whatever another package does while it loads
-        if not entry.package:
-            raise
-        reason = str(error) if isinstance(error, InputError) else as_text(error)
-        raise InputError(
-            f"study: {name!r} of the package {entry.package} does not work ({reason}); "
-            "update or uninstall that package"
-        ) from error
     return study  # type: ignore[no-any-return]
 
 
-def _of_others() -> dict[str, Entry]:
+@contextmanager
+def blame_package(name: str) -> Iterator[None]:
+    """Turn whatever the code of another package's study raises into one line with its package.
+
+    Raises
+    ------
+    InputError
+        Instead of any error within; errors of our own studies stay as they are.
+    """
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        package = find_entry(name).package
+        if not package:
+            raise
+        reason = str(error) if isinstance(error, InputError) else as_text(error)
+        raise InputError(
+            f"study: {name!r} of the package {package} does not work ({reason}); "
+            "update or uninstall that package"
+        ) from error
+
+
+def _of_others() -> dict[str, list[Entry]]:
     """The studies of other packages; a name of ours stays ours."""
-    return {
-        point.name: Entry(point.value, package=point.dist.name if point.dist else point.value)
-        for point in entry_points(group=GROUP)
-        if point.name not in OURS
-    }
+    others: dict[str, list[Entry]] = {}
+    for point in entry_points(group=GROUP):
+        if point.name not in OURS:
+            package = point.dist.name if point.dist else point.value
+            others.setdefault(point.name, []).append(Entry(point.value, package=package))
+    return others
 
 
 def _lacks(study: Any) -> list[str]:
@@ -124,7 +144,7 @@ def _lacks(study: Any) -> list[str]:
     return sorted(member for member in protocol if not hasattr(study, member))
 
 
-def tree_of(name: str) -> Tree:
+def find_tree(name: str) -> Tree:
     """The Hydra tree of a study.
 
     Raises
@@ -132,7 +152,7 @@ def tree_of(name: str) -> Tree:
     InputError
         As `get_study`, or if the study has no tree.
     """
-    entry, model = find(name), get_study(name).config_type()
+    entry, model = find_entry(name), get_study(name).config_type()
     if entry.package:
         module = import_module(entry.target.partition(":")[0])
         folder = Path(str(module.__file__)).resolve().parent / "conf"

@@ -13,7 +13,7 @@ from owtsweep.config import Config, as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.sweep.study import Block, Study
 
-#: Bytes of a block's key: 128 bits make an accidental collision unthinkable.
+#: Bytes of a block's key: with 128 bits no two blocks ever get one key by chance.
 KEY_BYTES = 16
 #: Bytes of a run's hash: short enough to be typed.
 HASH_BYTES = 5

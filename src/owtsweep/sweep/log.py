@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-#: So many entries of a task travel to the coordinator; a scheme that warns at every step has more.
+#: Entries of a task that are sent to the coordinator; a scheme that warns at every step has more.
 MOST_ENTRIES = 50
 
 _here = threading.local()
@@ -61,7 +61,7 @@ def run_log(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
-    """What this thread logs, as a list; empty unless `elsewhere`, for `run_log` hears it anyway."""
+    """What this thread logs, as a list; empty unless `elsewhere`: here `run_log` gets it anyway."""
     entries: list[LogEntry] = []
     if not elsewhere:
         yield entries

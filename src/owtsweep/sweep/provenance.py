@@ -135,20 +135,22 @@ def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
 def read_earlier_seconds(folder: Path) -> dict[str, float]:
     """The seconds of blocks that earlier sweeps of this run have computed, as far as listed."""
     try:
-        manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-        each = manifest["blocks"]["each"]
+        each = _read_manifest(folder)["blocks"]["each"]
         return {str(label): float(seconds) for label, seconds in each.items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return {}
 
 
 def was_running(folder: Path) -> bool:
-    """Whether a sweep of this run has not said that it ended: it goes on, or was killed."""
+    """Whether the manifest says `running`: a sweep of this run goes on, or was killed."""
     try:
-        manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-        return bool(manifest["state"] == "running")
+        return bool(_read_manifest(folder)["state"] == "running")
     except (OSError, ValueError, KeyError, TypeError):
         return False
+
+
+def _read_manifest(folder: Path) -> Any:
+    return json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
 
 
 def git_state(package: Path) -> dict[str, str | bool] | None:

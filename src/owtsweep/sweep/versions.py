@@ -15,7 +15,7 @@ from owtsweep.sweep.shard import PREFIX
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import Study
 
-#: So many shards outside the plan are asked for their versions: enough to meet each in use.
+#: The versions of so many shards outside the plan are read: enough to meet each one in use.
 SAMPLE = 64
 KINDS = ("schema_version", "numerics_version")
 
@@ -68,8 +68,8 @@ class _OtherVersion:
 def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str, int]:
     """How many of the missing cases are stored in another version: `change -> cases`.
 
-    Versions are part of a block's key, so such shards are simply not in the plan. Which versions
-    there are is read from a sample of them; which blocks they hold is told by their names.
+    Versions are part of a block's key, so the plan does not name such shards. A sample of them
+    says which versions there are; with those, the names of their blocks are computed.
     """
     if not missing:
         return {}

@@ -13,27 +13,15 @@ four schemes of the hub study pass the same checks. The contract itself is in
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+import numpy as np
 
-    from owtsweep.evaluation.estimate import Estimate
-    from owtsweep.studies.hub.public import Scheme, Sensors
-
-    Array = NDArray[np.float64]
-
-__all__ = [
-    "check_declaration",
-    "check_estimates",
-    "check_inputs",
-    "check_kernel",
-    "check_scheme",
-    "check_starts",
-    "check_superposition",
-    "example_sensors",
-]
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.evaluation.estimate import Estimate
+from owtsweep.studies import compose
+from owtsweep.studies.hub.public import Scheme, Sensors, require_scheme, trajectories
 
 #: Steps of a check: enough for several fixes at every example's rate.
 STEPS = 64
@@ -62,22 +50,19 @@ def check_scheme(
     """
     check_declaration(scheme)
     if tuning is None:
-        from owtsweep.studies import compose
-
         tuning = compose([])
-    for known in example_sensors() if sensors is None else sensors:
-        check_estimates(scheme, known, tuning)
-        check_starts(scheme, known, tuning)
-        check_inputs(scheme, known, tuning)
+    for example in example_sensors() if sensors is None else sensors:
+        check_estimates(scheme, example, tuning)
+        check_starts(scheme, example, tuning)
+        check_inputs(scheme, example, tuning)
         if scheme.linear:
-            check_superposition(scheme, known, tuning)
+            check_superposition(scheme, example, tuning)
         if hasattr(scheme, "kernel"):
-            check_kernel(scheme, known, tuning)
+            check_kernel(scheme, example, tuning)
 
 
 def example_sensors() -> list[Sensors]:
     """Sensors of different rates, delays and yaws: none late, late, later than the next fix."""
-    from owtsweep.studies.hub.public import Sensors
 
     def sensors(
         rate: float, fix_interval: int, delay: int, yaw: float, gravity: tuple[float, float]
@@ -96,9 +81,6 @@ def example_sensors() -> list[Sensors]:
 
 def check_declaration(scheme: Any) -> None:
     """`name`, `linear` and `start` are there."""
-    from owtsweep.errors import InputError
-    from owtsweep.studies.hub.public import require_scheme
-
     try:
         require_scheme(scheme, type(scheme).__name__)
     except InputError as error:
@@ -107,8 +89,6 @@ def check_declaration(scheme: Any) -> None:
 
 def check_estimates(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
     """Estimates have the right shapes, are finite, and their covariances are covariances."""
-    import numpy as np
-
     for size in (1.0, 1e3):
         force, fixes = _data(sensors, size)
         for k, estimate in enumerate(_run(scheme, sensors, tuning, force, fixes)):
@@ -130,8 +110,6 @@ def check_estimates(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 def check_starts(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
     """Every `start` gives a fresh estimator: two are independent and do the same."""
-    import numpy as np
-
     force, fixes = _data(sensors)
     alone = _states(_run(scheme, sensors, tuning, force, fixes))
     first, second = scheme.start(sensors, tuning), scheme.start(sensors, tuning)
@@ -149,8 +127,6 @@ def check_starts(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 def check_inputs(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
     """Arrays that go in stay as they are, and may be reused by the caller."""
-    import numpy as np
-
     force, fixes = _data(sensors)
     expected = _states(_run(scheme, sensors, tuning, force, fixes))
     estimator = scheme.start(sensors, tuning)
@@ -175,8 +151,6 @@ def check_inputs(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 def check_superposition(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
     """The estimate for a sum of data is the sum of the estimates."""
-    import numpy as np
-
     force_a, fixes_a = _data(sensors, seed=1)
     force_b, fixes_b = _data(sensors, seed=2)
     a = _states(_run(scheme, sensors, tuning, force_a, fixes_a))
@@ -192,9 +166,6 @@ def check_superposition(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 def check_kernel(scheme: Any, sensors: Sensors, tuning: Any) -> None:
     """The batch engine's form of the scheme gives the estimates of `update`."""
-    import numpy as np
-
-    from owtsweep.studies.hub.public import trajectories
 
     force, fixes = _data(sensors)
     expected = _states(_run(scheme, sensors, tuning, force, fixes))
@@ -209,8 +180,6 @@ def check_kernel(scheme: Any, sensors: Sensors, tuning: Any) -> None:
 
 def _data(sensors: Sensors, size: float = 1.0, seed: int = 0) -> tuple[Array, Array]:
     """(STEPS, 2) specific force in the IMU's frame and (fixes, 2) positions."""
-    import numpy as np
-
     random = np.random.default_rng(seed)
     fixes = -(-STEPS // sensors.fix_interval)
     return size * random.normal(size=(STEPS, 2)), size * random.normal(size=(fixes, 2))
@@ -233,36 +202,26 @@ def _run(
 
 
 def _state(estimate: Estimate) -> Array:
-    import numpy as np
-
     return np.concatenate([estimate.position, estimate.velocity])
 
 
 def _states(estimates: list[Estimate]) -> Array:
     """(steps, 4), taken after the run, so that a reused output array shows."""
-    import numpy as np
-
     return np.array([_state(estimate) for estimate in estimates])
 
 
-def _relative(found: Array, expected: Array) -> float:
-    import numpy as np
-
+def _relative(actual: Array, expected: Array) -> float:
     largest = np.maximum(np.max(np.abs(expected), axis=0), np.finfo(float).tiny)
-    return float(np.max(np.abs(found - expected) / largest))
+    return float(np.max(np.abs(actual - expected) / largest))
 
 
 def _finite(value: Any, shape: tuple[int, ...], what: str) -> None:
-    import numpy as np
-
     array = np.asarray(value, dtype=float)
     assert array.shape == shape, f"{what} has the shape {array.shape}, not {shape}"
     assert np.all(np.isfinite(array)), f"{what} is not finite"
 
 
 def _covariance(value: Any, size: int, what: str) -> None:
-    import numpy as np
-
     _finite(value, (size, size), what)
     P = np.asarray(value, dtype=float)
     largest = np.max(np.abs(P))

@@ -1,7 +1,5 @@
 """The contract of a study as checks that anybody can run on theirs.
 
-    from owtsweep.testing import check_study
-
     def test_my_study():
         check_study(MyStudy())
 
@@ -13,16 +11,17 @@ from __future__ import annotations
 
 from io import StringIO
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
+import pandas as pd
+from rich.console import Console
+
+from owtsweep.config import Config
+from owtsweep.studies import compose
+from owtsweep.sweep.plan import count_cases, make_plan, make_tasks
+from owtsweep.sweep.run import sweep
+from owtsweep.sweep.runs import Run
+from owtsweep.sweep.study import FAILED, OK, UNABLE, Study
 from owtsweep.testing.variations import one_case, reversed_grids, variations
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from owtsweep.config import Config
-    from owtsweep.sweep.runs import Run
-    from owtsweep.sweep.study import Study
 
 #: Columns of the tables that studies share, around those of the conditions.
 SUMMARY = (("scheme",), ("measure", "window", "mean", "ci_low", "ci_high", "n"))
@@ -59,8 +58,6 @@ def check_study(
         With one line that names the study and what of the contract it breaks.
     """
     if config is None:
-        from owtsweep.studies import compose
-
         with TemporaryDirectory() as folder:
             check_study(study, compose([f"study={study.name}", f"results={folder}"]))
         return
@@ -113,11 +110,6 @@ def check_keys(study: Study, config: Config) -> list[str]:
 
 def check_run(study: Study, config: Config) -> Run:
     """A run computes its plan once, is found again, and can be shown and drawn."""
-    from rich.console import Console
-
-    from owtsweep.sweep.plan import count_cases, make_plan
-    from owtsweep.sweep.run import sweep
-
     cases = count_cases(make_plan(study, config))
     first = sweep(study, config)
     reasons = [f"{failure.label}: {failure.reason}" for failure in first.failed]
@@ -139,8 +131,6 @@ def check_run(study: Study, config: Config) -> Run:
 
 def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
     """Rows have their columns, and each stands once."""
-    from owtsweep.sweep.study import FAILED, OK, UNABLE
-
     identity = study.engine(config).sort_columns()
     conditions = [c.name for c in study.conditions(config) if not c.expands]
     needed = ["status", "reason", *identity, *conditions]
@@ -173,8 +163,6 @@ def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) 
 
 def check_blocks_alone(study: Study, config: Config) -> None:
     """A block gives the same rows whether it runs alone or in its group."""
-    from owtsweep.sweep.plan import make_plan, make_tasks
-
     engine = study.engine(config)
     for task in make_tasks(make_plan(study, config)):
         blocks = list(task.values())
@@ -188,9 +176,6 @@ def check_blocks_alone(study: Study, config: Config) -> None:
 
 def check_failures(study: Study, config: Config) -> None:
     """A case that fails takes no other with it, and says why."""
-    from owtsweep.sweep.run import sweep
-    from owtsweep.sweep.study import FAILED, OK
-
     outcome = sweep(study, config)
     rows = outcome.run.cases()
     failed = rows[rows["status"] == FAILED]
@@ -200,6 +185,4 @@ def check_failures(study: Study, config: Config) -> None:
 
 
 def _keys(study: Study, config: Config) -> list[str]:
-    from owtsweep.sweep.plan import make_plan
-
     return list(make_plan(study, config))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
-if TYPE_CHECKING:
-    from owtsweep.config import Config
+from owtsweep.config import Config, Section, with_values
+from owtsweep.config.section import bare_type
+from owtsweep.errors import InputError
 
 #: What is swept over says which blocks there are; study and version have one value alone.
 NOT_VARIED = frozenset({"grid", "schemes", "study", "config_version"})
@@ -30,8 +31,6 @@ def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
 
 def reversed_grids(config: Any) -> Iterator[tuple[str, Any]]:
     """The name of each axis of the grid, and the configuration with that axis reversed."""
-    from owtsweep.config import with_values
-
     for name, values in config.grid:
         if isinstance(values, list):
             yield name, with_values(config, {f"grid.{name}": values[::-1]})
@@ -39,8 +38,6 @@ def reversed_grids(config: Any) -> Iterator[tuple[str, Any]]:
 
 def one_case(config: Any) -> Any:
     """The first value of each axis, one replicate and the first scheme, in a folder of its own."""
-    from owtsweep.config import with_values
-
     values: dict[str, Any] = {"name": "one-case"}
     for name, item in config.grid:
         values[f"grid.{name}"] = item[:1] if isinstance(item, list) else 1
@@ -51,8 +48,6 @@ def one_case(config: Any) -> Any:
 
 def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
     """Dotted key, field and value of all keys that are no section."""
-    from owtsweep.config import Section
-
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         if isinstance(value, Section):
@@ -63,9 +58,6 @@ def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
 
 def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
     """The configuration with the first other value that is accepted, or None."""
-    from owtsweep.config import with_values
-    from owtsweep.errors import InputError
-
     for candidate in _candidates(field.annotation, value):
         if candidate == value:
             continue
@@ -80,8 +72,6 @@ def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
 
 def _candidates(annotation: Any, value: Any) -> list[Any]:
     """Other values that a key of this type might take."""
-    from owtsweep.config.section import bare_type
-
     kind = bare_type(annotation)
     if get_origin(kind) is Literal:
         return list(get_args(kind))

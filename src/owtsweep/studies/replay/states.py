@@ -12,7 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.figures.lines import POINTS
 from owtsweep.studies.hub.public import (
     Chain,
-    Rows,
+    OnePassSeries,
     bias_of,
     chain_for_runs,
     has_acceleration,
@@ -133,7 +133,9 @@ def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[A
     """
     lag, steps = lag_of(chain), session.record.steps
     chunks = state_chunks(chain, *make_lanes([session.signals], session.sensors))
-    late = Rows((chunk[:count].reshape(count, 8) for _, count, chunk in chunks), (steps, 8))
+    late = OnePassSeries(
+        (chunk[:count].reshape(count, 8) for _, count, chunk in chunks), (steps, 8)
+    )
     for begin, end in itertools.pairwise(edges):
         result = np.full((end - begin, 4, 2), np.nan)
         piece = late[begin + lag : end + lag].reshape(-1, 4, 2)
