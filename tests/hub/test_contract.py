@@ -138,15 +138,13 @@ def test_broken_schemes_are_found_out(scheme: Broken, message: str) -> None:
 @pytest.mark.usefixtures("kernels")
 def test_a_kernel_that_differs_is_found_out() -> None:
     class Lagging(type(resolve("MKF"))):
-        name = "Lagging"
-
         def kernel(self, sensors, tuning, steps):
             return super().kernel(replace(sensors, position_sigma=0.031), tuning, steps)
 
     tuning = configure(tuning="matched")
     check_scheme(resolve("MKF"), tuning=tuning, sensors=example_sensors()[:1])
     with pytest.raises(AssertionError, match="kernel differs from update"):
-        check_scheme(Lagging(), tuning=tuning, sensors=example_sensors()[:1])
+        check_scheme(Lagging("Lagging", "mkf"), tuning=tuning, sensors=example_sensors()[:1])
 
 
 def test_a_nonlinear_scheme_may_saturate() -> None:
