@@ -72,6 +72,7 @@ def test_figures_draws_everything(capsys):
     assert {"tables_6_to_9.csv", "tables_6_to_9.md", "best_scheme_velocity.svg"} <= drawn
 
 
+@pytest.mark.faults  # slow: a figure for each of the scripts
 def test_each_script_draws_its_figure(capsys, monkeypatch):
     main(["sweep", *SMALL, "grid.natural_period=[4.0,6.0,8.0]", "schemes=[MKF,HME1]"])
     scripts = set((ROOT / "experiments").glob("*.py"))

@@ -49,5 +49,6 @@ def test_compiling_is_told_when_it_happens(tmp_path, monkeypatch) -> None:
 def test_a_folder_that_cannot_be_written_stops_nobody(tmp_path, monkeypatch) -> None:
     occupied = tmp_path / "file"
     occupied.write_text("")
+    monkeypatch.setenv("TMPDIR", str(tmp_path))  # where kernels go then: there are none yet
     told = _errors(CALLED, occupied / "kernels", monkeypatch)
     assert "owtsweep-kernels-" in told

@@ -26,9 +26,9 @@ from owtsweep.vectors.lanes import borrowed, element, groups, load, rounded, sto
 
 #: Environment variables, and how many tests pass and are skipped.
 ELSEWHERE = {
-    "no fused instructions": ({"NUMBA_CPU_NAME": "generic"}, "15 passed, 3 skipped"),
-    "no typed pointers": ({"LLVMLITE_ENABLE_IR_LAYER_TYPED_POINTERS": "0"}, "15 passed, 3 skipped"),
-    "plain loops": ({}, "10 passed, 4 skipped"),
+    "no fused instructions": ({"NUMBA_CPU_NAME": "generic"}, "15 passed, 1 skipped"),
+    "no typed pointers": ({"LLVMLITE_ENABLE_IR_LAYER_TYPED_POINTERS": "0"}, "15 passed, 1 skipped"),
+    "plain loops": ({}, "10 passed, 2 skipped"),
 }
 NAMES = (
     "x + a * b", "a * b + x", "x - a * b", "a * b - x", "a * b + c * d", "a * b - c * d", "a * b",
@@ -156,7 +156,14 @@ def _all_rounded(rows: NDArray[np.float64], found: NDArray[np.float64]) -> bool:
 
 
 @pytest.mark.skipif(HERE != "", reason="this is such a process")
-@pytest.mark.parametrize("where", ELSEWHERE)
+@pytest.mark.parametrize(
+    "where",
+    [
+        "no fused instructions",
+        pytest.param("no typed pointers", marks=pytest.mark.faults),
+        pytest.param("plain loops", marks=pytest.mark.faults),
+    ],
+)
 def test_bits_are_the_same(where: str, tmp_path: Path) -> None:
     changes, outcome = ELSEWHERE[where]
     others = ("NUMBA_CPU_FEATURES", "PYTEST_ADDOPTS")
