@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep.config import Config, dump, require
-from owtsweep.config.stored import load
+from owtsweep.config.stored import load, read
 from owtsweep.io.files import check_writable, remove_stale, unwritable, write_atomically
 from owtsweep.io.tables import write_tables
 from owtsweep.sweep.execute import PLACES, Executor
@@ -146,9 +146,10 @@ def _require_same_run(run: Run) -> None:
     """A folder named by the user must not mix two runs' tables."""
     path = run.folder / "config.yaml"
     if path.is_file():
-        other = run_hash(load(path, type(run.config)))
+        # another study's keys would not be known
+        same_study = read(path).get("study") == run.config.study
         require(
-            other == run.hash,
+            same_study and run_hash(load(path, type(run.config))) == run.hash,
             f"name: {run.folder} holds a run with other settings; choose another name, or add "
             "--fresh to replace it",
         )
