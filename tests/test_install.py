@@ -59,14 +59,8 @@ def make_environment(folder: Path) -> Path:
 
 # numba caches by the path of a source file: in the checkout the kernels are compiled already, in a
 # fresh folder they would take longer than all the rest.
-@pytest.mark.parametrize(
-    ("kind", "engine"),
-    [
-        ("wheel", "reference"),
-        # make installs this way too
-        pytest.param("editable", "batch", marks=pytest.mark.faults),
-    ],
-)
+@pytest.mark.faults  # slow: environments of their own
+@pytest.mark.parametrize(("kind", "engine"), [("wheel", "reference"), ("editable", "batch")])
 @pytest.mark.usefixtures("kernels")
 def test_installed_program_runs_in_an_empty_folder(kind: str, engine: str, tmp_path: Path) -> None:
     python = make_environment(tmp_path / "environment")
