@@ -52,7 +52,7 @@ class Block:
     cases
         How many cases it holds.
     cases_per_row
-        How many cases a row stands for; a row without a number counts as that many cases too.
+        How many cases a row stands for; a row without a number counts as this many cases.
     anew
         Why the block is computed again even if it is stored, e.g. because its key cannot cover the
         code that it depends on; empty for most blocks.
