@@ -56,7 +56,7 @@ def load(path: Path, model: type[C]) -> C:
 
 
 def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
-    """The plain data of an OmegaConf object or mapping; with `resolve`, interpolations become values.
+    """The plain data of an OmegaConf object or mapping; `resolve` replaces interpolations.
 
     Raises
     ------
