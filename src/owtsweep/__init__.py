@@ -1,7 +1,7 @@
 """owtsweep: sweep conditions x estimation schemes, and map which scheme is best where.
 
-The public interface is what `__all__` names; everything else is private. Exports are lazy, so
-importing the package costs next to nothing.
+The public interface is the names in `__all__`; everything else is private. Exports are lazy, so
+importing the package is fast.
 """
 
 from __future__ import annotations

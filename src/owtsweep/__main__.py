@@ -8,7 +8,7 @@ from owtsweep.cli import INTERRUPTED, main
 if __name__ == "__main__":
     code = main()
     if code == INTERRUPTED:
-        # Libraries caught while they load may abort the interpreter's own way out.
+        # A library interrupted while it loads may abort the normal exit of the interpreter.
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(code)

@@ -28,9 +28,9 @@ def run(overrides: Sequence[str] = ()) -> Run:
     Returns
     -------
     Run
-        With its `config`, `cases()`, `summary()` and `best_scheme()`. Failed cases stand among
-        its cases with the status "failed" and a reason; those that their scheme cannot work out
-        have the status "unable".
+        With its `config`, `cases()`, `summary()` and `best_scheme()`. Its cases include
+        failed ones, with the status "failed" and a reason, and cases that their scheme cannot
+        compute, with the status "unable".
 
     Raises
     ------
@@ -65,7 +65,7 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     Parameters
     ----------
     files
-        A path or pattern, or several; an empty list takes those of `replay.table`.
+        A path or pattern, or several. With an empty list the files named by `replay.table`.
     overrides
         As on the command line, e.g. `["columns.position_x=TwHt1TPxi", "sensors.gnss.rate=5"]`.
 

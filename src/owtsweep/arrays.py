@@ -1,4 +1,4 @@
-"""The array type of all signatures, real numbers in double precision, and where arrays begin."""
+"""The array type of all signatures (real, double precision), and arrays aligned in memory."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-#: `np.floating` rather than `np.float64`, because that is what NumPy's own functions promise.
+#: `np.floating` rather than `np.float64`, because NumPy's functions are annotated with it.
 Array = NDArray[np.floating[Any]]
 
 #: Bytes of a cache line.
@@ -16,10 +16,10 @@ LINE = 64
 
 
 def aligned(*shape: int) -> Array:
-    """Zeros (*shape) that begin at a cache line, for what kernels read and write.
+    """Zeros (*shape) that begin at a cache line, for arrays that kernels read and write.
 
-    A row of eight lanes is as long as a line. If it began elsewhere it would lie across two lines,
-    and every access would touch both.
+    A row of eight lanes is as long as a cache line. If it began elsewhere it would lie across two
+    lines, and every access would touch both.
     """
     size = 8 * math.prod(shape)
     raw = np.zeros(size + LINE, dtype=np.uint8)

@@ -1,8 +1,8 @@
 """numba, set up so that compiled code is cached and never stale.
 
 numba's own cache does not see edits in helper functions of other files. The cache folder is
-therefore named by a hash of every source file that kernels are made of: an edit anywhere means a
-new folder. Kernels import `njit` from here.
+therefore named by a hash of every source file that kernels are made of: any edit gives a new
+folder. Kernels import `njit` from here.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ _variant = ""
 
 
 def set_variant(name: str) -> None:
-    """Keep the kernels that are imported from now on in a cache folder that ends with this."""
+    """Append a name to the cache folder of all kernels that are imported from now on."""
     global _variant
     _variant = name
 
 
 def variant() -> str:
-    """What the name of the cache folder ends with."""
+    """The name at the end of the cache folder's name; see `set_variant`."""
     return _variant
 
 
 @cache
 def kernel_sources() -> tuple[Path, ...]:
-    """Every file of the package that imports this one, and whatever these import, sorted."""
+    """All files of the package that import this module, and all that these import, sorted."""
     texts = {path: path.read_text("utf-8") for path in _PACKAGE.rglob("*.py")}
     todo = [p for p, text in texts.items() if Path(__file__).resolve() in _imported(text)]
     sources: set[Path] = set()
@@ -79,7 +79,7 @@ def cache_directory() -> Path:
 
 @cache
 def announce(directory: Path) -> None:
-    """Say once that kernels are compiled: the first run takes longer than all others."""
+    """Say once that kernels are being compiled: the first run takes longer than later ones."""
     text = f"compiling kernels, once (up to a minute); they are kept in {directory}"
     logging.getLogger(__name__).info(text)
     print(f"owtsweep: {text}", file=sys.stderr)
@@ -102,11 +102,11 @@ def _announce_when_compiling() -> None:
 
 
 def _usable_directory() -> Path:
-    """The cache folder; one for temporary files where a home cannot be written."""
+    """The cache folder, or a folder for temporary files if the cache folder is not writable."""
     directory = cache_directory()
     try:
         directory.mkdir(parents=True, exist_ok=True)
-    except OSError:  # must not stop anybody from computing
+    except OSError:  # must not stop the computation
         return Path(tempfile.gettempdir()) / f"owtsweep-{directory.name}"
     return directory
 

@@ -1,4 +1,4 @@
-"""What the process does with memory that it has freed. Only glibc is told anything."""
+"""Whether the process keeps memory that it has freed; has an effect with glibc only."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ import ctypes
 import sys
 from typing import Any
 
-#: glibc's names in malloc.h.
+#: Parameters of `mallopt`, as in glibc's malloc.h.
 _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD, _M_ARENA_MAX = -1, -3, -8
 #: Arrays below this many bytes come from memory that the process keeps.
 _LARGEST_KEPT = 2**30
 
 
 def keep_freed_memory() -> None:
-    """Use freed memory again instead of giving it back to the system, where that is glibc's.
+    """Make glibc keep freed memory for later use instead of returning it to the system.
 
-    Every block of a sweep asks for the same arrays as the block before it. glibc returns large ones
-    at once, and the system clears each page again when it is next used: that takes a tenth of the
-    time of a sweep on one thread, and more on several. The peak stays that of the largest block;
-    one arena for all threads holds less than one for each. The setting holds for the whole process,
-    so only processes that belong to a sweep should call this.
+    Every block of a sweep needs arrays of the same sizes as the block before it. By default glibc
+    returns large arrays at once, and the system clears each page again at its next use. This takes
+    a tenth of the time of a sweep on one thread, and more on several. Peak memory stays that of the
+    largest block; one arena for all threads holds less than one for each. The setting holds for the
+    whole process, so only processes that belong to a sweep should call this.
     """
     mallopt = _glibc("mallopt")
     if mallopt is None:
@@ -30,14 +30,14 @@ def keep_freed_memory() -> None:
 
 
 def give_back_freed_memory() -> None:
-    """Return to the system what glibc keeps for later: some hundred MB per thread."""
+    """Return to the system the memory that glibc keeps: some hundred MB per thread."""
     trim = _glibc("malloc_trim")
     if trim is not None:
         trim(0)
 
 
 def _glibc(name: str) -> Any:
-    """A function of glibc's, or None where the C library is another one."""
+    """A function of glibc, or None with another C library."""
     if sys.platform != "linux":
         return None
     return getattr(ctypes.CDLL(None), name, None)

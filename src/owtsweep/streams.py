@@ -23,8 +23,8 @@ def stream(
     study
         The study's name.
     conditions
-        The values of those conditions of the record that are to have draws of their own, always
-        as many of them and in the same order; numbers are resolved to a millionth.
+        The values of those conditions of the record that must change the draws. Their number and
+        order are always the same. Numbers are rounded to a millionth.
     replicate
         Number of the record.
     name
@@ -35,5 +35,5 @@ def stream(
 
 
 def encode_value(value: float | str) -> int:
-    """The value of a condition as a part of a key, which must not be negative."""
+    """The value of a condition as a part of a spawn key: an integer that is not negative."""
     return crc32(value.encode()) if isinstance(value, str) else round(value * 1e6) % 2**64

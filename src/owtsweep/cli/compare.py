@@ -1,4 +1,4 @@
-"""`compare`: how the answer moves between the runs of a multirun, or between some runs."""
+"""`compare`: how results differ between the runs of a multirun, or between given runs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Write the comparison and show it in short."""
+    """Write the comparison and print a short form of it."""
     from owtsweep.api import load
     from owtsweep.sweep.compare import compare
 

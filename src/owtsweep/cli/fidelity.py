@@ -1,4 +1,4 @@
-"""`fidelity`: hold a run against the published results."""
+"""`fidelity`: compare a run with the published results."""
 
 from __future__ import annotations
 

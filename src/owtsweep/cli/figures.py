@@ -1,4 +1,4 @@
-"""`figures`: draw everything that a run has to show."""
+"""`figures`: draw all figures of a run."""
 
 from __future__ import annotations
 

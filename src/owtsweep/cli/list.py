@@ -1,4 +1,4 @@
-"""`list`: what there is to choose from."""
+"""`list`: print the available studies, schemes and config groups."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies import get_study, names
 from owtsweep.studies.registry import DEFAULT, blame_package, find_tree
 
-#: The plural of a group's name, where it is not that name with an s.
+#: Plurals of group names that are not formed by adding an s.
 PLURALS = {"spectrum": "spectra", "sensors": "sensors", "compute": "compute"}
 
 
@@ -28,7 +28,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
             tree = find_tree(name)
             if tree.folder not in choices:
                 choices[tree.folder] = _list_choices(name, tree)
-        except InputError as error:  # another package's; the other studies work
+        except InputError as error:  # a broken study of another package; list the others
             told = str(error)
         print(f"  {name:<12}{told}")
     for line in chain(*choices.values()):
@@ -50,7 +50,7 @@ def _list_choices(study: str, tree: Tree) -> list[str]:
 
 
 def _purpose(study: str) -> str:
-    """The first line of what a study's module says of itself."""
+    """The first line of the docstring of a study's module."""
     lines = (sys.modules[type(get_study(study)).__module__].__doc__ or "").splitlines()
     return lines[0] if lines else ""
 

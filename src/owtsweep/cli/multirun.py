@@ -1,4 +1,4 @@
-"""`sweep --multirun`: whole studies, one for each combination, through Hydra's own machinery."""
+"""`sweep --multirun`: runs one whole study per combination of overrides, through Hydra."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ NOT_FINISHED = "not finished"
 
 
 def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Check every combination first, then run them all, whatever becomes of one.
+    """Check every combination first, then run all of them, even if one fails.
 
-    Only this way of running goes through `hydra.main`, so that Hydra's sweepers and launchers
-    work. All runs lie below one folder, whose name depends on the overrides alone: the same
-    command finds it again.
+    Only a multirun goes through `hydra.main`, so that Hydra's sweepers and launchers work. All runs
+    lie below one folder, whose name depends only on the overrides, so the same command finds it
+    again.
     """
     if options.fresh:
         raise InputError("--fresh: this works on one run; name it without --multirun")
@@ -78,10 +78,10 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
 @dataclass(frozen=True)
 class Job:
-    """What Hydra calls for each run: a plain object, so that launchers can send it elsewhere.
+    """The task that Hydra calls for each run: a plain object, so that launchers can pickle it.
 
-    It never raises, since one raise would take the rest of a launcher's queue with it, and leaves
-    its outcome in the multirun folder.
+    It never raises, since an exception would stop the rest of a launcher's queue. It writes its
+    outcome to a file in the multirun folder.
     """
 
     folder: str
@@ -102,7 +102,7 @@ class Job:
             reason = describe_failures(run_folder(config)) if code else ""
         except InputError as error:
             code, reason = BAD_INPUT, str(error)
-        except Exception as error:  # whatever it is, the other runs go on
+        except Exception as error:  # after any error the other runs go on
             code, reason = FAILED, as_text(error)
             logger.debug("run %s", name, exc_info=True)
         write_outcome(Path(self.folder), JobOutcome(name, task, code, reason))
@@ -111,7 +111,7 @@ class Job:
 def _tell(
     folder: Path, planned: Sequence[PlannedRun], options: argparse.Namespace, *, stopped: bool
 ) -> list[JobOutcome]:
-    """List on stderr what failed, why, and what retries it; returns all outcomes."""
+    """Print to stderr which runs failed, why, and how to retry them; return all outcomes."""
     noted = {outcome.folder: outcome for outcome in read_outcomes(folder)}
     outcomes = []
     for run in planned:
@@ -122,12 +122,12 @@ def _tell(
             NOT_FINISHED if stopped else "its process ended without a word; see its run.log",
         )
         outcomes.append(noted.pop(run.folder, silent))
-    outcomes += noted.values()  # runs of another sweeper, which cannot be foreseen
+    outcomes += noted.values()  # runs of another sweeper, whose combinations are not known before
     bad = [outcome for outcome in outcomes if outcome.code]
     if stopped:
         print(f"{len(outcomes) - len(bad)} of {len(outcomes)} runs done: {folder}/")
     for outcome in bad:
-        if outcome.reason == NOT_FINISHED:  # the same command goes on with all of them
+        if outcome.reason == NOT_FINISHED:  # the same command continues all of them
             print(f"{NOT_FINISHED}: {outcome.folder}", file=sys.stderr)
             continue
         extra = ["--config-dir", options.config_dir] if options.config_dir else []
@@ -149,7 +149,7 @@ def _results(overrides: Sequence[str]) -> str:
 
 
 def _check_hydra(overrides: Sequence[str], tree: Tree) -> None:
-    """Refuse launchers and sweepers that are not there before anything is written."""
+    """Refuse launchers and sweepers that are not installed, before anything is written."""
     from hydra import compose as hydra_compose
     from hydra import initialize_config_dir
 
@@ -164,7 +164,7 @@ def _check_hydra(overrides: Sequence[str], tree: Tree) -> None:
 
 
 def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[str]]) -> None:
-    """Refuse runs that would share a folder: the later would overwrite the earlier's tables."""
+    """Refuse runs that would share a folder: one would overwrite the tables of the other."""
     require(
         len({config.results for config in configs}) <= 1,
         "results: one multirun has one results folder; give one value",
@@ -182,9 +182,9 @@ def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[st
 
 
 def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str], dict[str, str]]]:
-    """What Hydra's basic sweeper will make of the overrides, and the swept values of each.
+    """The overrides of each run of Hydra's basic sweeper, and the swept values of each run.
 
-    Nothing for another sweeper: only it knows its combinations.
+    Empty for another sweeper, whose combinations are not known here.
     """
     from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
     from hydra.core.override_parser.overrides_parser import OverridesParser
@@ -221,7 +221,7 @@ def _through_hydra(job: Job, options: argparse.Namespace, folder: Path, located:
     before = sys.argv
     sys.argv = [before[0], "--multirun", *extra, *overrides, *settings]
     full_error = os.environ.get("HYDRA_FULL_ERROR")
-    os.environ["HYDRA_FULL_ERROR"] = "1"  # let errors reach us instead of ending in sys.exit
+    os.environ["HYDRA_FULL_ERROR"] = "1"  # raise errors here instead of calling sys.exit
     try:
         main = hydra.main(str(tree.folder), tree.primary, version_base="1.3")
         with hydra_in_one_line(tree):

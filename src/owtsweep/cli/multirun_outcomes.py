@@ -1,7 +1,7 @@
-"""What became of the runs of a multirun: one small file per run in the multirun folder.
+"""Outcomes of the runs of a multirun: one small file per run in the multirun folder.
 
-Jobs may run in other processes or on other machines (joblib, submitit), so their outcomes are read
-from files, never from a list of this process.
+Jobs may run in other processes or on other machines (joblib, submitit), so their outcomes are
+passed in files, not in memory.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ OUTCOMES = ".outcomes"
 
 @dataclass(frozen=True)
 class JobOutcome:
-    """What became of one run.
+    """The outcome of one run.
 
     Attributes
     ----------
     folder
         Name of its run folder inside the multirun folder.
     overrides
-        What makes this run, without `results`.
+        The overrides of this run, without `results`.
     code
-        The exit code that the run alone would have had.
+        The exit code that this run would have had outside a multirun.
     reason
         Why the code is not 0; one line.
     """
@@ -42,25 +42,25 @@ class JobOutcome:
 
 
 def forget_outcomes(folder: Path) -> None:
-    """Clear what earlier multiruns in this folder noted, so that only this one speaks."""
+    """Delete the outcomes of earlier multiruns in this folder."""
     shutil.rmtree(folder / OUTCOMES, ignore_errors=True)
     (folder / OUTCOMES).mkdir(parents=True)
 
 
 def write_outcome(folder: Path, outcome: JobOutcome) -> None:
-    """Note what became of a run; called in the process that ran it."""
+    """Write the outcome of a run; called in the process that ran it."""
     (folder / OUTCOMES).mkdir(parents=True, exist_ok=True)
     write_atomically(folder / OUTCOMES / f"{outcome.folder}.json", json.dumps(asdict(outcome)))
 
 
 def read_outcomes(folder: Path) -> list[JobOutcome]:
-    """All outcomes noted since `forget_outcomes`, by folder."""
+    """All outcomes written since `forget_outcomes`, by folder."""
     paths = sorted((folder / OUTCOMES).glob("*.json"))
     return [JobOutcome(**json.loads(path.read_text())) for path in paths]
 
 
 def describe_failures(run_folder: Path) -> str:
-    """How many cases failed, as the run's own manifest says."""
+    """How many cases failed, according to the manifest of the run."""
     try:
         manifest: dict[str, Any] = json.loads((run_folder / "manifest.json").read_text())
         failed = int(manifest["cases"]["failed"])

@@ -1,4 +1,4 @@
-"""The command line: subcommands, their flags, exit codes. No physics, and imports only on demand.
+"""The command line: subcommands, flags and exit codes. Subcommands are imported on demand.
 
 Exit codes: 0 done, 1 some cases failed, 2 bad input, 130 interrupted.
 """
@@ -84,7 +84,7 @@ def _add_runs(parser: argparse.ArgumentParser) -> None:
     )
 
 
-#: Name -> (what it does, example, arguments). Each lives in owtsweep.cli.<name>.
+#: Name -> (what it does, example, arguments). The module of each is owtsweep.cli.<name>.
 COMMANDS = {
     "sweep": (
         "Run a study, or finish one that was stopped, and draw its map.",
@@ -159,7 +159,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"owtsweep: {error}", file=sys.stderr)
         return BAD_INPUT
     except KeyboardInterrupt as error:
-        # The error of an interrupted sweep says how many cases are stored.
+        # The message of an interrupted sweep says how many cases are stored.
         told = str(error) or "interrupted; finished blocks are kept"
         print(f"owtsweep: {told}; the same command goes on from there", file=sys.stderr)
         if arguments[:1] in (["sweep"], ["replay"]):
@@ -171,13 +171,13 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def same_command(arguments: Sequence[str]) -> str:
-    """The command line that goes on with a sweep, ready to be pasted into a shell."""
+    """The command line that continues a sweep, quoted for a shell."""
     words = [word for word in arguments if word not in ("--fresh", "--yes")]
     return f"{PROGRAM} {shlex.join(words)}"
 
 
 def _warnings_to_stderr() -> None:
-    """Warnings (a damaged shard, a missing block) reach the user besides run.log."""
+    """Print warnings (e.g. a damaged shard, a missing block) to stderr in addition to run.log."""
     logger = logging.getLogger("owtsweep")
     if not logger.handlers:
         handler = logging.StreamHandler()
@@ -209,7 +209,7 @@ def _run(arguments: list[str]) -> int:
 
 
 def _without_cfg_kind(arguments: list[str]) -> list[str]:
-    """Hydra's users write `--cfg job`; there is only one kind here."""
+    """Turn `--cfg job`, as Hydra's users write it, into `--cfg`: there is only one kind here."""
     kept = []
     for i, argument in enumerate(arguments):
         if not (argument == "job" and i > 0 and arguments[i - 1] == "--cfg"):

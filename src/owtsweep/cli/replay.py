@@ -1,4 +1,4 @@
-"""`replay`: recorded motion or sensors through all schemes."""
+"""`replay`: run all schemes on recorded motion or recorded sensors."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     from owtsweep.studies.replay.running import compose_replay, configure, execute
     from owtsweep.sweep.progress import make_progress
 
-    if options.cfg and not files:  # a look at the keys needs no record
+    if options.cfg and not files:  # printing the keys needs no record
         print(dump(compose_replay(overrides, options.config_dir)), end="")
         return DONE
     config = configure(files, overrides, options.config_dir)

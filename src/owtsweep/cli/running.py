@@ -1,4 +1,4 @@
-"""What `sweep`, each run of a multirun, and `replay` share: before a run starts, and at its end."""
+"""Steps before and after a run, shared by `sweep`, each run of a multirun, and `replay`."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ if TYPE_CHECKING:
     from owtsweep.sweep.runs import Run
     from owtsweep.sweep.setback import Setback
 
-#: What the end of a sweep lists; run.log has all.
+#: Most reasons listed at the end of a sweep; run.log has all.
 MOST_REASONS = 10
 MOST_LABELS = 3
 
 
 def may_start(options: argparse.Namespace, config: Config) -> bool:
-    """Whether to run: `--fresh` deletes stored cases, so it needs a yes, or `--yes`.
+    """Whether to run: `--fresh` deletes stored cases, so the user must confirm it or give `--yes`.
 
     Raises
     ------
     InputError
-        If there are cases to delete and nobody at a terminal to be asked.
+        If there are cases to delete, but no terminal to ask the user.
     """
     from owtsweep.sweep.keys import run_folder
 
@@ -47,7 +47,7 @@ def may_start(options: argparse.Namespace, config: Config) -> bool:
 
 
 def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
-    """Run one study, draw its overview and tell the result; returns the exit code."""
+    """Run one study, draw its overview and print the result; return the exit code."""
     from owtsweep.studies import get_study
     from owtsweep.sweep.progress import make_progress
     from owtsweep.sweep.run import sweep
@@ -65,12 +65,12 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
 
 
 def written_tables(outcome: Outcome) -> dict[str, pd.DataFrame]:
-    """The tables of a run as its files have them; empty if no case has succeeded."""
+    """The tables of a run as read from its files; empty if no case has succeeded."""
     return {} if outcome.results is None else outcome.run.tables()
 
 
 def _draw_overview(outcome: Outcome) -> bool:
-    """Draw the figure that tells the result; False if its files cannot be written."""
+    """Draw the overview figure; False if its files cannot be written."""
     run = outcome.run
     try:
         run.draw(run.engine.overview(run.config), outcome.results)
@@ -82,14 +82,14 @@ def _draw_overview(outcome: Outcome) -> bool:
 
 
 def print_answer(run: Run, tables: dict[str, pd.DataFrame], width: int | None = None) -> None:
-    """Print the study's answer in a few lines."""
+    """Print the study's result in a few lines."""
     from rich.console import Console
 
     Console(width=width).print(run.engine.terminal(run.config, tables))
 
 
 def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
-    """Tell which cases have no number and why, and where the results lie; the exit code."""
+    """Print the cases without a number, the reasons, and the folder; return the exit code."""
     for line in setback_lines("unable", outcome.unable):
         print(line, file=sys.stderr)
     if outcome.failed:

@@ -1,4 +1,4 @@
-"""`show`: what a run is and how it came about."""
+"""`show`: print how a run was made and what its folder holds."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
 
 
 def _describe_folder(opened: Run) -> dict[str, Any]:
-    """What the run folder holds; reads all of it."""
+    """The contents of the run folder; reads all shards."""
     from owtsweep.sweep.plan import make_plan
 
     cases = dict.fromkeys(("done", "failed", "missing"), 0)

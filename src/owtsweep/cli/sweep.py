@@ -10,7 +10,7 @@ from owtsweep.cli.running import may_start, run_one
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Compose and check the configuration, then run it (or each of a multirun)."""
+    """Compose and check the configuration, then run it, or all runs of a multirun."""
     if options.multirun:
         from owtsweep.cli.multirun import run_all
 

@@ -1,7 +1,7 @@
-"""Configuration: composed by Hydra to plain data, typed by a model that it is given, checked once.
+"""Configuration: composed by Hydra into plain data, typed by a study's model, and checked.
 
-This room knows no study. `owtsweep.studies` finds a study's tree and its model and puts the parts
-together; from then on nobody looks at OmegaConf objects again.
+This package knows no study. `owtsweep.studies` finds a study's tree and model and calls the steps
+in order. After that no OmegaConf objects are used.
 """
 
 from owtsweep.config.axes import Axis

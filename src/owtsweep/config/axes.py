@@ -1,8 +1,8 @@
-"""Axes of a grid: lists of numbers, some of them given by their ends and how many there are.
+"""Axes of a grid: lists of numbers, in which an entry may be a range `[first, last, count]`.
 
-`[{log: [0.05, 10, 5]}, 20]` is five numbers from 0.05 to 10, each the same factor above the one
-before, and 20; `{linear: [1, 3, 5]}` has the same step between all. They become numbers when the
-configuration is typed, so config.yaml stores numbers.
+`[{log: [0.05, 10, 5]}, 20]` is five logarithmically spaced numbers from 0.05 to 10, and 20.
+`{linear: [1, 3, 5]}` is five equally spaced numbers from 1 to 3. Ranges are replaced by numbers
+when the configuration is typed, so config.yaml stores numbers.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from pydantic.fields import FieldInfo
 
 ENTRY = "{log: [first, last, count]} or {linear: [first, last, count]}"
-#: More points than this do not fit a machine: the count is mistyped.
+#: A range with more points than this is refused as a typing error.
 MOST_POINTS = 1_000_000
-#: Numbers between the ends are rounded to so many digits: 0.3 instead of 0.30000000000000004. So
-#: they have, on every machine, the block keys of the same numbers written out.
+#: Significant digits of numbers between the ends: 0.3 instead of 0.30000000000000004. So they give,
+#: on every machine, the same block keys as the numbers written out.
 DIGITS = 12
 
 
 def expand(values: Any) -> Any:
-    """Replace the entries of a list by their numbers; what is no list is returned as it is."""
+    """Replace the ranges in a list by numbers; a value that is not a list is returned unchanged."""
     if not isinstance(values, list):
         return values
     return [
@@ -34,7 +34,7 @@ def expand(values: Any) -> Any:
 
 
 def require_distinct(values: list[Any]) -> list[Any]:
-    """Refuse a list that holds a value twice."""
+    """Refuse a list that contains a value twice."""
     if len(set(values)) < len(values):
         raise ValueError("a value stands there twice; list it once")
     return values
@@ -42,7 +42,7 @@ def require_distinct(values: list[Any]) -> list[Any]:
 
 T = TypeVar("T")
 
-#: The list of an axis: not empty, nothing twice.
+#: The list of an axis: not empty, no value twice.
 Axis = Annotated[
     list[T], Field(min_length=1), BeforeValidator(expand), AfterValidator(require_distinct)
 ]
@@ -59,7 +59,7 @@ def _numbers(entry: Mapping[Any, Any]) -> list[float]:
     Raises
     ------
     ValueError
-        In words that follow the key of the axis.
+        The message continues a sentence that begins with the key of the axis.
     """
     shown = ", ".join(f"{spacing}: {ends}" for spacing, ends in entry.items())
     try:

@@ -1,4 +1,4 @@
-"""Checks that no single field can declare."""
+"""Checks that cannot be declared with a single field."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 from owtsweep.errors import InputError
 
-#: Times are multiples of a step up to this fraction of it.
+#: A time counts as a multiple of a step if it is one within this fraction of the step.
 GRAIN = 1e-6
 
 
@@ -17,7 +17,7 @@ def require(condition: bool, message: str) -> None:
 
 
 def require_multiple(key: str, value: float, step: float, name: str) -> None:
-    """Refuse a time (s) that is no whole number of steps (s), with the two nearest that are.
+    """Refuse a time (s) that is not a whole number of steps (s); suggest the two nearest times.
 
     Raises
     ------

@@ -13,7 +13,7 @@ CONFIG_VERSION = 1
 
 
 class Compute(Section):
-    """How to compute: never changes a result, so never part of a key."""
+    """How to compute; this never changes a result, so it is not part of a block's key."""
 
     backend: Literal["auto", "threading", "loky", "dask"] = key(
         "what runs the blocks; auto leaves the choice to the study", default="auto"

@@ -1,4 +1,4 @@
-"""Hydra: overrides and a tree of files to plain data."""
+"""Composes overrides and a tree of files to plain data, with Hydra."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from owtsweep.config.section import bare_type, is_section
 from owtsweep.config.stored import read, resolved
 from owtsweep.errors import InputError
 
-#: Trees of further studies lie in conf/studies/<name>/: no config group of the tree above them.
+#: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
 TREES = "studies"
 
 
 @dataclass(frozen=True)
 class Tree:
-    """A Hydra tree: its folder, the file to begin with, and the model of its keys (for hints)."""
+    """A Hydra tree: its folder, its primary file, and the model of its keys (for hints)."""
 
     folder: Path
     primary: str
@@ -36,9 +36,9 @@ class Tree:
         return group_options(self.folder, group)
 
     def admit(self, overrides: Sequence[str]) -> list[str]:
-        """Put `++` before overrides of keys whose default stands in the model, not in the files.
+        """Put `++` before overrides of keys whose default is in the model, not in the files.
 
-        Hydra refuses to set a key that the files do not list, unless `++` stands before it.
+        Hydra refuses to set a key that the files do not list, unless `++` is put before it.
         """
         listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
         unlisted = {key for key in _keys_with_default(self.model) if not _holds(listed, key)}
@@ -51,7 +51,7 @@ class Tree:
 
 
 def _keys_with_default(model: Any, prefix: str = "", *, within: bool = False) -> Iterator[str]:
-    """Dotted keys that have a default; `within` a section that has one, every key counts."""
+    """Dotted keys that have a default; `within` a section with a default, all keys."""
     for name, field in model.model_fields.items():
         missing = within or not field.is_required()
         if missing:
@@ -61,7 +61,7 @@ def _keys_with_default(model: Any, prefix: str = "", *, within: bool = False) ->
 
 
 def _holds(mapping: Any, key: str) -> bool:
-    """Whether nested mappings hold a dotted key."""
+    """Whether nested mappings contain a dotted key."""
     for part in key.split("."):
         if not isinstance(mapping, dict) or part not in mapping:
             return False
@@ -70,7 +70,7 @@ def _holds(mapping: Any, key: str) -> bool:
 
 
 def conf_directory() -> Path:
-    """The package's own trees: inside the installed package, or beside src in a checkout."""
+    """The folder of this package's trees: in the installed package, or beside src in a checkout."""
     package = Path(__file__).resolve().parents[1]
     for candidate in (package / "conf", package.parents[1] / "conf"):
         if (candidate / "sweep.yaml").is_file():
@@ -86,19 +86,19 @@ def group_options(tree: Path, group: str) -> list[str]:
 def compose_plain(
     tree: Tree, overrides: Sequence[str], config_dir: str | None = None
 ) -> dict[str, Any]:
-    """The plain data that a tree and overrides give.
+    """Compose a tree and overrides to plain data.
 
     Parameters
     ----------
     overrides
         Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`.
     config_dir
-        A folder whose groups are found besides the tree's own (`--config-dir`).
+        A folder with further config groups (`--config-dir`).
 
     Raises
     ------
     InputError
-        With one line, for anything that Hydra refuses.
+        With a one-line message, for anything that Hydra refuses.
     """
     from hydra import compose, initialize_config_dir
 

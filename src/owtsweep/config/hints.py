@@ -1,4 +1,4 @@
-"""What a wrong key or name was probably meant to be."""
+"""Suggestions for a wrong key or name."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from owtsweep.config.section import bare_type, is_section
 
-#: Old key -> new key. A renamed key is answered with its new name in one line.
+#: Old key -> new key. The error for a renamed key gives its new name.
 RENAMED: dict[str, str] = {}
 
 
@@ -23,7 +23,7 @@ def list_keys(model: Any, prefix: str = "") -> list[str]:
 
 
 def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
-    """One line on a key that is none of `keys`: its new name, the nearest one or its neighbours."""
+    """One line about a key not in `keys`: its new name, the nearest key or the keys beside it."""
     if key in RENAMED:
         return f"{key}: this key was renamed; use {RENAMED[key]}"
     section, _, leaf = key.rpartition(".")
@@ -39,6 +39,6 @@ def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
 
 
 def suggest_name(name: str, names: Sequence[str]) -> str:
-    """The nearest name, if any is near, and all names."""
+    """The nearest name, if one is similar, and all names."""
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     return (f"did you mean {near[0]}? There" if near else "there") + f" are {', '.join(names)}"

@@ -1,4 +1,4 @@
-"""The errors of Hydra and OmegaConf, of several lines, as one line: the argument and the fault."""
+"""Turn the errors of Hydra and OmegaConf, which have several lines, into one line."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def hydra_in_one_line(tree: Tree | None = None) -> Iterator[None]:
-    """Raise `InputError` for what Hydra and OmegaConf refuse within."""
+    """Raise `InputError` for errors of Hydra and OmegaConf inside the context."""
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
 
@@ -27,7 +27,7 @@ def hydra_in_one_line(tree: Tree | None = None) -> Iterator[None]:
 
 
 def in_one_line(error: Exception, tree: Tree | None = None) -> str:
-    """The message of an error in one line; with a tree it also says what there is instead."""
+    """The message of an error in one line; with a tree it also lists the valid names."""
     text = str(error)
     unknown = re.search(r"Could not override '([^']+)'", text)
     if tree and unknown and "is not in struct" in f"{text} {error.__cause__}":
@@ -44,7 +44,7 @@ def in_one_line(error: Exception, tree: Tree | None = None) -> str:
     plugin = re.search(r"Could not find '(hydra/\w+)/([^']*)'", text)
     if plugin:
         return f"{plugin[1]}: there is no {plugin[2]!r}; is its plugin installed?"
-    if text.startswith("Error merging override"):  # of a list with keys, or of keys with a list
+    if text.startswith("Error merging override"):  # a list instead of a mapping, or the reverse
         place, _, value = text.removeprefix("Error merging override ").partition("=")
         if getattr(error.__cause__, "object_type", None) is list:
             return f"{place}: {value} is no list; use e.g. {place}=[{value}]"

@@ -1,4 +1,4 @@
-"""A configuration as plain data: all of it, or what identifies it."""
+"""A configuration as plain data: all keys, or only the keys that identify it."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from owtsweep.config.section import Section, read_facts
 
 
 def as_mapping(value: Any) -> dict[str, Any]:
-    """What identifies a configuration, a section or a dataclass: dicts, lists and scalars.
+    """The identifying part of a configuration, section or dataclass: dicts, lists and scalars.
 
-    A key that is younger than stored runs is left out while it stands at its default, and so is a
-    younger section all of whose keys do: hashes and block keys of stored runs stay as they are.
+    A key that is younger than stored runs is left out while it has its default value. So is a
+    younger section whose keys all have their defaults. So hashes and block keys of stored runs do
+    not change.
     """
     mapping: dict[str, Any] = _plain(value, every=False)
     return mapping

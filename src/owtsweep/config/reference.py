@@ -1,4 +1,4 @@
-"""The reference of all keys, from what the models declare: type, unit, default, bounds, meaning."""
+"""The reference of all keys, made from the models: type, unit, default, bounds, meaning."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from owtsweep.io.markdown import table
 
 COLUMNS = ("key", "type", "unit", "default", "bounds", "meaning")
 TYPES = {bool: "true or false", str: "text", int: "whole number", float: "number"}
-#: pydantic's names of bounds -> signs.
+#: pydantic's name of a bound -> its sign.
 LIMITS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤", "min_length": "", "max_length": ""}
-#: A default of more characters is left to `--cfg`.
+#: A default with more characters is not shown; `--cfg` prints it.
 LONGEST = 72
 
 
 class Row(NamedTuple):
-    """What the reference says of one key."""
+    """The columns of the reference for one key."""
 
     key: str
     type: str
@@ -36,7 +36,7 @@ def describe(model: Any, defaults: Mapping[str, Any], prefix: str = "") -> list[
     Parameters
     ----------
     defaults
-        Its values in a configuration without overrides; a key that is not in it shows none.
+        Values in a configuration without overrides; no default is shown for a key missing here.
     """
     rows = []
     for name, field in model.model_fields.items():
@@ -81,7 +81,7 @@ def _type(field: FieldInfo) -> str:
 
 
 def _bounds(field: FieldInfo) -> Iterator[str]:
-    """What a value must keep to, in words."""
+    """The bounds of a value, in words."""
     kind = bare_type(field.annotation)
     if get_origin(kind) is Literal:
         yield from (f"`{option}`" for option in get_args(kind))
@@ -96,7 +96,7 @@ def _bounds(field: FieldInfo) -> Iterator[str]:
 
 
 def _nested(annotation: Any) -> Iterator[Any]:
-    """The bounds within a type: of the items of a list, of what may also be null."""
+    """The bounds inside a type: of the items of a list, or of a type that also allows null."""
     for argument in get_args(annotation):
         yield from argument.metadata if isinstance(argument, FieldInfo) else _nested(argument)
     if get_origin(annotation) is Annotated:

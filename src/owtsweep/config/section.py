@@ -8,12 +8,12 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
-#: Numbers by what they can be. A field's own bounds go into `key(..., ge=1)`.
+#: Types of numbers. Bounds of a single field are given as `key(..., ge=1)`.
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
-#: Attributes of a bound of a number.
+#: Attributes that hold the bounds of a number.
 BOUNDS = ("gt", "ge", "lt", "le")
 #: How messages and docs/configuration.md name a type.
 TYPE_NAMES = {bool: "true or false", str: "text", int: "a whole number", float: "a number"}
@@ -22,20 +22,20 @@ TYPE_NAMES = {bool: "true or false", str: "text", int: "a whole number", float: 
 class Section(BaseModel):
     """Base of all sections: frozen, and a key that no field declares is an error.
 
-    Numbers given as text are converted, whole floats count as integers, and a number may stand for
-    a text; but true and false are neither numbers nor text, and nothing else is true or false.
+    Numbers given as text are converted, whole floats count as integers, and a number is accepted
+    as text. But true and false are neither numbers nor text, and no other value is true or false.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", coerce_numbers_to_str=True)
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        """Refuse bounds on a list of numbers: pydantic would hold the list against them.
+        """Refuse bounds on a list of numbers: pydantic would compare them with the list itself.
 
         Raises
         ------
         TypeError
-            When the class is made, so that whoever writes it sees it.
+            When the class is defined, so that its author sees the error.
         """
         for name, field in cls.model_fields.items():
             bounded = any(hasattr(mark, sign) for mark in field.metadata for sign in BOUNDS)
@@ -73,18 +73,18 @@ def key(
     Parameters
     ----------
     meaning
-        The sentence on it in docs/configuration.md.
+        The sentence about the key in docs/configuration.md.
     default
-        Its value in a configuration that does not have it; required without one.
+        Its value if a configuration does not set it; without a default the key is required.
     unit
-        Of a number, or of each number of a list.
+        Unit of a number, or of each number of a list.
     form
         What a list must be, in words, for messages: "two edges in Hz".
     advice
-        What would work, for the message on a number below its bound.
+        A remedy, for the message about a number below its bound.
     younger
-        Whether the key is younger than stored runs. While it stands at its default it is no part
-        of what identifies a configuration, so that their hashes and block keys stay.
+        Whether the key is younger than stored runs. While it has its default it does not identify
+        a configuration, so that hashes and block keys of stored runs do not change.
     bounds
         As for `pydantic.Field`: ge, gt, le, lt of a number, min_length and max_length of a list.
     """
@@ -93,7 +93,7 @@ def key(
 
 
 def read_facts(field: FieldInfo) -> dict[str, Any]:
-    """What `key` declared of a field besides its type, default and bounds."""
+    """The facts that `key` declared for a field, other than type, default and bounds."""
     extra = field.json_schema_extra
     return dict(extra) if isinstance(extra, dict) else {}
 
@@ -108,5 +108,5 @@ def bare_type(annotation: Any) -> Any:
 
 
 def is_section(kind: Any) -> bool:
-    """Whether a type is a section, whose keys are dotted."""
+    """Whether a type is a section."""
     return isinstance(kind, type) and issubclass(kind, Section)

@@ -1,4 +1,4 @@
-"""config.yaml: a run's configuration, every key of it."""
+"""config.yaml: all keys of a run's configuration."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ def dump(config: Config) -> str:
 
 
 def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
-    """The plain data of a YAML file, with interpolations replaced by their values unless told not.
+    """The plain data of a YAML file; with `resolve`, interpolations are replaced by their values.
 
     Raises
     ------
     InputError
-        If it is missing or holds no mapping of keys.
+        If it is missing or does not hold a mapping of keys.
     """
     from omegaconf import OmegaConf
 
@@ -35,7 +35,7 @@ def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
         return resolved(OmegaConf.load(path), resolve=resolve)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
-    except Exception as error:  # the YAML library's own errors have no common, typed base
+    except Exception as error:  # the errors of the YAML library have no common base class
         text = " ".join(str(error).split())
         raise InputError(f"{path}: cannot be read as a configuration ({text})") from error
 
@@ -46,7 +46,7 @@ def load(path: Path, model: type[C]) -> C:
     Raises
     ------
     InputError
-        As `read` and `checked`, with the file's name.
+        As `read` and `checked`; the message names the file.
     """
     plain = read(path)
     try:
@@ -56,12 +56,12 @@ def load(path: Path, model: type[C]) -> C:
 
 
 def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
-    """Plain data of an OmegaConf object or of a mapping, interpolations replaced by their values.
+    """The plain data of an OmegaConf object or mapping; `resolve` replaces interpolations.
 
     Raises
     ------
     InputError
-        If it is no mapping, or an interpolation leads nowhere.
+        If it is not a mapping, or an interpolation names a key that is missing.
     """
     from omegaconf import OmegaConf
 

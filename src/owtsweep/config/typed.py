@@ -1,4 +1,4 @@
-"""Plain data to a frozen object of the model that is given, and changed copies of such objects."""
+"""Make frozen objects of a given model from plain data, and changed copies of such objects."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ C = TypeVar("C", bound=Config)
 
 
 def typed(model: type[S], plain: Any) -> S:
-    """An object of the model; what spans several keys is not checked.
+    """An object of the model; conditions on several keys together are not checked.
 
     Raises
     ------
@@ -32,12 +32,12 @@ def typed(model: type[S], plain: Any) -> S:
 
 
 def checked(model: type[C], plain: Any) -> C:
-    """A configuration that can work.
+    """An object of the model, with all checks done.
 
     Raises
     ------
     InputError
-        As `typed`, and for values that cannot work together.
+        As `typed`, and for values that do not fit together.
     """
     config = typed(model, plain)
     config.check()
@@ -45,7 +45,7 @@ def checked(model: type[C], plain: Any) -> C:
 
 
 def changed(section: S, **values: Any) -> S:
-    """A copy with some fields replaced; whoever calls it answers for types and bounds."""
+    """A copy with some fields replaced; types and bounds are not checked."""
     return section.model_copy(update=values)
 
 

@@ -1,4 +1,4 @@
-"""The errors of pydantic as one line: the key, what is wrong with it, what would work."""
+"""Turn the errors of pydantic into one line: the key, what is wrong, what would work."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from pydantic_core import ErrorDetails
 from owtsweep.config.hints import explain_unknown_key, list_keys
 from owtsweep.config.section import TYPE_NAMES, bare_type, is_section, read_facts
 
-#: pydantic's names of errors begin with these words where the type is wrong.
+#: First words of pydantic's names of type errors -> the type expected.
 TYPES = {"bool": bool, "string": str, "int": int, "float": float}
 
 
 def in_one_line(error: ValidationError, model: Any) -> str:
-    """The first error, unknown and missing keys before wrong values."""
+    """The first error in one line; unknown and missing keys come before wrong values."""
     order = {"extra_forbidden": 0, "missing": 1}
     first = min(error.errors(include_url=False), key=lambda e: order.get(e["type"], 2))
     return _line(first, model)
@@ -55,7 +55,7 @@ def _line(error: ErrorDetails, model: Any) -> str:
 
 
 def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: str) -> str:
-    """How a number misses its bound."""
+    """A sentence about a number beyond its bound."""
     number = f"{value:g} {unit}".strip()
     limit = limits.get("gt", limits.get("ge", limits.get("le", limits.get("lt"))))
     if kind == "finite_number":
@@ -75,7 +75,7 @@ def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: st
 
 
 def _options(annotation: Any) -> tuple[Any, ...]:
-    """The values of a choice, or of each item of a list of choices."""
+    """The allowed values of a choice, or of each item of a list of choices."""
     kind = bare_type(annotation)
     if get_origin(kind) is list:
         kind = bare_type(get_args(kind)[0])
@@ -90,7 +90,7 @@ def _dotted(location: Sequence[str | int]) -> str:
 
 
 def _field(model: Any, location: Sequence[str | int]) -> Any:
-    """The field that a location lies in."""
+    """The field that contains a location of an error."""
     field = None
     for part in location:
         if isinstance(part, str) and is_section(model):

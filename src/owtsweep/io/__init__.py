@@ -1,1 +1,1 @@
-"""Files written whole or not at all; tables whose numbers read back exactly."""
+"""Writes files whole or not at all, and tables whose numbers are read back exactly."""

@@ -1,4 +1,4 @@
-"""Files that are whole or absent, whatever happens while they are written."""
+"""Write files so that they are whole or absent, even after a crash."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from pathlib import Path
 
 from owtsweep.errors import InputError
 
-#: Seconds after which a temporary file belongs to nobody any more: writing one takes far less.
+#: Age in seconds from which a temporary file counts as abandoned: writing takes far less.
 STALE = 3600.0
 _TEMPORARY = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
 
 
 def write_atomically(path: Path, content: bytes | str) -> None:
-    """Write a file so that every reader, at any moment, sees the old one or the new one.
+    """Write a file so that a reader at any moment sees either the old file or the new one.
 
     The content goes to a temporary name in the same folder, is flushed to the disk and renamed. An
     error leaves the old file as it was and no temporary file; a killed process may leave one
@@ -34,7 +34,7 @@ def write_atomically(path: Path, content: bytes | str) -> None:
 
 
 def write_all(contents: Mapping[Path, bytes | str]) -> None:
-    """Write files as `write_atomically` does, and none of them unless all fit on the disk.
+    """Write several files as `write_atomically` does; if they do not all fit on the disk, none.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def write_all(contents: Mapping[Path, bytes | str]) -> None:
     temporaries: dict[Path, Path] = {}
     try:
         for path, content in contents.items():
-            # Random, not the process id: machines that share a disk may share process ids.
+            # Random, not the process id: machines that share a disk may use the same process ids.
             temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.tmp")
             temporaries[path] = temporary
             _write_through(temporary, content.encode() if isinstance(content, str) else content)
@@ -67,14 +67,14 @@ def _write_through(path: Path, data: bytes) -> None:
 
 
 def remove_stale(folder: Path) -> int:
-    """Delete the temporary files that killed processes have left in a folder; returns how many.
+    """Delete temporary files left in a folder by killed processes; return how many.
 
-    Young ones stay: another process may be writing them.
+    Younger files stay: another process may be writing them.
     """
     removed = 0
     now = time.time()
     for path in folder.glob(".*.tmp"):
-        # A file that is gone or is not ours to delete is no reason to stop.
+        # Ignore files that are gone or that this user may not delete.
         with contextlib.suppress(OSError):
             if _TEMPORARY.fullmatch(path.name) and now - path.stat().st_mtime > STALE:
                 path.unlink()
@@ -83,8 +83,8 @@ def remove_stale(folder: Path) -> int:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Make a rename survive a power cut, where the file system knows how."""
-    # The file itself is whole by now: a file system that cannot sync folders is no failure.
+    """Make a rename survive a power cut, if the file system supports that."""
+    # The file itself is whole already, so an error here is ignored.
     with contextlib.suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:
@@ -94,14 +94,14 @@ def _sync_folder(folder: Path) -> None:
 
 
 def check_writable(folder: Path) -> None:
-    """Make sure that files can be written in a folder, existing or not, and leave no trace.
+    """Check that files can be written to a folder, which need not exist; leaves no files there.
 
     Raises
     ------
     InputError
         If the folder, or the nearest folder above it that exists, refuses a file.
     """
-    # Not `exists`: a dangling link stands in the way of a folder too.
+    # Not `exists`: a dangling link prevents the creation of a folder too.
     nearest = folder.absolute()
     while not os.path.lexists(nearest) and nearest != nearest.parent:
         nearest = nearest.parent
@@ -115,7 +115,7 @@ def check_writable(folder: Path) -> None:
 
 
 def unwritable(folder: Path, error: OSError) -> InputError:
-    """The one-line error for a results folder that the file system refuses."""
+    """The one-line error for a results folder that cannot be written."""
     reason = error.strerror or str(error)
     return InputError(
         f"results: {folder} cannot be written ({reason}); name another folder by results=FOLDER"

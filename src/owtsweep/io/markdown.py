@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable, Sequence
 def table(
     columns: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: Collection[str] = ()
 ) -> str:
-    """A table in Markdown, without a line end behind its last row.
+    """A table in Markdown, without a line break after its last row.
 
     Parameters
     ----------
@@ -17,7 +17,7 @@ def table(
     rows
         Text, one cell per column.
     numbers
-        Columns that are set to the right.
+        Columns that are aligned to the right.
     """
     rule = ["---:" if column in numbers else "---" for column in columns]
     return "\n".join(_line(cells) for cells in (columns, rule, *rows))

@@ -1,4 +1,4 @@
-"""The tables of a run: CSV files whose numbers read back to the same bits."""
+"""The tables of a run: CSV files whose numbers are read back exactly."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
-    """Write each table as `<name>.csv`: all of them, or on a full disk none."""
+    """Write each table as `<name>.csv`: all of them, or none if the disk is full."""
     write_all({folder / f"{name}.csv": _to_csv(table) for name, table in tables.items()})
 
 
@@ -33,8 +33,8 @@ def _to_csv(table: pd.DataFrame) -> str:
 def read_table(folder: Path, name: str) -> pd.DataFrame:
     """Read `<name>.csv`.
 
-    An empty field is NaN among numbers and empty text among text; a column of nothing else is read
-    as numbers.
+    An empty field is NaN in a column of numbers, and empty text in a column of text. A column of
+    empty fields only is read as numbers.
 
     Raises
     ------
@@ -49,10 +49,10 @@ def read_table(folder: Path, name: str) -> pd.DataFrame:
         hint = f"it has {', '.join(names)}" if names else "it has none yet: finish its sweep"
         raise InputError(f"{name}: the run {folder} has no such table; {hint}")
     try:
-        # The Arrow engine reads numbers exactly, which pandas' own learnt in 3.1. A scheme
-        # may be called "NA": only an empty field is a missing value.
+        # The Arrow engine reads numbers exactly; the default engine does so only from pandas
+        # 3.1 on. A scheme may be named "NA", so only an empty field is a missing value.
         table = pd.read_csv(path, engine="pyarrow", keep_default_na=False, na_values=[""])
-    except (ValueError, UnicodeDecodeError) as error:  # pandas' own errors are ValueErrors
+    except (ValueError, UnicodeDecodeError) as error:  # errors of pandas are ValueErrors
         raise InputError(f"{path}: this is no table; run its sweep again") from error
     text = table.select_dtypes(exclude=["number", "bool"]).columns
     return table.fillna(dict.fromkeys(text, ""))

@@ -1,4 +1,4 @@
-"""The studies: each a package of its own that answers to `owtsweep.sweep.study.Study`."""
+"""The studies: each is a package that implements `owtsweep.sweep.study.Study`."""
 
 from owtsweep.studies.composing import compose, from_mapping, load_config, locate
 from owtsweep.studies.registry import get_study, names

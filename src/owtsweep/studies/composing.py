@@ -1,4 +1,4 @@
-"""A study's configuration: composed from its tree, typed by its model, checked."""
+"""Make the configuration of a study: composed from its tree, typed by its model, and checked."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from owtsweep.studies import registry
 
 @dataclass(frozen=True)
 class Located:
-    """What overrides are composed from.
+    """The study, tree and overrides that a configuration is composed from.
 
     Attributes
     ----------
     study
-        The study that they name, or None: then the tree says which it is.
+        The study that the overrides name; if None, the tree names it.
     tree
         The study's tree.
     overrides
-        What Hydra gets: they do not name the study.
+        The overrides for Hydra, without `study=NAME`.
     """
 
     study: str | None
@@ -38,8 +38,8 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
     Raises
     ------
     InputError
-        If they name several studies, one that there is not, or one that is not run by the command
-        whose tree begins with `primary`.
+        If they name several studies, an unknown one, or one whose primary file is not `primary`,
+        because another command runs it.
     """
     name, others = _take_out_study(overrides)
     if name is None:
@@ -61,17 +61,17 @@ def compose(
     Parameters
     ----------
     overrides
-        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`; `study=NAME` among them
-        says whose tree is composed, the hub's without it.
+        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`. `study=NAME` among them
+        selects the study whose tree is composed; without it, the hub study.
     config_dir
-        A folder whose groups are found besides the tree's own (`--config-dir`).
+        A folder with further config groups (`--config-dir`).
     primary
-        The file of the tree to begin with: "sweep" or "replay".
+        The primary file of the tree: "sweep" or "replay".
 
     Raises
     ------
     InputError
-        With one line, for anything that is wrong in it.
+        With a one-line message, for anything that is wrong.
     """
     located = locate(overrides, primary=primary)
     plain = compose_plain(located.tree, located.overrides, config_dir)
@@ -86,12 +86,12 @@ def compose(
 
 
 def from_mapping(mapping: Any, study: str | None = None) -> Config:
-    """Type and check a composed configuration, or one read back, by its study's model.
+    """Type and check a composed or stored configuration with the model of its study.
 
     Parameters
     ----------
     study
-        The study's name; without it the mapping names it.
+        The study's name; if None, the mapping names the study.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def load_config(path: Path) -> Config:
     Raises
     ------
     InputError
-        If it is missing, is no configuration of this program, or is of a study that is not
+        If it is missing, is not a configuration of this program, or belongs to a study that is not
         installed.
     """
     plain = read(path)
@@ -130,12 +130,12 @@ def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
 
 
 def _default(primary: str) -> str:
-    """The study whose tree begins with a file: that of the command, or the hub."""
+    """The default study for a primary file: the command's study, or the hub."""
     return next(name for name, entry in registry.OURS.items() if entry.primary == primary)
 
 
 def _check_command(study: str, primary: str) -> None:
-    """Refuse a study that another command runs: its tree begins with another file."""
+    """Refuse a study that another command runs, i.e. whose tree has another primary file."""
     needed = registry.find_entry(study).primary
     if needed == primary:
         return
@@ -149,7 +149,7 @@ def _key(override: str) -> str:
 
 
 def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
-    """The study that the overrides name, and the other overrides; Hydra never sees `study=`."""
+    """The study that the overrides name, and the other overrides (for Hydra)."""
     require(
         not isinstance(overrides, str),
         f"overrides: {overrides!r} is one text; give a list, e.g. ['tuning=matched']",

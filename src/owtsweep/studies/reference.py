@@ -27,7 +27,7 @@ This page is written by `python -m owtsweep.studies.reference docs/configuration
 
 
 def reference() -> str:
-    """The page: the keys that every study has, then what each of our studies adds or changes."""
+    """The page: keys of all studies, then the keys that each built-in study adds or changes."""
     common = describe(Config, as_plain(Config(study="")))[1:]
     chapters: dict[str, tuple[str, list[Row]]] = {
         "Every study": ("`study=NAME` says which; without it the study is `hub`.", common)

@@ -1,11 +1,11 @@
-"""Studies by name: ours, and those of other packages by the entry-point group `owtsweep.studies`.
+"""Find studies by name: built-in ones, and entry points `owtsweep.studies` of other packages.
 
-A package adds a study by two lines in its pyproject.toml,
+A package adds a study with two lines in its pyproject.toml,
 
     [project.entry-points."owtsweep.studies"]
     tower = "tower_study:TowerStudy"
 
-and its Hydra tree in the folder `conf` beside that module, with the file sweep.yaml to begin with.
+and a Hydra tree in the folder `conf` beside that module. Its primary file is sweep.yaml.
 """
 
 from __future__ import annotations
@@ -27,24 +27,24 @@ from owtsweep.sweep.study import Study
 #: The entry-point group of other packages' studies.
 GROUP = "owtsweep.studies"
 
-#: The study of a configuration that names none.
+#: The study of a configuration that does not name one.
 DEFAULT = "hub"
 
 
 @dataclass(frozen=True)
 class Entry:
-    """Where a study is found.
+    """How to find a study.
 
     Attributes
     ----------
     target
-        "module:Class"; the class is made without arguments.
+        "module:Class"; the class is called without arguments.
     primary
-        The file of its tree to begin with; one that is not "sweep" has a subcommand of that name.
+        The primary file of its tree; if it is not "sweep", the subcommand of that name runs it.
     implied
-        Overrides without which the tree does not give this study.
+        Overrides that select this study in its tree.
     package
-        The distribution of a third party's study; "" for ours.
+        The distribution that contains the study; "" for a built-in study.
     """
 
     target: str
@@ -53,7 +53,7 @@ class Entry:
     package: str = ""
 
 
-#: Our studies. One whose tree is not conf/studies/<name> builds on the hub's.
+#: The built-in studies. A study without the folder conf/studies/<name> uses the tree of the hub.
 OURS = {
     "hub": Entry("owtsweep.studies.hub:HubStudy"),
     "readings": Entry("owtsweep.studies.readings:ReadingsStudy", implied=("experiment=readings",)),
@@ -62,17 +62,17 @@ OURS = {
 
 
 def names() -> list[str]:
-    """The names of all studies: ours first, then those of other packages."""
+    """The names of all studies: built-in ones first, then those of other packages."""
     return [*OURS, *sorted(_of_others())]
 
 
 def find_entry(name: str) -> Entry:
-    """Where the study of that name is found.
+    """The entry of the study of that name.
 
     Raises
     ------
     InputError
-        If there is none, with the nearest name and all others; or if several packages have one.
+        If there is none (with the nearest name and all names), or if several packages have one.
     """
     if name in OURS:
         return OURS[name]
@@ -92,7 +92,8 @@ def get_study(name: str) -> Study:
     Raises
     ------
     InputError
-        If there is no such study, or another package's does not work; with the package's name.
+        If there is no such study, or if a study of another package does not work; the message
+        names the package.
     """
     entry = find_entry(name)
     module, _, attribute = entry.target.partition(":")
@@ -108,12 +109,12 @@ def get_study(name: str) -> Study:
 
 @contextmanager
 def blame_package(name: str) -> Iterator[None]:
-    """Turn whatever the code of another package's study raises into one line with its package.
+    """Turn any error in a study of another package into one line that names the package.
 
     Raises
     ------
     InputError
-        Instead of any error within; errors of our own studies stay as they are.
+        Instead of any error inside the context; errors of built-in studies are not changed.
     """
     try:
         yield
@@ -129,7 +130,7 @@ def blame_package(name: str) -> Iterator[None]:
 
 
 def _of_others() -> dict[str, list[Entry]]:
-    """The studies of other packages; a name of ours stays ours."""
+    """The studies of other packages, without those named like a built-in study."""
     others: dict[str, list[Entry]] = {}
     for point in entry_points(group=GROUP):
         if point.name not in OURS:
@@ -139,7 +140,7 @@ def _of_others() -> dict[str, list[Entry]]:
 
 
 def _lacks(study: Any) -> list[str]:
-    """What of the protocol `Study` an object does not have."""
+    """The members of the protocol `Study` that an object lacks."""
     protocol = {*Study.__annotations__, *(n for n in vars(Study) if not n.startswith("_"))}
     return sorted(member for member in protocol if not hasattr(study, member))
 

@@ -1,4 +1,4 @@
-"""Machines elsewhere: a dask cluster, driven through a backend of joblib.
+"""Computing on other machines: a dask cluster, driven through a backend of joblib.
 
 Imported on demand: `dask[distributed]` is an extra, and takes half a second to load.
 """
@@ -15,8 +15,8 @@ from typing import Any
 
 from distributed import Client
 
-# Private, but the only name of a public backend: joblib is bounded in pyproject.toml, and
-# tests/sweep/test_cluster.py notices if a new one has changed what is extended here.
+# A private module, but the only way to extend this backend. pyproject.toml bounds the version of
+# joblib, and tests/sweep/test_cluster.py fails if a new version has changed what is extended here.
 from joblib._dask import DaskDistributedBackend
 
 from owtsweep.errors import InputError
@@ -28,7 +28,7 @@ _Base: Any = DaskDistributedBackend
 
 #: Seconds to reach a scheduler, and to find a worker there.
 PATIENCE_AT_START = 10.0
-#: Seconds without a scheduler or without any worker until what is left counts as failed.
+#: Seconds without a scheduler or any worker after which all remaining tasks count as failed.
 PATIENCE = 60.0
 _LOOK = 1.0
 _NETWORK = ("distributed", "tornado")
@@ -36,7 +36,7 @@ _NETWORK = ("distributed", "tornado")
 
 @dataclass(frozen=True)
 class Lost:
-    """Instead of a result: the task came to nothing; `final` if the cluster did."""
+    """Stands for the result of a task that was lost; `final` if the whole cluster is lost."""
 
     task: int
     reason: str
@@ -45,12 +45,12 @@ class Lost:
 
 @contextmanager
 def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterator[Client]:
-    """A connection to a cluster whose workers have been asked who they are.
+    """A connection to a cluster whose workers have been checked.
 
     Raises
     ------
     InputError
-        If the scheduler does not answer, has no workers, or one of them cannot do the work.
+        If the scheduler does not answer or has no workers, or if a worker cannot do the work.
     """
     try:
         client = Client(address, timeout=PATIENCE_AT_START, set_as_default=False)
@@ -66,7 +66,7 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
     finally:
         _hush()
         try:
-            # The scheduler drops tasks of this client that no worker has begun.
+            # The scheduler then drops those tasks of this client that no worker has begun.
             client.close(timeout=1.0)
         finally:
             for logger in loud:
@@ -103,10 +103,10 @@ def _check_workers(client: Client, address: str, study: Study, metadata: Mapping
 
 
 class Backend(_Base):  # type: ignore[misc]
-    """joblib's backend, which also hears of tasks that fail outside their code.
+    """joblib's backend for dask, extended to notice tasks that fail outside their code.
 
-    joblib 1.6 itself waits for ever for a task whose workers died or could not load it, and for a
-    cluster that is gone.
+    joblib 1.6 waits for ever for a task whose workers died or could not load it, and for a cluster
+    that is gone.
     """
 
     def __init__(self, client: Client) -> None:
@@ -131,9 +131,9 @@ class Backend(_Base):  # type: ignore[misc]
         return super().submit(func, _Numbered(arguments[1], callback))
 
     def abort_everything(self, ensure_ready: bool = True) -> None:
-        _hush()  # `connected` lets them speak again
+        _hush()  # `connected` turns the loggers on again
         super().abort_everything(ensure_ready)
-        # The scheduler drops what nobody waits for and no worker has begun.
+        # The scheduler then drops tasks that no client waits for and no worker has begun.
         self._callbacks.clear()
         self._results.clear()
 
@@ -153,7 +153,7 @@ class Backend(_Base):  # type: ignore[misc]
             await asyncio.sleep(0.01)
 
     async def _watch(self) -> None:
-        """Give up when there has been nobody to work for too long."""
+        """Give up when there has been no worker for too long."""
         self._last_seen = time.monotonic()
         while self._continue:
             await asyncio.sleep(_LOOK)
@@ -161,7 +161,7 @@ class Backend(_Base):  # type: ignore[misc]
             try:
                 if await asyncio.wait_for(self.client.scheduler.ncores(), PATIENCE):
                     self._last_seen = time.monotonic()
-            except Exception:  # whatever the network does
+            except Exception:  # any error of the network
                 reason = "the scheduler does not answer"
             if time.monotonic() - self._last_seen > PATIENCE and self._callbacks and self._continue:
                 future, callback = self._callbacks.popitem()
@@ -171,7 +171,7 @@ class Backend(_Base):  # type: ignore[misc]
 
 @dataclass(frozen=True)
 class _Numbered:
-    """joblib's callback, which also knows the number of the task."""
+    """joblib's callback together with the number of its task."""
 
     number: int
     call: Callable[[Any], None]

@@ -1,4 +1,4 @@
-"""Comparing runs: open them, tell them apart, ask their study, write its answer."""
+"""Compare runs: open them, find how they differ, let their study compare them, write the result."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Compared:
-    """A finished comparison: its folder, what the study found, the terminal's table, all notes."""
+    """A finished comparison: its folder, the findings of the study, the terminal's table, notes."""
 
     folder: Path
     findings: Findings
@@ -87,7 +87,7 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
 def _open(
     paths: Sequence[str], load: Callable[[Path], Run]
 ) -> tuple[list[Run], list[str], list[str]]:
-    """The runs named, the keys that a multirun swept, and notes on what cannot be opened."""
+    """The runs at these paths, the keys that a multirun swept, and notes on unreadable runs."""
     runs: list[Run] = []
     preferred: list[str] = []
     notes: list[str] = []
@@ -113,7 +113,7 @@ def _open(
 
 
 def _members(path: Path, notes: list[str]) -> tuple[list[Path], list[str]]:
-    """The run folders of a multirun in their order, and the keys that were swept."""
+    """The run folders of a multirun in order, and the keys that were swept."""
     folders = sorted(config.parent for config in path.glob("*/config.yaml"))
     planned = read_record(path)
     if planned is None:
@@ -151,7 +151,7 @@ def _arrange(
     keys, following = swept_keys(mappings, preferred)
     values: list[dict[str, Any]] = [{k: _value(m, k) for k in keys} for m in mappings]
     shown = [tuple(show(value) for value in of_run.values()) for of_run in values]
-    if len(set(shown)) < len(shown):  # runs on other grids or with other schemes, say
+    if len(set(shown)) < len(shown):  # e.g. the runs differ in their grids or schemes
         names = [run.folder.name for run, _ in loaded]
         unique = len(set(names)) == len(names)
         for of_run, (run, _) in zip(values, loaded, strict=True):

@@ -1,4 +1,4 @@
-"""Gives tasks to joblib, and stores what comes back."""
+"""Runs tasks through joblib and stores their results."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ class Executor:
     store
         Where the shards go.
     metadata
-        What every shard says about itself: versions.
+        Entries stored in every shard: versions.
     backend, workers
-        The joblib backend and how many workers it gets; 0 means a whole cluster.
+        The joblib backend and its number of workers; 0 means a whole cluster.
     client
         The connection to a cluster (`owtsweep.sweep.cluster.connected`), for backend "dask".
     """
@@ -65,17 +65,17 @@ class Executor:
     def run(
         self, tasks: Sequence[Plan], tell: Callable[[int], None] | None = None
     ) -> Generator[TaskResult]:
-        """Run the tasks; yields each result as it comes.
+        """Run the tasks and yield each result as it arrives.
 
-        Closing the iterator stops the workers: processes at once, threads after the block they are
-        at, since a thread cannot be ended from outside.
+        Closing the iterator stops the workers: processes at once, threads after their current
+        block, since a thread cannot be ended from outside.
 
         Parameters
         ----------
         tasks
             Blocks by key.
         tell
-            Called by threads with the cases of each block that is over.
+            Called by threads with the number of cases of each finished block.
         """
         if not tasks:
             return
@@ -99,7 +99,7 @@ class Executor:
                     local.stop.set()
 
     def _make_local(self, tell: Callable[[int], None] | None) -> Local | None:
-        # Processes cannot share a flag (it does not pickle) and need not.
+        # Processes cannot share a flag (it does not pickle), and they do not need it.
         if self.backend != "threading":
             return None
         return Local(threading.Event(), tell or (lambda cases: None))
@@ -107,11 +107,11 @@ class Executor:
     def _run_rounds(
         self, work: Work, tasks: list[Plan], start: Callable[[int], Any], local: Local | None
     ) -> Generator[TaskResult]:
-        """Run all tasks, and again those whose worker died, until the guilty block is alone.
+        """Run all tasks. If a worker dies, run tasks again until the block that killed it is found.
 
-        A broken pool of processes does not say which task broke it. All that were under way are
-        suspects; they run again, one half after the other, until one task is left. Its blocks then
-        run as one task each, appended to `tasks`.
+        A broken pool of processes does not say which task broke it. All tasks that were running are
+        suspects. They run again, one half after the other, until one suspect is left. Each of its
+        blocks then runs as a task of its own, appended to `tasks`.
         """
         rounds = deque([list(range(len(tasks)))])
         while rounds:
@@ -126,7 +126,7 @@ class Executor:
                         yield result
                     else:
                         guilty[result.task] = result.reason
-                # A task that the backend has lost must not be passed over.
+                # A task that the backend has lost must count as failed.
                 guilty |= dict.fromkeys(set(numbers) - reported, "its worker gave no answer")
             except PicklingError as error:
                 raise _Stop(one_line(error)) from error
@@ -171,7 +171,7 @@ class Executor:
                 yield delayed(run_task)(work, number, tasks[number], local)
 
         if local is not None:
-            local.stop.clear()  # the round before has set it for whoever was still at work
+            local.stop.clear()  # the previous round set it to stop the workers that were left
         with _hold_interrupts(self.backend == "loky"):
             results: Any = start(len(numbers))(calls())
         try:
@@ -183,13 +183,13 @@ class Executor:
             if local is not None:
                 local.stop.set()
             with warnings.catch_warnings():
-                # joblib remarks that tasks were cancelled: that is what closing is for.
+                # joblib warns that tasks were cancelled, which is the purpose of closing.
                 warnings.simplefilter("ignore", UserWarning)
                 results.close()
 
     @contextmanager
     def _share_folder(self) -> Iterator[Work]:
-        """What workers are told; a file shows those elsewhere whether they see the run folder."""
+        """The `Work` of the workers; its token shows other machines whether they see the folder."""
         place: Any = PLACES[self.backend]
         work = Work(self.study, self.config, self.store, self.metadata, place)
         if place != "cluster":
@@ -200,12 +200,12 @@ class Executor:
 
     @contextmanager
     def _prepare_workers(self) -> Iterator[Callable[[int], Any]]:
-        """How to make a `joblib.Parallel` for so many tasks."""
+        """A function that makes a `joblib.Parallel` for a number of tasks."""
         from joblib import Parallel, parallel_config
 
         options: dict[str, Any] = {"return_as": "generator_unordered", "batch_size": 1}
         if self.backend != "dask":
-            # One job would run in this very process, and a block may kill its worker.
+            # With one job joblib would run it in this process, and a block may kill its process.
             least = 2 if self.backend == "loky" else 1
 
             def local(tasks: int) -> Any:
@@ -221,7 +221,7 @@ class Executor:
             return
         from owtsweep.sweep.cluster import Backend
 
-        # joblib takes the whole cluster; `workers` limits how many tasks it gets at a time.
+        # joblib uses the whole cluster; `workers` limits how many tasks are submitted at a time.
         with parallel_config(backend=Backend(self.client)):
             yield lambda tasks: Parallel(pre_dispatch=self.workers or "2*n_jobs", **options)
 
@@ -242,7 +242,7 @@ class Executor:
         )
 
     def _count_stored(self, number: int, blocks: Plan, reason: str) -> TaskResult:
-        """The result of a task that did not report: what was stored is kept."""
+        """The result of a task that did not report; its stored blocks count as computed."""
         computed = 0
         failures = []
         for key, block in blocks.items():
@@ -255,10 +255,10 @@ class Executor:
 
 @contextmanager
 def _hold_interrupts(hold: bool) -> Iterator[None]:
-    """Let Ctrl-C wait while processes are started.
+    """Delay Ctrl-C while processes are started.
 
-    They inherit it: one that is still loading its libraries does not die of the terminal's Ctrl-C
-    with a traceback.
+    The processes inherit the blocked signal, so a process that is still loading its libraries does
+    not die of Ctrl-C with a traceback.
     """
     if not hold or threading.current_thread() is not threading.main_thread():
         yield

@@ -1,7 +1,8 @@
 """Many shards as one table of rows, in bounded memory.
 
-An Arrow table of a hundred rows takes some 10 kB besides its content, and pandas takes more memory
-for text than for numbers. So shards are joined a batch at a time, and text is a code per row.
+An Arrow table of a hundred rows takes some 10 kB in addition to its content, and pandas needs more
+memory for text than for numbers. So shards are joined in batches, and each text is stored as an
+integer code.
 """
 
 from __future__ import annotations
@@ -26,13 +27,13 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
     Parameters
     ----------
     tables
-        `pyarrow.Table`s, freed as they are read.
+        `pyarrow.Table`s; each is freed once it is read.
 
     Returns
     -------
     DataFrame
-        Text columns are categorical, their categories in the order of text; `as_text` makes plain
-        text of them. Columns that a table lacks are empty there.
+        Text columns are categorical, with sorted categories; `as_text` makes them plain text. If a
+        table lacks a column, its rows are empty in that column.
     """
     import pandas as pd
 
@@ -47,9 +48,9 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
 
 
 def sort_rows(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
-    """Sort in place, stably, by these columns; text in the order of text. Returns the frame.
+    """Sort the rows in place and stably by these columns (text alphabetically); return the frame.
 
-    A column at a time: the whole frame is never there twice.
+    Works column by column, so that memory never holds a second copy of the whole frame.
     """
     order = np.lexsort([_rank(frame[name]) for name in reversed(columns)])
     for name in frame.columns:
@@ -70,7 +71,7 @@ def _batched(tables: Iterable[Any]) -> Iterator[list[Any]]:
 
 
 def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
-    """Some tables as columns, outside Arrow's memory."""
+    """The joined columns of some tables, copied out of Arrow's memory."""
     joined = pa.concat_tables(tables, promote_options="default").combine_chunks()
     columns = {}
     for name, column in zip(joined.column_names, joined.columns, strict=True):
@@ -81,7 +82,7 @@ def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
 
 
 def _whole(pieces: list[Any], sizes: list[int]) -> Any:
-    """One column of its pieces, of which some may be None or without any value."""
+    """One column joined from its pieces; a piece may be None or hold no value."""
     import pandas as pd
 
     filled = [piece for piece in pieces if piece is not None and not _is_nothing(piece)]
@@ -97,7 +98,7 @@ def _whole(pieces: list[Any], sizes: list[int]) -> Any:
 
 
 def _nothing_like(piece: Any, size: int) -> Any:
-    """An empty column beside one of that type; what Arrow makes of it."""
+    """A column of missing values, of a type that can be joined with the type of `piece`."""
     import pandas as pd
 
     if piece.dtype.kind in "iuf":
@@ -120,7 +121,7 @@ def _is_categorical(column: Any) -> bool:
 
 
 def _rank(column: Any) -> Any:
-    """Numbers that sort as the column does, what is missing last."""
+    """Numbers whose order is the order of the column's values; missing values come last."""
     import pandas as pd
 
     if _is_categorical(column):

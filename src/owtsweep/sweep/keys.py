@@ -13,25 +13,25 @@ from owtsweep.config import Config, as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.sweep.study import Block, Study
 
-#: Bytes of a block's key: with 128 bits no two blocks ever get one key by chance.
+#: Bytes of a block's key: 128 bits, so two blocks never get the same key by chance.
 KEY_BYTES = 16
-#: Bytes of a run's hash: short enough to be typed.
+#: Bytes of a run's hash: few, so that it can be typed.
 HASH_BYTES = 5
-#: Top-level keys of a configuration that may change without making it another run: what is swept
-#: over, how it is computed and where it is put.
+#: Top-level keys of a configuration that may change without making it another run. They say what is
+#: swept over, how it is computed and where results are stored.
 NOT_IDENTIFYING = frozenset({"grid", "schemes", "compute", "results", "name"})
 
 
 def block_key(study: Study, block: Block) -> str:
     """The key of a block's shard: 32 hexadecimal digits.
 
-    The study's name, its two versions and the block's content make it, and nothing else. So the
-    content must hold everything that the rows depend on, the seed included.
+    It depends on the study's name, its two versions and the block's content only. So the content
+    must hold everything that the rows depend on, including the seed.
 
     Raises
     ------
     InputError
-        If the content holds something that has no exact JSON form (NaN, an array, an object).
+        If the content holds a value without an exact JSON form (NaN, an array, an object).
     """
     identity = {
         "study": study.name,
@@ -43,9 +43,9 @@ def block_key(study: Study, block: Block) -> str:
 
 
 def run_hash(config: Config) -> str:
-    """The hash of what makes a run this run: 10 hexadecimal digits.
+    """The hash that identifies a run: 10 hexadecimal digits.
 
-    A larger grid, another scheme, more workers or another folder leave it as it is.
+    A larger grid, another scheme, more workers or another folder do not change it.
     """
     identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_IDENTIFYING}
     return _digest(identity, HASH_BYTES, what="config")
@@ -71,7 +71,7 @@ def run_folder(config: Config) -> Path:
 
 def _digest(identity: Mapping[str, Any], size: int, *, what: str) -> str:
     try:
-        # Python writes a float as the shortest text that reads back to the same bits.
+        # Python writes a float as the shortest text that reads back as the same float.
         text = json.dumps(
             identity,
             sort_keys=True,

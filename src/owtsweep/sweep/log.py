@@ -1,7 +1,7 @@
-"""run.log: what a sweep and its workers have logged, with the time, in the run folder.
+"""run.log in the run folder: the messages logged by a sweep and its workers, with their times.
 
-Whatever is logged under `owtsweep` counts from INFO up; other loggers, a user's scheme's or a
-library's, and Python's warnings count from WARNING up.
+It holds messages of `owtsweep` from level INFO up. Messages of other loggers (of a user's scheme or
+a library) and Python's warnings are included from WARNING up.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-#: Entries of a task that are sent to the coordinator; a scheme that warns at every step has more.
+#: Most entries of a task that are sent to the coordinator; a scheme may warn at every step.
 MOST_ENTRIES = 50
 
 _here = threading.local()
@@ -24,7 +24,7 @@ _captures = 0
 
 @dataclass(frozen=True)
 class LogEntry:
-    """What was logged, on its way from a worker: plain values, so that it always travels."""
+    """A logged message sent from a worker: plain values only, so that it can always be pickled."""
 
     name: str
     level: int
@@ -33,7 +33,7 @@ class LogEntry:
 
 
 def working_on(label: str) -> None:
-    """Remember which block this thread is at; its records say so."""
+    """Set the label of the block that this thread runs; it appears in the thread's messages."""
     _here.label = label
 
 
@@ -44,7 +44,7 @@ def run_log(folder: Path) -> Iterator[None]:
     Raises
     ------
     OSError
-        If the file cannot be opened. One that later refuses a line is not worth stopping for.
+        If the file cannot be opened. Later errors of the file do not stop the sweep.
     """
     handler = _Quiet(folder / "run.log", encoding="utf-8")
     formatter = _Labelled("%(asctime)s %(levelname)s %(message)s", "%Y-%m-%dT%H:%M:%SZ")
@@ -61,7 +61,7 @@ def run_log(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
-    """What this thread logs, as a list; empty unless `elsewhere`: here `run_log` gets it anyway."""
+    """A list of what this thread logs; empty unless `elsewhere`, because `run_log` gets it here."""
     entries: list[LogEntry] = []
     if not elsewhere:
         yield entries
@@ -76,7 +76,7 @@ def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
 
 
 def repeat(entries: tuple[LogEntry, ...]) -> None:
-    """Log what a worker has logged, with its time."""
+    """Log the entries of a worker again, with their original times."""
     for entry in entries:
         logger = logging.getLogger(entry.name)
         copy = logger.makeRecord(entry.name, entry.level, "", 0, entry.message, (), None)
@@ -94,7 +94,7 @@ def _listening(handler: logging.Handler) -> Iterator[None]:
     root.addHandler(handler)
     if ours.getEffectiveLevel() > logging.INFO:
         ours.setLevel(logging.INFO)
-    with _capturing:  # threads of a machine elsewhere run tasks side by side
+    with _capturing:  # on other machines several threads run tasks at once
         _captures += 1
         logging.captureWarnings(True)
     try:
@@ -109,7 +109,7 @@ def _listening(handler: logging.Handler) -> Iterator[None]:
 
 
 class _Quiet(logging.FileHandler):
-    """A file on a full disk must not print a traceback for each line, nor end the sweep."""
+    """A log file that ignores errors: a full disk neither prints tracebacks nor ends the sweep."""
 
     def handleError(self, record: logging.LogRecord) -> None:
         pass
@@ -151,7 +151,7 @@ def _text(record: logging.LogRecord, message: str) -> str:
 
 
 class _Labelled(logging.Formatter):
-    """Names the block that the thread is at."""
+    """Adds the label of the block that the thread runs."""
 
     def formatMessage(self, record: logging.LogRecord) -> str:
         if not getattr(record, "from_worker", False):

@@ -16,7 +16,7 @@ VERSION = 1
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """A run of a multirun: the name of its folder, all its overrides and its swept values."""
+    """A run of a multirun: the name of its folder, all overrides and the swept values."""
 
     folder: str
     overrides: list[str]
@@ -25,7 +25,7 @@ class PlannedRun:
 
 @dataclass(frozen=True)
 class Planned:
-    """What a record says: the names of the run folders in order, and the keys that were swept."""
+    """The content of a record: the names of the run folders in order, and the swept keys."""
 
     folders: list[str]
     keys: list[str]
@@ -42,12 +42,12 @@ def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedR
 
 
 def read_record(folder: Path) -> Planned | None:
-    """What was planned in a folder, or None if no multirun has left a record there.
+    """The record of a multirun in a folder, or None if there is none.
 
     Raises
     ------
     InputError
-        If the file is no record of a multirun.
+        If the file is not a record of a multirun.
     """
     path = folder / RECORD
     if not path.is_file():

@@ -1,4 +1,4 @@
-"""What a sweep has to do: the blocks of its configuration by key, and the tasks they make."""
+"""The work of a sweep: the blocks of its configuration by key, grouped into tasks."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Plan = dict[str, Block]
 
 
 def make_plan(study: Study, config: Config) -> Plan:
-    """All blocks of a configuration by key; blocks with equal content are one.
+    """All blocks of a configuration by key; blocks with equal content are merged.
 
     Raises
     ------
     InputError
-        If there is nothing to do, or if the study refuses the configuration.
+        If there are no blocks, or if the study refuses the configuration.
     """
     plan: Plan = {}
     for block in study.engine(config).plan(config):
@@ -28,7 +28,7 @@ def make_plan(study: Study, config: Config) -> Plan:
 
 
 def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
-    """The blocks by group: one task per group, because its blocks share expensive inputs."""
+    """One task per group of blocks, because blocks of a group share expensive inputs."""
     groups: dict[str, Plan] = {}
     for key, block in plan.items():
         groups.setdefault(block.group, {})[key] = block

@@ -1,4 +1,4 @@
-"""How a sweep tells that it is alive."""
+"""Progress of a sweep, shown on the terminal or in a log."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress as RichProgress
     from rich.progress import Task, TaskID
 
-#: Seconds between two lines where there is no terminal.
+#: Seconds between two lines if there is no terminal.
 INTERVAL = 30.0
 
 
@@ -21,19 +21,19 @@ class Progress(Protocol):
     """What a sweep reports while it runs. `advance` may come from any thread."""
 
     def start(self, total_cases: int, reused: int) -> None:
-        """The sweep begins; of its cases `reused` are there already."""
+        """The sweep begins; `reused` of its cases are stored already."""
         ...
 
     def advance(self, cases: int) -> None:
-        """So many further cases are over, done or failed."""
+        """Add a number of finished cases, successful or failed."""
         ...
 
     def fail(self, label: str, reason: str, cases: int) -> None:
-        """So many of the cases that are over have failed."""
+        """Report that a number of the finished cases have failed."""
         ...
 
     def stop(self) -> None:
-        """The sweep is over, whichever way."""
+        """The sweep has ended, successfully or not."""
         ...
 
 
@@ -59,7 +59,7 @@ class LineProgress:
     Parameters
     ----------
     stream
-        Where the lines go; one that is gone is no reason to stop computing.
+        Where the lines go. If it is closed, the sweep goes on without output.
     clock
         Seconds, as `time.monotonic`.
     interval
@@ -79,30 +79,30 @@ class LineProgress:
         self._began = self._said = 0.0
 
     def start(self, total_cases: int, reused: int) -> None:
-        """Say how many there are, and begin to look at the clock."""
+        """Print the number of cases, and start the clock."""
         self._total, self._reused, self._done = total_cases, reused, reused
         self._began = self._said = self._clock()
         self._say(f"{total_cases} cases, {reused} of them stored already")
         threading.Thread(target=self._tick, daemon=True).start()
 
     def advance(self, cases: int) -> None:
-        """Count them."""
+        """Count finished cases."""
         with self._lock:
             self._done += cases
 
     def fail(self, label: str, reason: str, cases: int) -> None:
-        """Count them; the reasons are told at the end."""
+        """Count failed cases; the reasons are printed at the end of the sweep."""
         with self._lock:
             self._failed += cases
 
     def look(self) -> None:
-        """Say a line if it is time."""
+        """Print a line if the interval has passed."""
         if self._clock() - self._said >= self._interval:
             self._said = self._clock()
             self._say(self._line())
 
     def stop(self) -> None:
-        """Say the last line."""
+        """Print the last line."""
         self._over.set()
         self._say(self._line())
 
@@ -141,7 +141,7 @@ class BarProgress:
         self._failed = 0
 
     def start(self, total_cases: int, reused: int) -> None:
-        """Show the bar; cases that are there already count as done but not in the rate."""
+        """Show the bar; stored cases count as done but not in the rate."""
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
         from rich.text import Text
 
@@ -155,7 +155,7 @@ class BarProgress:
             RateColumn(""),
             TimeRemainingColumn(),
             console=self._console,
-            # A task is a whole group of blocks: over rich's 30 s there may be none or one.
+            # A task is a whole group of blocks: within rich's default of 30 s few or none may end.
             speed_estimate_period=600.0,
         )
         self._task = self._bar.add_task("", total=total_cases, completed=reused, failed="")
@@ -182,7 +182,7 @@ class BarProgress:
 
 
 def make_progress(quiet: bool) -> Progress:
-    """A bar on stderr if it is a terminal, else a line now and then."""
+    """A bar if stderr is a terminal, else a line at intervals."""
     if quiet:
         return SilentProgress()
     if not sys.stderr.isatty():
@@ -193,7 +193,7 @@ def make_progress(quiet: bool) -> Progress:
 
 
 def _duration(seconds: float) -> str:
-    """Seconds as people say them: 45 s, 12 min, 3 h 20 min."""
+    """A duration in seconds as text: 45 s, 12 min, 3 h 20 min."""
     if seconds < 90.0:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60.0)

@@ -1,4 +1,4 @@
-"""manifest.json: what made a run, without saying who or where."""
+"""manifest.json: how a run was made, without names of users, machines or folders."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ PACKAGES = (
 )
 
 CLUSTER_PACKAGES = ("dask", "distributed")
-#: Blocks whose seconds are listed one by one; of more only a summary is kept.
+#: With more blocks than this the manifest holds a summary of their seconds, not each value.
 MOST_BLOCKS = 1000
 SLOWEST = 10
 
@@ -50,22 +50,22 @@ def start_manifest(
     backend: str,
     workers: int,
 ) -> dict[str, Any]:
-    """The manifest of a run that begins now, ready for JSON; `state` is "running".
+    """The manifest of a run that begins now, as plain JSON data; `state` is "running".
 
     Parameters
     ----------
     study, config
         What is run.
     text
-        The configuration as config.yaml has it.
+        The text of config.yaml.
     argv
         The command line as given, or None when the run was started from Python.
     backend, workers
-        The joblib backend and how many workers it gets.
+        The joblib backend and its number of workers.
     """
     return {
         "state": "running",
-        "owtsweep": __version__,  # of this code, installed or not
+        "owtsweep": __version__,  # the version of this code, even if it is not installed
         "git": git_state(Path(__file__).resolve().parents[1]),
         "python": platform.python_version(),
         "packages": {
@@ -120,7 +120,7 @@ def finish_manifest(
 
 
 def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
-    """How long the blocks took: a summary, and each of them unless there are very many."""
+    """Summary of the blocks' seconds, and each value if there are at most `MOST_BLOCKS`."""
     slowest = sorted(blocks, key=lambda label: (-blocks[label], label))[:SLOWEST]
     listed = sorted(blocks) if len(blocks) <= MOST_BLOCKS else []
     return {
@@ -133,7 +133,7 @@ def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
 
 
 def read_earlier_seconds(folder: Path) -> dict[str, float]:
-    """The seconds of blocks that earlier sweeps of this run have computed, as far as listed."""
+    """The seconds of blocks from earlier sweeps of this run, as far as the manifest lists them."""
     try:
         each = _read_manifest(folder)["blocks"]["each"]
         return {str(label): float(seconds) for label, seconds in each.items()}
@@ -142,7 +142,7 @@ def read_earlier_seconds(folder: Path) -> dict[str, float]:
 
 
 def was_running(folder: Path) -> bool:
-    """Whether the manifest says `running`: a sweep of this run goes on, or was killed."""
+    """Whether the state is `running`: a sweep of this run is under way, or was killed."""
     try:
         return bool(_read_manifest(folder)["state"] == "running")
     except (OSError, ValueError, KeyError, TypeError):
@@ -156,8 +156,8 @@ def _read_manifest(folder: Path) -> Any:
 def git_state(package: Path) -> dict[str, str | bool] | None:
     """The commit, and whether the sources differ from it; None unless run from a checkout.
 
-    `package` is the folder of the package; a repository that merely holds the environment in which
-    the package is installed is not its checkout.
+    `package` is the folder of the package. A repository does not count as its checkout if it only
+    contains the environment in which the package is installed.
     """
     root = _git(package, "rev-parse", "--show-toplevel")
     if not root or Path(root.strip()).resolve() / "src" / package.name != package:
@@ -170,7 +170,7 @@ def git_state(package: Path) -> dict[str, str | bool] | None:
 
 
 def _without_places(config: Config) -> dict[str, Any]:
-    """The resolved configuration without what says where: a run folder may be given away."""
+    """The resolved configuration without folders and addresses, because a run may be published."""
     whole = as_mapping(config)
     del whole["results"]
     whole["compute"] = {k: v for k, v in whole["compute"].items() if k != "scheduler"}
@@ -185,7 +185,7 @@ def _git(folder: Path, *arguments: str) -> str | None:
             text=True,
             timeout=10.0,
             check=True,
-            # Looking must not take the lock that a user's own git command waits for.
+            # Without this git may take a lock that delays git commands of the user.
             env={**os.environ, "GIT_OPTIONAL_LOCKS": "0"},
         )
     except (OSError, subprocess.SubprocessError, UnicodeDecodeError):

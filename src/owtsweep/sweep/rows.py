@@ -1,4 +1,4 @@
-"""What the rows of a block must be, so that they can be found, sorted and counted later."""
+"""Checks that the rows of a block can later be identified, sorted and counted."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ STATUSES = (OK, FAILED, UNABLE)
 
 
 def require_rows(study: Study, config: Any, rows: pd.DataFrame) -> None:
-    """Refuse rows that no table could be made of, before they are stored.
+    """Refuse rows that could not be made into tables, before they are stored.
 
     Raises
     ------
     TypeError
-        If they are no DataFrame.
+        If they are not a DataFrame.
     ValueError
-        If a column is missing, or if a status is none.
+        If a column is missing, or if a status is unknown.
     """
     columns = getattr(rows, "columns", None)
     if columns is None:

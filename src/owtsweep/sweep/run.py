@@ -1,4 +1,4 @@
-"""A sweep from configuration to tables: the plan minus what is stored, then the aggregate."""
+"""A sweep: computes the blocks of the plan that are not stored, then writes the tables."""
 
 from __future__ import annotations
 
@@ -47,17 +47,16 @@ class Outcome:
     run
         The run it worked on.
     computed, reused
-        Cases computed now, and cases that were stored. With those of `failed` they make up the
-        plan.
+        Cases computed now, and cases stored before. Together with the cases of `failed` they are
+        the whole plan.
     failed
-        What failed now; the next sweep tries it again.
+        Cases that failed now; the next sweep tries them again.
     seconds
         Wall time.
     results
         The rows and tables; None if no case has succeeded.
     unable
-        Those of the cases computed or stored that have no number, for their scheme cannot work
-        there.
+        Cases, computed or stored, that have no number because their scheme cannot work there.
     """
 
     run: Run
@@ -70,7 +69,7 @@ class Outcome:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C, with how many of all cases are stored in the folder."""
+    """Ctrl-C during a sweep, with the number of stored cases and of all cases."""
 
     def __init__(self, folder: Path, stored: int, cases: int) -> None:
         self.folder, self.stored, self.cases = folder, stored, cases
@@ -88,31 +87,31 @@ def sweep(
     progress: Progress | None = None,
     argv: Sequence[str] | None = None,
 ) -> Outcome:
-    """Compute the cases of a configuration that are not stored yet, and aggregate all.
+    """Compute the cases of a configuration that are not stored yet, and aggregate all cases.
 
     Parameters
     ----------
     study, config
-        What to run; the configuration is checked already.
+        What to run; the configuration must be checked already.
     fresh
         Delete the stored cases of this run first.
     progress
-        Is told how far the sweep is; by default nobody is.
+        Receives the progress of the sweep; by default nothing is shown.
     argv
         The command line, for the manifest.
 
     Returns
     -------
     Outcome
-        Failed cases are told there and do not raise.
+        It lists failed cases; they raise no exception.
 
     Raises
     ------
     InputError
-        Before anything is written, if the configuration plans nothing or the folder refuses files.
+        Before anything is written, if the plan is empty or the folder cannot be written.
     Interrupted
-        A `KeyboardInterrupt`, after the workers were stopped. What is stored stays, and the next
-        sweep goes on from there.
+        A `KeyboardInterrupt`, after the workers were stopped. Stored blocks stay, and the next
+        sweep continues from there.
     """
     plan = make_plan(study, config)
     run = Run(run_folder(config), config, study)
@@ -143,7 +142,7 @@ def _prepare(run: Run, text: str, *, fresh: bool) -> None:
 
 
 def _require_same_run(run: Run) -> None:
-    """A folder named by the user must not mix two runs' tables."""
+    """Refuse a folder named by the user that holds another run: tables must not be mixed."""
     path = run.folder / "config.yaml"
     if path.is_file():
         # another study's keys would not be known
@@ -220,7 +219,7 @@ class _Sweep:
 
     def _compute(self, others: bool) -> None:
         store = self.run.store
-        if not others:  # what another sweep computes at this moment is new
+        if not others:  # what another sweep computes now counts as new
             self._drop_doubtful()
         missing = {key: block for key, block in self.plan.items() if store.status(key) != "done"}
         self.reused = self.cases - count_cases(missing)
@@ -229,7 +228,7 @@ class _Sweep:
             logger.warning("%d cases are recomputed: %s", cases, change)
         todo = make_tasks(missing)
         if others:
-            # Another sweep may be at work on this run: begun at the other end, both share it.
+            # Another sweep may work on this run: start at the other end, to share the work.
             todo.reverse()
         self.progress.start(self.cases, self.reused)
         with closing(self.executor.run(todo, self.progress.advance)) as results:
@@ -266,7 +265,7 @@ class _Sweep:
             self.progress.fail(failure.label, failure.reason, failure.cases)
 
     def _stored(self) -> int:
-        """How many cases the folder holds, those of tasks that did not report included."""
+        """How many cases the folder holds, including those of tasks that did not report."""
         store = self.run.store
         present = {path.name for path in store.cases.glob("part-*.parquet")}
         there = [block for key, block in self.plan.items() if store.path(key).name in present]
@@ -275,7 +274,7 @@ class _Sweep:
         return sum(block.cases for block in there) - failed
 
     def _aggregate(self) -> Results | None:
-        """Write the study's tables, if there is anything to put into them."""
+        """Write the study's tables, if any case has succeeded."""
         run = self.run
         rows, _ = run.stored()
         if rows is not None and (rows["status"] == UNABLE).any():
@@ -296,7 +295,7 @@ class _Sweep:
             write_atomically(
                 self.run.folder / "manifest.json", json.dumps(manifest, indent=2) + "\n"
             )
-        except OSError as error:  # the cases matter more
+        except OSError as error:  # the stored cases matter more than the manifest
             logger.warning("manifest.json could not be written (%s)", one_line(error))
 
 
@@ -325,11 +324,11 @@ def _executor(run: Run) -> Iterator[Executor]:
     executor = Executor(
         study=run.study,
         config=run.config,
-        # Absolute: workers outlive a sweep and keep the folder in which they were started.
+        # Absolute: workers outlive a sweep and keep their first working directory.
         store=Store(run.folder.absolute()),
         metadata=all_versions(run.study),
         backend=backend,
-        # joblib's count heeds the affinity mask and the quota of a container.
+        # joblib's count respects the affinity mask and the quota of a container.
         workers=compute.workers or (0 if backend == "dask" else cpu_count()),
     )
     if backend != "dask":

@@ -1,4 +1,4 @@
-"""A run as its readers see it: a folder with a configuration, cases and tables."""
+"""A run for reading: a folder with a configuration, cases and tables."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Results:
 
 @dataclass(frozen=True)
 class Run:
-    """One run: finished, interrupted or still going on.
+    """One run: finished, interrupted or still under way.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Run:
 
     @property
     def engine(self) -> Engine:
-        """What plans, runs and draws this configuration."""
+        """The engine that plans, runs and draws this configuration."""
         return self.study.engine(self.config)
 
     def cases(self) -> pd.DataFrame:
@@ -73,7 +73,7 @@ class Run:
         Raises
         ------
         InputError
-            If none is stored.
+            If no case is stored.
         """
         return as_text(self._finished())
 
@@ -92,11 +92,11 @@ class Run:
         return rows
 
     def stored(self) -> tuple[pd.DataFrame | None, int]:
-        """The rows of `cases`, or None if there are none, and how many blocks are missing.
+        """The rows of `cases`, or None if there are none, and the number of missing blocks.
 
-        Read are exactly the shards of the plan, never what else lies in the folder. The rows are
-        sorted, so that nothing summed over them depends on the order of the grid. Their text
-        columns are categorical: millions of rows fit into memory.
+        Only the shards of the plan are read, no other files in the folder. The rows are sorted, so
+        that sums over them do not depend on the order of the grid. Text columns are categorical, so
+        that millions of rows fit into memory.
         """
         rows, missing = self.store.read_all(make_plan(self.study, self.config))
         if rows is not None:
@@ -104,7 +104,7 @@ class Run:
         return rows, len(missing)
 
     def unable(self) -> list[Setback]:
-        """The stored cases that no number exists for, by block and reason; reads all shards."""
+        """Stored cases that their scheme cannot compute, by block and reason; reads all shards."""
         setbacks = []
         for key, block in make_plan(self.study, self.config).items():
             if UNABLE in (self.store.statuses(key) or ()):
@@ -130,20 +130,20 @@ class Run:
         }
 
     def draw(self, only: str | None = None, results: Results | None = None) -> list[Path]:
-        """Draw all figures of the run, or the one of that name, into its folder figures/.
+        """Draw all figures of the run, or a single one, into its folder figures/.
 
         Parameters
         ----------
         only
-            The name of the one to draw.
+            The name of a single figure to draw.
         results
-            What to draw, if it is at hand; otherwise the shards are read.
+            The results to draw, if they are in memory; otherwise the shards are read.
 
         Returns
         -------
         list of Path
-            The files. A figure that this run cannot have (of no scheme that it holds, say) is left
-            out with a logged warning, unless it is the one asked for.
+            The files. A figure that this run cannot have (e.g. because a scheme is missing) is left
+            out with a logged warning, unless it is `only`.
 
         Raises
         ------
@@ -156,14 +156,14 @@ class Run:
             bool((rows["status"] == OK).any()),
             f"{self.folder}: no case has succeeded, so there is nothing to draw; see its run.log",
         )
-        if tables is None:  # of these rows, whatever the files say
+        if tables is None:  # made of these rows, not read from files
             tables = self.engine.tables(self.config, rows)
         folder.mkdir(exist_ok=True)
         drawings = self.engine.drawings(self.config, tables, rows, self.metadata())
         return draw_each(drawings, folder, only)
 
     def metadata(self) -> dict[str, str]:
-        """What figures say about the run that they are of."""
+        """Facts about the run that its figures store."""
         return {"run": self.hash, "folder": self.folder.name}
 
     def summary(self) -> pd.DataFrame:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Setback:
-    """Cases of a block that have no number for one reason: they failed, or are impossible."""
+    """Cases of a block without a number for the same reason: they failed, or are impossible."""
 
     label: str
     reason: str
@@ -23,9 +23,9 @@ class Setback:
 def collect_setbacks(block: Block, rows: pd.DataFrame, status: str) -> list[Setback]:
     """The cases of a block whose rows have this status, by reason."""
     if "status" not in rows.columns or "reason" not in rows.columns:
-        return []  # sealing refuses them
+        return []  # such rows are refused when they are sealed
     if not (rows["status"].to_numpy() == status).any():
-        return []  # pandas takes longer to count nothing than a shard takes to be written
+        return []  # saves time: counting nothing with pandas takes longer than writing a shard
     reasons = rows.loc[rows["status"] == status, "reason"].fillna("no reason given").value_counts()
     each = block.cases_per_row
     return [Setback(block.label, str(reason), each * int(n)) for reason, n in reasons.items()]

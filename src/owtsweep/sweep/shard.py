@@ -1,8 +1,8 @@
-"""The bytes of a shard: a Parquet file that proves by itself that it is whole and the right one.
+"""The bytes of a shard: a Parquet file with a seal that shows any damage or mistaken identity.
 
-Parquet's page checksums cover the pages alone: a flipped byte in a page header or in the footer
-(column names, row counts, our versions) passes unseen. So the whole file carries a seal, a digest
-in its own metadata, computed over the file with the digest's place filled with zeros. The page
+Parquet's page checksums cover only the pages: a flipped byte in a page header or in the footer
+(column names, row counts, our versions) is not noticed. So each file carries a seal. This is a
+digest in the file's metadata, computed over the file with zeros in place of the digest. The page
 checksums are there for other readers.
 """
 
@@ -20,7 +20,7 @@ import pyarrow.parquet as pq
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Prefix of all metadata that are ours.
+#: Prefix of all metadata keys of this package.
 PREFIX = "owtsweep."
 _SEAL = b"blake2b:"
 _SEAL_BYTES = 16
@@ -32,7 +32,7 @@ class DamagedShard(Exception):
 
 
 def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
-    """Rows as a sealed Parquet file; the same rows and metadata give the same bytes.
+    """Rows as a sealed Parquet file; equal rows and metadata give equal bytes.
 
     Parameters
     ----------
@@ -43,11 +43,11 @@ def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
     metadata
         Further entries for the file's metadata, e.g. versions; stored under `owtsweep.<name>`.
     """
-    # Column by column: `Table.from_pandas` takes longer than all the rest of this.
+    # Column by column: `Table.from_pandas` takes longer than the rest of this function.
     table = pa.table({str(name): pa.array(rows[name].array, from_pandas=True) for name in rows})
     entries = {**metadata, "key": key}
     buffer = io.BytesIO()
-    # Uncompressed: pages of a hundred rows do not get smaller, and it halves the time of a read.
+    # Uncompressed: pages of a hundred rows would not get smaller, and reading takes half the time.
     with pq.ParquetWriter(
         buffer, table.schema, compression="none", write_page_checksum=True
     ) as writer:
@@ -67,7 +67,7 @@ def decode(data: bytes, key: str) -> Any:
     Raises
     ------
     DamagedShard
-        If one byte differs from what was written, or if it is the shard of another block.
+        If any byte differs from what was written, or if it is the shard of another block.
     """
     with _refusal():
         # Shards are small: Arrow's threads cost more than they save.
@@ -75,12 +75,12 @@ def decode(data: bytes, key: str) -> Any:
 
 
 def distinct(data: bytes, key: str, column: str) -> frozenset[str]:
-    """The values of a text column of a sealed file; no page is read if they are all the same.
+    """The distinct values of a text column of a sealed file; reads no page if all are the same.
 
     Raises
     ------
     DamagedShard
-        As `decode`: all bytes are verified all the same.
+        As `decode`: all bytes are verified here too.
     """
     with _refusal():
         file = _opened(data, key)
@@ -95,7 +95,7 @@ def distinct(data: bytes, key: str, column: str) -> frozenset[str]:
 
 
 def _opened(data: bytes, key: str) -> Any:
-    # The seal comes first: the parser never sees bytes that are not ours.
+    # The seal is checked first, so the parser never sees damaged bytes.
     place = data.rfind(_SEAL) + len(_SEAL)
     end = place + len(_BLANK)
     if place < len(_SEAL) or end > len(data):

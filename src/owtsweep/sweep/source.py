@@ -1,4 +1,4 @@
-"""What a user's code is, for the key of a block: the sources that its results depend on."""
+"""Identify a user's code in the key of a block by hashes of the sources that it depends on."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-#: Stands for a source that cannot be read, e.g. of a class that was typed into a notebook.
+#: Stands for a source that cannot be read, e.g. of a class defined in a notebook.
 UNKNOWN = "unknown"
 
 
@@ -24,8 +24,8 @@ def describe_source(code: type) -> dict[str, Any]:
     -------
     dict
         `source`: the hash of its module's source, or `UNKNOWN`. `modules`: name -> hash of each
-        other module of the user's that this one imports, directly or not; absent if there is none.
-        `version`: what the class says of itself, as text; absent if it says nothing.
+        other module of the user that it imports, directly or indirectly; absent if there is none.
+        `version`: the version that the class declares, as text; absent if it declares none.
     """
     module = inspect.getmodule(code)
     entry: dict[str, Any] = {"source": _read_source(module or code)}
@@ -39,7 +39,7 @@ def describe_source(code: type) -> dict[str, Any]:
 
 
 def explain_doubt(code: type) -> str:
-    """Why stored results of a user's class may be stale, in one line; empty if they are not."""
+    """Why stored results of a user's class may be stale, in one line; empty if they cannot be."""
     entry = describe_source(code)
     if "version" in entry:
         return ""
@@ -63,7 +63,7 @@ def _read_source(code: ModuleType | type) -> str:
 
 
 def _hash_imports(module: ModuleType) -> dict[str, str]:
-    """Name -> hash of the user's modules that a module imports, whatever imports them."""
+    """Name -> hash of the user's modules that a module imports, directly or indirectly."""
     hashes: dict[str, str] = {}
     waiting = [(module.__name__, _file_of(module.__name__))]
     package = module.__name__.partition(".")[0]
@@ -79,7 +79,7 @@ def _hash_imports(module: ModuleType) -> dict[str, str]:
 
 
 def _find_imports(name: str, file: Path | None) -> Iterator[str]:
-    """The modules that a file names in its import statements, those inside functions too."""
+    """The modules that a file names in import statements, including those inside functions."""
     if file is None or file.suffix != ".py":
         return
     try:
@@ -99,7 +99,7 @@ def _find_imports(name: str, file: Path | None) -> Iterator[str]:
 
 
 def _file_of(name: str) -> Path | None:
-    """The file of a module, or None for what is no module or has no file."""
+    """The file of a module, or None if there is no such module or it has no file."""
     try:
         spec = importlib.util.find_spec(name)
     except (ImportError, AttributeError, ValueError):
@@ -108,7 +108,7 @@ def _file_of(name: str) -> Path | None:
 
 
 def _is_users(name: str, file: Path | None, package: str) -> bool:
-    """Whether a module is the user's: of the same package, or neither Python's nor installed."""
+    """Whether a module belongs to the user: in the same package, or not in Python or installed."""
     top = name.partition(".")[0]
     if file is None or top in sys.stdlib_module_names or top == "owtsweep":
         return False

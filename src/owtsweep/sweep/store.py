@@ -1,7 +1,7 @@
 """The store of a run: a folder of immutable shards, one per block, named by the block's key.
 
-No lock and no index: a shard is whole or absent, its name says what it holds, and two processes
-that write the same one write the same rows.
+It needs no lock and no index: a shard is whole or absent, its name says what it holds, and two
+processes that write the same shard write the same rows.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Store:
         return self.folder / "cases"
 
     def path(self, key: str) -> Path:
-        """Where the shard of a block lives."""
+        """The path of the shard of a block."""
         return self.cases / f"part-{key}.parquet"
 
     def write(self, key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> None:
@@ -56,7 +56,7 @@ class Store:
         rows
             Its rows, with the columns `status` and `reason`.
         metadata
-            What else the file says about itself: versions.
+            Further entries stored in the file: versions.
 
         Raises
         ------
@@ -68,7 +68,7 @@ class Store:
         self.write_sealed(key, seal(key, rows, metadata))
 
     def write_sealed(self, key: str, data: bytes) -> None:
-        """Write a shard whose bytes are made already (`seal`), whole or not at all.
+        """Write a shard given as bytes (made by `seal`), whole or not at all.
 
         Raises
         ------
@@ -88,8 +88,8 @@ class Store:
     def read_all(self, keys: Iterable[str]) -> tuple[pd.DataFrame | None, list[str]]:
         """The rows of many blocks in the order of the keys, and the keys that are missing.
 
-        The first is None if all are missing. Columns that an older shard lacks are empty there;
-        text columns are categorical (`owtsweep.sweep.gather`).
+        The rows are None if all are missing. If an older shard lacks a column, its rows are empty
+        in that column. Text columns are categorical (`owtsweep.sweep.gather`).
         """
         missing: list[str] = []
 
@@ -104,9 +104,9 @@ class Store:
         return gather(tables()), missing
 
     def status(self, key: str) -> Status:
-        """Whether a block is missing, done, or failed: stored, but with a failed case in it.
+        """Whether a block is missing, done, or failed (stored with at least one failed case).
 
-        A case that no scheme can work out is done: it is not tried again.
+        A case that its scheme cannot compute counts as done: it is not tried again.
         """
         statuses = self.statuses(key)
         if statuses is None:
@@ -114,17 +114,17 @@ class Store:
         return "failed" if FAILED in statuses else "done"
 
     def statuses(self, key: str) -> frozenset[str] | None:
-        """What became of a block's cases (`owtsweep.results.status`); None if it is missing."""
+        """The statuses of a block's cases (`owtsweep.results.status`); None if it is missing."""
         return self._verified(key, _statuses)
 
     def clear(self) -> None:
-        """Delete all shards, the damaged ones included."""
-        # By name, not the folder: what others have put there is not ours to delete.
+        """Delete all shards, including damaged ones."""
+        # By name, not the whole folder: other files in it are kept.
         for path in self.cases.glob("*part-*.parquet*"):
             path.unlink(missing_ok=True)
 
     def _verified(self, key: str, look: Callable[[bytes, str], T]) -> T | None:
-        """What `look` sees in the shard, or None if it is missing or damaged."""
+        """The result of `look` on the shard's bytes, or None if it is missing or damaged."""
         path = self.path(key)
         try:
             return look(path.read_bytes(), key)
@@ -165,7 +165,7 @@ def _set_aside(path: Path, reason: str) -> None:
     try:
         path.rename(target)
     except OSError as error:
-        # Somebody else's read-only results, or another process was faster: still no shard.
+        # The folder is read-only, or another process renamed it first: the shard is missing anyway.
         logger.warning("%s is damaged: %s; it is ignored (%s)", path.name, reason, error)
     else:
         logger.warning("%s is damaged: %s; kept as %s", path.name, reason, target.name)

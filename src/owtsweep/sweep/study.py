@@ -1,6 +1,6 @@
-"""What a study is, as far as the machinery of a sweep needs to know.
+"""The protocols that a study implements for the machinery of a sweep.
 
-`owtsweep.sweep` plans, runs, stores, resumes and draws by these protocols alone. It imports no
+`owtsweep.sweep` plans, runs, stores, resumes and draws through these protocols only. It imports no
 study, and never looks inside the content of a block.
 """
 
@@ -45,17 +45,17 @@ class Block:
         Blocks of one group share expensive inputs (the motion and the noise of a record), so one
         task runs them together.
     label
-        How messages name the block.
+        The name of the block in messages.
     content
-        Everything that the block's rows depend on and nothing else, as plain JSON data. Its hash
-        is the block's key, so two blocks of equal content are the same block.
+        Everything that the block's rows depend on and nothing else, as plain JSON data. It
+        determines the block's key, so two blocks of equal content are the same block.
     cases
         How many cases it holds.
     cases_per_row
-        How many cases a row stands for. A row without a number leaves so many of them open.
+        How many cases a row stands for; a row without a number counts as this many cases.
     anew
-        Why the block is computed anew even if it is stored, e.g. because its key cannot cover the
-        code that it depends on; empty for most.
+        Why the block is computed again even if it is stored, e.g. because its key cannot cover the
+        code that it depends on; empty for most blocks.
     """
 
     group: str
@@ -67,9 +67,9 @@ class Block:
 
 
 def add_versions(base: int, *rooms: ModuleType) -> int:
-    """A study's `numerics_version`: its own base, and the `NUMERICS_VERSION` of the rooms it uses.
+    """A study's `numerics_version`: its base plus the `NUMERICS_VERSION` of the packages it uses.
 
-    It rises as soon as one of them rises. None may ever fall.
+    The sum rises as soon as one of them rises. None of them may ever be lowered.
     """
     return base + sum(int(room.NUMERICS_VERSION) for room in rooms)
 
@@ -77,7 +77,7 @@ def add_versions(base: int, *rooms: ModuleType) -> int:
 class Engine(Protocol):
     """One way to answer a study's question, from its plan to its figures."""
 
-    #: Whether the rows are samples (of records, say), so that means over them have intervals.
+    #: Whether the rows are samples (e.g. of records), so that means over them have intervals.
     samples: bool
 
     def plan(self, config: Any) -> list[Block]:
@@ -89,7 +89,7 @@ class Engine(Protocol):
         ...
 
     def run(self, config: Any, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-        """Run blocks of one group; yields each with its rows as soon as it is done.
+        """Run blocks of one group; yield each block with its rows as soon as it is done.
 
         Rows have at least the columns `status` (`owtsweep.results.status`) and `reason`, which is
         "" where the status is "ok".
@@ -108,7 +108,7 @@ class Engine(Protocol):
         ...
 
     def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """What the terminal shows at the end of a sweep: the answer in a few lines."""
+        """The result in a few lines, shown on the terminal at the end of a sweep."""
         ...
 
     def drawings(
@@ -118,11 +118,11 @@ class Engine(Protocol):
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """What draws each figure of a run, by the figure's name; `metadata` goes into the files."""
+        """Figure name -> function that draws the figure; `metadata` is stored in the files."""
         ...
 
     def overview(self, config: Any) -> str:
-        """The name of the one figure that tells the result, which a sweep draws at its end."""
+        """The name of the figure that shows the main result; a sweep draws it at its end."""
         ...
 
 
@@ -130,9 +130,9 @@ class Study(Protocol):
     """A family of experiments with one configuration schema."""
 
     name: str
-    #: Raised when the columns of a shard change.
+    #: Increased when the columns of a shard change.
     schema_version: int
-    #: Raised by hand whenever the numbers of a block change for the same content.
+    #: Increased by hand whenever the numbers of a block change for the same content.
     numerics_version: int
 
     def config_type(self) -> type[Config]:
@@ -144,25 +144,25 @@ class Study(Protocol):
         ...
 
     def engine(self, config: Any) -> Engine:
-        """What plans, runs and draws this configuration."""
+        """The engine that plans, runs and draws this configuration."""
         ...
 
 
 @runtime_checkable
 class Judged(Protocol):
-    """A study whose subject was published, so that a run can be held against the print."""
+    """A study with published results that a run can be compared with."""
 
     def write_fidelity(
         self, config: Any, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]
     ) -> list[Path]:
-        """Judge a run with samples; writes `fidelity.html` and more, and returns all files.
+        """Judge a run with samples; write `fidelity.html` and other files, and return all of them.
 
         Parameters
         ----------
         config, rows
             The run's configuration, and its cases as `Run.cases` returns them.
         folder
-            Made if it does not exist.
+            Created if it does not exist.
         metadata
             Stored in the figures; its `folder` names the run.
         """
@@ -176,5 +176,5 @@ class Spectral(Protocol):
     def write_spectrum(
         self, config: Any, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
-        """Write figures and tables into `folder`, which is made; the files, and what to print."""
+        """Write figures and tables into a new `folder`; return the files and the text to print."""
         ...

@@ -1,4 +1,4 @@
-"""Which keys tell runs apart, in which order the runs stand, and which are neighbours."""
+"""Find the keys in which runs differ, the order of the runs, and which runs are neighbours."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import Any
 from owtsweep.comparing.comparison import Pair
 from owtsweep.comparing.values import identify
 
-#: Sections and keys that say over which grid, where and how a run is computed: not swept.
+#: Sections and keys that say on which grid, where and how a run is computed; these are not swept.
 NOT_SWEPT = frozenset({"grid", "schemes", "compute", "results", "name", "config_version"})
-#: The key that stands in where no key tells two runs apart: the name of the run folder.
+#: The name of the run folder, used as a key if no other key distinguishes two runs.
 RUN = "run"
 FIRST = "first run"
 
 
 def flatten(config: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Dotted key -> value of a configuration as plain mappings; lists are values."""
+    """Dotted key -> value of a configuration given as nested mappings; lists count as values."""
     flat: dict[str, Any] = {}
     for key, value in config.items():
         if isinstance(value, Mapping) and value:
@@ -30,17 +30,17 @@ def flatten(config: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 def swept_keys(
     configs: Sequence[Mapping[str, Any]], preferred: Sequence[str] = ()
 ) -> tuple[list[str], list[str]]:
-    """The fewest keys that tell the configurations apart, and those that merely follow them.
+    """The fewest keys that distinguish the configurations, and the keys that follow from them.
 
-    A tuning changes dozens of keys at once; `tuning` alone tells the runs apart, so the others
-    follow. A key is kept unless those kept before it determine its value.
+    A tuning changes dozens of keys at once. `tuning` alone distinguishes the runs, so the others
+    follow from it. A key is kept unless the keys kept before it determine its value.
 
     Parameters
     ----------
     configs
         Configurations as plain mappings.
     preferred
-        Keys to consider first: those that the user swept.
+        Keys to consider first: the keys that the user swept.
     """
     flat = [
         {key: item for key, item in flatten(c).items() if key.split(".")[0] not in NOT_SWEPT}
@@ -50,7 +50,7 @@ def swept_keys(
     ids = {key: [identify(config.get(key)) for config in flat] for key in keys}
     differing = [key for key in keys if len(set(ids[key])) > 1]
     order = {key: place for place, key in enumerate(preferred)}
-    # Names at the top (tuning, experiment) stand for the sections that they set.
+    # Top-level names (tuning, experiment) come first: they determine whole sections.
     differing.sort(key=lambda key: (order.get(key, len(order)), key.count(".") > 0))
     kept: list[str] = []
     for key in differing:
@@ -63,12 +63,13 @@ def swept_keys(
 
 
 def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pair]:
-    """Neighbours along each key, all other keys being equal, and each run with the first one.
+    """Pairs of neighbours along each key with all other keys equal; and each run with the first.
 
     Parameters
     ----------
     places
-        Per run the place of its value on the axis of each key (`comparing.values.rank_values`).
+        For each run, the index of its value on the axis of each key
+        (`comparing.values.rank_values`).
     keys
         The keys.
     """

@@ -1,4 +1,4 @@
-"""Whether a machine elsewhere sees the run folder: only then can it read the token in there."""
+"""A token file in the run folder: a machine that finds it shares the folder."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from pathlib import Path
 def shared_token(folder: Path) -> Iterator[str | None]:
     """The name of a file in the run folder that exists while the context is open.
 
-    The name is random: a folder of the same path on another machine does not have it. None if the
-    file cannot be written; then workers hand their shards back.
+    The name is random, so a folder with the same path on another machine does not contain it. The
+    name is None if the file cannot be written; then workers send their shards back.
     """
-    # The form of a temporary file: one that a killed sweep leaves is cleaned up with those.
+    # Named like a temporary file, so that one left by a killed sweep is cleaned up too.
     path = folder / f".shared.{secrets.token_hex(8)}.tmp"
     try:
         path.touch(exist_ok=False)

@@ -1,4 +1,4 @@
-"""Versions, which decide whether a stored block is what this program would compute today."""
+"""Versions, which decide whether stored blocks equal what this program would compute now."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from owtsweep.sweep.shard import PREFIX
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import Study
 
-#: The versions of so many shards outside the plan are read: enough to meet each one in use.
+#: The number of shards outside the plan whose versions are read: enough to find all versions.
 SAMPLE = 64
 KINDS = ("schema_version", "numerics_version")
 
 
 def shard_metadata(study: Study) -> dict[str, str | int]:
-    """What every shard of a study says about itself, besides its key."""
+    """The metadata of every shard of a study, besides its key."""
     return {
         "study": study.name,
         "schema_version": study.schema_version,
@@ -39,7 +39,7 @@ def all_versions(study: Study) -> dict[str, str]:
 
 @cache
 def package_version(name: str) -> str | None:
-    """The installed version of a package, or None, e.g. for a checkout that is not installed."""
+    """The installed version of a package; None if it is not installed."""
     try:
         return version(name)
     except PackageNotFoundError:
@@ -47,7 +47,7 @@ def package_version(name: str) -> str | None:
 
 
 def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
-    """Why a worker with these sources must not compute for a coordinator; empty if it may."""
+    """Why a worker whose versions are not the expected ones is refused; empty if they agree."""
     ours = all_versions(study)
     differing = [name for name, value in expected.items() if ours.get(name, value) != value]
     if not differing:
@@ -58,7 +58,7 @@ def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
 
 @dataclass(frozen=True)
 class _OtherVersion:
-    """A study of which only what makes a key is known."""
+    """A study reduced to the three values that a block's key depends on."""
 
     name: str
     schema_version: int
@@ -68,8 +68,9 @@ class _OtherVersion:
 def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str, int]:
     """How many of the missing cases are stored in another version: `change -> cases`.
 
-    Versions are part of a block's key, so the plan does not name such shards. A sample of them
-    says which versions there are; with those, the names of their blocks are computed.
+    Versions are part of a block's key, so shards of other versions have names outside the plan. A
+    sample of them shows which versions exist; then the names that the missing blocks would have
+    in those versions are looked up.
     """
     if not missing:
         return {}
@@ -91,7 +92,7 @@ def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dic
 
 
 def _versions(store: Store, names: list[str]) -> set[tuple[int, int]]:
-    # Keys are hashes, so any evenly spaced names are a fair sample.
+    # Keys are hashes, so evenly spaced names are a random sample.
     step = max(1, len(names) // SAMPLE)
     pairs = (_stored_versions(store.cases / name) for name in islice(names, 0, None, step))
     return {pair for pair in pairs if pair is not None}

@@ -1,7 +1,7 @@
-"""What happens in a worker: a thread, a process or a machine elsewhere computes and stores blocks.
+"""The code of a worker (a thread, a process or another machine), which computes and stores blocks.
 
-A worker writes each shard itself as soon as the block is done, or hands it back if it does not see
-the run folder. It catches every exception: joblib gives up its whole queue for one that escapes.
+A worker writes each shard as soon as the block is done, or returns it if it does not see the run
+folder. It catches every exception, because joblib drops its whole queue if one escapes.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from owtsweep.sweep.versions import tell_other_versions
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A full disk stays full: after one of these errors a sweep computes no further.
+#: Errors of a full disk; after one of them a sweep stops.
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 NOT_COMPUTED = "not computed, because the disk is full"
 
@@ -47,7 +47,7 @@ class Returned:
 
 @dataclass(frozen=True)
 class TaskResult:
-    """What became of a task.
+    """The result of a task.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class TaskResult:
     computed, reused
         Cases computed, and cases that another sweep had stored meanwhile.
     failures
-        The rest, unless the sweep was stopped.
+        Cases that failed. Unless the sweep was stopped, these are all other cases.
     details
         A traceback, or empty.
     seconds
@@ -68,7 +68,7 @@ class TaskResult:
     disk_full
         Whether a shard met a full disk.
     told
-        Cases that a thread has told of already.
+        Cases that a thread has already reported to the progress.
     """
 
     task: int
@@ -85,7 +85,7 @@ class TaskResult:
 
 @dataclass(frozen=True)
 class Work:
-    """What a worker has to know; it travels to processes and to other machines.
+    """What a worker needs to know; it is pickled for processes and other machines.
 
     Attributes
     ----------
@@ -94,11 +94,11 @@ class Work:
     store
         Where the shards go.
     metadata
-        What every shard says about itself: the versions of the coordinator.
+        Entries stored in every shard: the versions of the coordinator.
     place
-        What the worker is to the coordinator.
+        Where the worker runs, seen from the coordinator.
     token
-        The name of a file in the run folder; a machine elsewhere that sees it sees the folder.
+        The name of a file in the run folder; a machine that finds this file shares the folder.
     """
 
     study: Study
@@ -109,7 +109,7 @@ class Work:
     token: str | None = None
 
     def shares_folder(self) -> bool:
-        """Whether the worker sees the run folder, and not just a folder of that name."""
+        """Whether the worker sees the run folder itself, not another folder with the same path."""
         if self.place != "cluster":
             return True
         return self.token is not None and (self.store.folder / self.token).is_file()
@@ -117,7 +117,7 @@ class Work:
 
 @dataclass(frozen=True)
 class Local:
-    """What only threads share with the coordinator: a flag that stops them, and what to tell."""
+    """What only threads share with the coordinator: a stop flag and a progress callback."""
 
     stop: threading.Event
     tell: Callable[[int], None]
@@ -126,7 +126,7 @@ class Local:
 def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) -> TaskResult:
     """Run the blocks of one task and store each as soon as it is done.
 
-    A block that raises fails alone: the study is asked again for the blocks after it.
+    A block that raises fails alone: the study then runs the blocks after it.
     """
     differs = tell_other_versions(work.study, work.metadata)
     if differs:
@@ -177,7 +177,7 @@ class _Task:
         while self.left and not self._stopped():
             try:
                 self._run_study()
-            except (Exception, SystemExit) as error:  # a study's code that exits ends no sweep
+            except (Exception, SystemExit) as error:  # sys.exit() must not end the sweep
                 self._fail(next(iter(self.left)), one_line(error))
                 self.details.append(traceback.format_exc())
         if self.disk_full:
@@ -199,7 +199,7 @@ class _Task:
             self._fail(key, "RuntimeError: the study gave no rows for it")
 
     def _skip_stored(self) -> None:
-        """Another sweep on the same folder may have been faster."""
+        """Skip blocks that another sweep on the same folder has stored meanwhile."""
         for key, block in list(self.left.items()):
             if self.shares and self.work.store.status(key) == "done":
                 del self.left[key]
@@ -232,7 +232,7 @@ class _Task:
         try:
             self.work.store.write_sealed(key, data)
         except OSError:
-            # Elsewhere the folder may be there to be read only.
+            # On another machine the folder may be read-only.
             if self.work.place != "cluster":
                 raise
             return False
@@ -258,11 +258,11 @@ def one_line(error: BaseException) -> str:
 
 
 def is_disk_full(error: BaseException) -> bool:
-    """Whether this is the file system saying that nothing more fits."""
+    """Whether an error means that the disk is full."""
     return isinstance(error, OSError) and error.errno in DISK_FULL
 
 
 def _leave_interrupts_to_the_coordinator() -> None:
-    # Ctrl-C reaches the whole process group. A worker that died of it would break the pool.
+    # Ctrl-C reaches the whole process group. A worker killed by it would break the pool.
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,4 +1,4 @@
-"""The contracts of schemes, sources of motion and studies, as checks to run on your own."""
+"""Checks of the contracts of schemes, sources of motion and studies, for users to run."""
 
 from owtsweep.testing.schemes import (
     check_declaration,

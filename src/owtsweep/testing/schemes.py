@@ -1,11 +1,11 @@
-"""The contract of a scheme as checks that anybody can run on theirs.
+"""Checks of the contract of a scheme, for schemes of users too.
 
     from owtsweep.testing import check_scheme
 
     def test_my_scheme():
         check_scheme(MyScheme())
 
-Every check raises `AssertionError` with one line that says what of the contract is broken. The
+Every check raises `AssertionError` with one line that names the broken part of the contract. The
 four schemes of the hub study pass the same checks. The contract itself is in
 `owtsweep.studies.hub.contract`.
 """
@@ -25,7 +25,7 @@ from owtsweep.studies.hub.public import Scheme, Sensors, require_scheme, traject
 
 #: Steps of a check: enough for several fixes at every example's rate.
 STEPS = 64
-#: Largest difference of what must be equal, relative to the largest magnitude.
+#: Largest difference of values that must be equal, relative to the largest magnitude.
 TOLERANCE = 1e-9
 
 
@@ -39,14 +39,14 @@ def check_scheme(
     scheme
         An object with `name`, `linear`, `start(sensors, tuning)` and perhaps `kernel`.
     tuning
-        What `start` is given; the default study's configuration if None.
+        The argument `tuning` of `start`; if None, the configuration of the default study.
     sensors
-        For which sensors to check it; `example_sensors()` if None.
+        The sensors to check it with; if None, `example_sensors()`.
 
     Raises
     ------
     AssertionError
-        With one line naming the scheme and what of the contract it breaks.
+        With one line that names the scheme and the broken part of the contract.
     """
     check_declaration(scheme)
     if tuning is None:
@@ -62,7 +62,7 @@ def check_scheme(
 
 
 def example_sensors() -> list[Sensors]:
-    """Sensors of different rates, delays and yaws: none late, late, later than the next fix."""
+    """Sensors of different rates and yaws, with no delay, some, and more than a fix interval."""
 
     def sensors(
         rate: float, fix_interval: int, delay: int, yaw: float, gravity: tuple[float, float]
@@ -80,7 +80,7 @@ def example_sensors() -> list[Sensors]:
 
 
 def check_declaration(scheme: Any) -> None:
-    """`name`, `linear` and `start` are there."""
+    """The scheme has `name`, `linear` and `start`."""
     try:
         require_scheme(scheme, type(scheme).__name__)
     except InputError as error:
@@ -88,7 +88,7 @@ def check_declaration(scheme: Any) -> None:
 
 
 def check_estimates(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
-    """Estimates have the right shapes, are finite, and their covariances are covariances."""
+    """Estimates have the right shapes and are finite; covariances are valid covariances."""
     for size in (1.0, 1e3):
         force, fixes = _data(sensors, size)
         for k, estimate in enumerate(_run(scheme, sensors, tuning, force, fixes)):
@@ -109,13 +109,13 @@ def check_estimates(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_starts(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
-    """Every `start` gives a fresh estimator: two are independent and do the same."""
+    """Every `start` gives a new estimator: two are independent and give equal estimates."""
     force, fixes = _data(sensors)
     alone = _states(_run(scheme, sensors, tuning, force, fixes))
     first, second = scheme.start(sensors, tuning), scheme.start(sensors, tuning)
     assert first is not second, f"{scheme.name}: start returns the same estimator twice"
     pair = np.empty((2, STEPS, 4))
-    for k in range(STEPS):  # two estimators at once, the second on other data
+    for k in range(STEPS):  # run two estimators in turn, the second on other data
         for i, (estimator, sign) in enumerate(((first, 1.0), (second, -2.0))):
             estimate = estimator.update(sign * force[k], _fix(sensors, sign * fixes, k))
             pair[i, k] = _state(estimate)
@@ -126,7 +126,7 @@ def check_starts(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_inputs(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
-    """Arrays that go in stay as they are, and may be reused by the caller."""
+    """Input arrays are not changed, and the caller may reuse them."""
     force, fixes = _data(sensors)
     expected = _states(_run(scheme, sensors, tuning, force, fixes))
     estimator = scheme.start(sensors, tuning)
@@ -165,7 +165,7 @@ def check_superposition(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_kernel(scheme: Any, sensors: Sensors, tuning: Any) -> None:
-    """The batch engine's form of the scheme gives the estimates of `update`."""
+    """The scheme's kernel, used by the batch engine, gives the same estimates as `update`."""
 
     force, fixes = _data(sensors)
     expected = _states(_run(scheme, sensors, tuning, force, fixes))
@@ -206,7 +206,7 @@ def _state(estimate: Estimate) -> Array:
 
 
 def _states(estimates: list[Estimate]) -> Array:
-    """(steps, 4), taken after the run, so that a reused output array shows."""
+    """(steps, 4) states, read after the run, so that a reused output array is detected."""
     return np.array([_state(estimate) for estimate in estimates])
 
 

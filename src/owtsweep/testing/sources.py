@@ -1,11 +1,11 @@
-"""The contract of a source of motion as checks that anybody can run on theirs.
+"""Checks of the contract of a source of motion, for sources of users too.
 
     from owtsweep.testing import check_source
 
     def test_my_source():
         check_source(MySource(), steps=1000, step=0.02)
 
-Every check raises `AssertionError` with one line that says what of the contract is broken. The
+Every check raises `AssertionError` with one line that names the broken part of the contract. The
 contract itself is in `owtsweep.motion.source`.
 """
 
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 
 __all__ = ["check_delayed_positions", "check_derivatives", "check_source", "check_streams"]
 
-#: Largest difference between a series and the slope of the one before, relative to the largest of
-#: the series.
+#: Largest difference between a derivative and the slope of the series that it belongs to, relative
+#: to the largest value of the derivative.
 TOLERANCE = 0.05
-#: The share of the record that is left out at each end: a file's continuation is not known there.
+#: Share of the record left out at each end: there the continuation of a file is not known.
 EDGE = 0.1
 
 
@@ -42,17 +42,17 @@ def check_source(
     Parameters
     ----------
     source
-        What keeps the protocol `owtsweep.motion.source.Source`.
+        An object with the protocol `owtsweep.motion.source.Source`.
     steps, step, history
-        A record that it has, as for `Source.realise`. The step must be short against the motion,
-        and the history must be at least 1 step.
+        A record that the source can give; arguments of `Source.realise`. The step must be short
+        compared with the periods of the motion, and the history at least 1 step.
     tolerance
         See `check_derivatives`.
 
     Raises
     ------
     AssertionError
-        With one line naming the source and what of the contract it breaks.
+        With one line that names the source and the broken part of the contract.
     """
     from owtsweep.motion.source import Source
 
@@ -70,12 +70,13 @@ def check_source(
 
 
 def check_streams(source: Source, *, steps: int, step: float, history: int) -> None:
-    """The streams that it names, and no others, decide what it gives.
+    """The motion depends on the random streams that the source names, and on no others.
 
     Raises
     ------
     AssertionError
-        If it asks for other streams, or gives other bits for the same ones, or the same for others.
+        If it asks for other streams, gives different bits for equal streams, or equal bits for
+        different streams.
     """
     name = type(source).__name__
     asked: set[str] = set()
@@ -99,21 +100,21 @@ def check_streams(source: Source, *, steps: int, step: float, history: int) -> N
 
 
 def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -> None:
-    """Velocity is the slope of the position, acceleration that of the velocity.
+    """Velocity is the slope of the position, and acceleration is the slope of the velocity.
 
     Slopes are central differences, so their error is of the order (omega step)^2 / 6.
 
     Parameters
     ----------
     name
-        What to call the source in a message.
+        The name of the source in messages.
     tolerance
         Largest difference, relative to the largest value of the derivative.
 
     Raises
     ------
     AssertionError
-        If one differs by more.
+        If a derivative differs by more than `tolerance`.
     """
     import numpy as np
 
@@ -131,12 +132,12 @@ def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -
 
 
 def check_delayed_positions(name: str, motion: Motion) -> None:
-    """What stands before t = 0 leads into the record, so that a delayed sensor sees one motion.
+    """Positions before t = 0 continue into the record, so that a delayed sensor sees one motion.
 
     Raises
     ------
     AssertionError
-        If the positions jump at t = 0, or `position_at` does not give them.
+        If the positions jump at t = 0, or `position_at` does not return them.
     """
     import numpy as np
 
@@ -156,7 +157,7 @@ def check_delayed_positions(name: str, motion: Motion) -> None:
 
 
 def _check_shapes(name: str, motion: Motion, steps: int, step: float, history: int) -> None:
-    """The series have as many samples as were asked for, along the same axes."""
+    """The series have the requested number of samples and the same axes."""
     assert motion.step == step, f"{name}: the step is {motion.step:g} s, not {step:g} s"
     axes = motion.position.shape[1:]
     lengths = {"position": steps, "velocity": steps, "acceleration": steps, "before": history}
@@ -168,7 +169,7 @@ def _check_shapes(name: str, motion: Motion, steps: int, step: float, history: i
 
 
 def _is_same(one: Motion, other: Motion) -> bool:
-    """Whether two motions are the same bits."""
+    """Whether two motions are equal bit by bit."""
     import numpy as np
 
     names = ("position", "velocity", "acceleration", "before")
@@ -177,7 +178,7 @@ def _is_same(one: Motion, other: Motion) -> bool:
 
 
 def _streams(replicate: int) -> Callable[[str], np.random.Generator]:
-    """Named streams of a replicate, fresh each time."""
+    """Named streams of a replicate; each call gives a new generator."""
     import numpy as np
 
     return lambda name: np.random.default_rng([replicate, *name.encode()])

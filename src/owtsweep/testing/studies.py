@@ -1,9 +1,9 @@
-"""The contract of a study as checks that anybody can run on theirs.
+"""Checks of the contract of a study, for studies of users too.
 
     def test_my_study():
         check_study(MyStudy())
 
-Every check raises `AssertionError` with one line that says what of the contract is broken. The
+Every check raises `AssertionError` with one line that names the broken part of the contract. The
 contract itself is in `owtsweep.sweep.study`.
 """
 
@@ -23,7 +23,7 @@ from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE, Study
 from owtsweep.testing.variations import one_case, reversed_grids, variations
 
-#: Columns of the tables that studies share, around those of the conditions.
+#: Columns of the tables that all studies have, before and after the columns of the conditions.
 SUMMARY = (("scheme",), ("measure", "window", "mean", "ci_low", "ci_high", "n"))
 BEST_SCHEME = (
     (),
@@ -32,7 +32,7 @@ BEST_SCHEME = (
         "ci_low", "ci_high", "distinguishable",
     ),
 )  # fmt: skip
-#: May follow where a scheme left a cell.
+#: Further columns, present if a scheme has cells without a value.
 SETBACK = ("status", "reason")
 
 
@@ -46,16 +46,16 @@ def check_study(
     study
         The study.
     config
-        A small configuration of it: it is run some times, below its folder `results`. By default
-        what `study=<name>` composes, in a temporary folder.
+        A small configuration of the study. It is run several times, below its folder `results`. By
+        default the configuration of `study=<name>`, in a temporary folder.
     failing
-        One under which some cases fail and others do not. Without it nothing is checked about
-        failures.
+        A configuration with which some cases fail and others do not. Without it failures are not
+        checked.
 
     Raises
     ------
     AssertionError
-        With one line that names the study and what of the contract it breaks.
+        With one line that names the study and the broken part of the contract.
     """
     if config is None:
         with TemporaryDirectory() as folder:
@@ -84,12 +84,12 @@ def check_plan(study: Study, config: Config) -> None:
 
 
 def check_keys(study: Study, config: Config) -> list[str]:
-    """Every key changes the keys of some blocks, or is declared to change no number.
+    """Every configuration key changes the keys of some blocks, or is declared inert.
 
     Returns
     -------
     list of str
-        The keys of which no other value was accepted, so that nothing is known about them.
+        Configuration keys for which no other value was accepted, so that they are not checked.
     """
     keys = set(_keys(study, config))
     untried = []
@@ -109,7 +109,7 @@ def check_keys(study: Study, config: Config) -> list[str]:
 
 
 def check_run(study: Study, config: Config) -> Run:
-    """A run computes its plan once, is found again, and can be shown and drawn."""
+    """A run computes its plan once, is reused by the next sweep, and can be shown and drawn."""
     cases = count_cases(make_plan(study, config))
     first = sweep(study, config)
     reasons = [f"{failure.label}: {failure.reason}" for failure in first.failed]
@@ -130,7 +130,7 @@ def check_run(study: Study, config: Config) -> Run:
 
 
 def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
-    """Rows have their columns, and each stands once."""
+    """Rows have the required columns, and no row appears twice."""
     identity = study.engine(config).sort_columns()
     conditions = [c.name for c in study.conditions(config) if not c.expands]
     needed = ["status", "reason", *identity, *conditions]
@@ -148,7 +148,7 @@ def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
 
 
 def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) -> None:
-    """There are tables, and summary and best_scheme have the columns that scripts rely on."""
+    """Tables exist, and summary and best_scheme have the columns that scripts rely on."""
     assert tables, f"{study.name}: a run has no table"
     conditions = [condition.name for condition in study.conditions(config)]
     for name, (before, after) in (("summary", SUMMARY), ("best_scheme", BEST_SCHEME)):
@@ -175,7 +175,7 @@ def check_blocks_alone(study: Study, config: Config) -> None:
 
 
 def check_failures(study: Study, config: Config) -> None:
-    """A case that fails takes no other with it, and says why."""
+    """A failed case does not make other cases fail, and gives a reason."""
     outcome = sweep(study, config)
     rows = outcome.run.cases()
     failed = rows[rows["status"] == FAILED]

@@ -1,4 +1,4 @@
-"""Configurations next to one: with another value of one key, another order, fewer conditions."""
+"""Variations of a configuration: one key changed, an axis reversed, or fewer conditions."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from owtsweep.config import Config, Section, with_values
 from owtsweep.config.section import bare_type
 from owtsweep.errors import InputError
 
-#: What is swept over says which blocks there are; study and version have one value alone.
+#: Keys that are not varied: grid and schemes only select blocks; study and version have one value.
 NOT_VARIED = frozenset({"grid", "schemes", "study", "config_version"})
 
 
 def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
-    """Each key with another value that the study accepts.
+    """Change each key in turn to another value that the study accepts.
 
     Yields
     ------
     tuple
-        The dotted key, whether it is declared to change numbers, and the other configuration;
-        None instead if no value that was tried is accepted.
+        The dotted key, whether it is declared to change numbers, and the changed configuration, or
+        None if no tried value was accepted.
     """
     for name, field, value in _leaves(config):
         sections = {name[:end] for end, sign in enumerate(name) if sign == "."}
@@ -37,7 +37,7 @@ def reversed_grids(config: Any) -> Iterator[tuple[str, Any]]:
 
 
 def one_case(config: Any) -> Any:
-    """The first value of each axis, one replicate and the first scheme, in a folder of its own."""
+    """The configuration of one case: first axis values, one replicate, first scheme, new folder."""
     values: dict[str, Any] = {"name": "one-case"}
     for name, item in config.grid:
         values[f"grid.{name}"] = item[:1] if isinstance(item, list) else 1
@@ -47,7 +47,7 @@ def one_case(config: Any) -> Any:
 
 
 def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Dotted key, field and value of all keys that are no section."""
+    """Dotted key, field and value of all keys that are not sections."""
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         if isinstance(value, Section):
@@ -57,7 +57,7 @@ def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
 
 
 def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
-    """The configuration with the first other value that is accepted, or None."""
+    """The configuration with the first other value of a key that is accepted, or None."""
     for candidate in _candidates(field.annotation, value):
         if candidate == value:
             continue

@@ -20,7 +20,7 @@ __all__ = ["ReadingsStudy"]
 
 
 class ReadingsStudy:
-    """The study of the search, and its only engine; a block is one search with one sampler seed."""
+    """The study of the search, and also its only engine. A block is a search with one seed."""
 
     name = "readings"
     schema_version = 1
@@ -34,11 +34,11 @@ class ReadingsStudy:
         return ReadingsConfig
 
     def conditions(self, config: ReadingsConfig) -> tuple[Condition, ...]:
-        """A search has no grid."""
+        """Empty, because a search has no grid of conditions."""
         return ()
 
     def engine(self, config: ReadingsConfig) -> ReadingsStudy:
-        """There is one engine, and it is the study itself."""
+        """The study itself, which is the only engine."""
         return self
 
     def plan(self, config: ReadingsConfig) -> list[Block]:
@@ -48,7 +48,7 @@ class ReadingsStudy:
         return plan(config)
 
     def backend(self, config: ReadingsConfig) -> str:
-        """Processes: a search is Python around kernels."""
+        """Processes, because a search runs Python code around kernels."""
         return "loky"
 
     def run(
@@ -60,11 +60,11 @@ class ReadingsStudy:
         return run(config, blocks)
 
     def sort_columns(self) -> list[str]:
-        """What identifies a trial."""
+        """The columns that identify a trial."""
         return ["target", "search", "trial"]
 
     def tables(self, config: ReadingsConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """trials (all, in order of time) and best (the best of each search, best first)."""
+        """The tables trials (all, in order of time) and best (of each search, best first)."""
         from owtsweep.studies.readings.results import rank_trials
 
         return {"trials": rows.reset_index(drop=True), "best": rank_trials(rows)}
@@ -72,7 +72,7 @@ class ReadingsStudy:
     def terminal(
         self, config: ReadingsConfig, tables: Mapping[str, pd.DataFrame]
     ) -> RenderableType:
-        """The best of each search."""
+        """A table of the best trial of each search."""
         from owtsweep.studies.readings.results import render_best
 
         return render_best(tables["best"])
@@ -84,11 +84,11 @@ class ReadingsStudy:
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """The trail of the search: one figure per target under one name."""
+        """The scores of all trials: one figure per target, under one name."""
         from owtsweep.studies.readings.results import drawings
 
         return drawings(tables["trials"], metadata)
 
     def overview(self, config: ReadingsConfig) -> str:
-        """Score over each parameter."""
+        """The name of the figure of score over each parameter."""
         return "score_over_parameters"

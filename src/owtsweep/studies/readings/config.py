@@ -1,4 +1,4 @@
-"""The configuration of the search: the hub study's and the section `calibration`."""
+"""The configuration of the search: the hub study's keys and the section `calibration`."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Calibration(Section):
 class ReadingsConfig(HubConfig):
     """All keys of the search."""
 
-    #: A target starts from a tuning of its own.
+    #: Each target names its own tuning, so these keys have no effect.
     inert: ClassVar[frozenset[str]] = Config.inert | {
         "tuning", "ekf", "mkf", "hme1", "hme2", "hme",
     }  # fmt: skip

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.console import RenderableType
 
-#: Trials of each search in `best`: the best one and its runners-up.
+#: Number of trials of each search in the table `best`.
 KEPT = 5
 
 
@@ -33,7 +33,7 @@ def list_parameters(table: pd.DataFrame) -> list[str]:
 
 
 def render_best(table: pd.DataFrame) -> RenderableType:
-    """The best of each target, with its parameters."""
+    """The best trial of each target, with its parameters."""
     from rich.table import Table
 
     shown = Table(title="best readings found", show_lines=True)
@@ -52,7 +52,7 @@ def _format(value: object) -> str:
 
 
 def drawings(table: pd.DataFrame, metadata: Mapping[str, str]) -> dict[str, Drawing]:
-    """Score over each parameter: one figure for all published targets, one per other target."""
+    """Figures of score over each parameter: one for all published targets, one per other target."""
 
     def draw(folder: Path, name: str) -> list[Path]:
         from owtsweep.figures import style

@@ -1,7 +1,7 @@
 """Search with Optuna: every trial is a reading of the paper, judged on the same records.
 
-The score of a published target is that of the hub's `fidelity.score`, over the schemes that the
-target judges. All trials are kept, the bad ones too.
+The score of a published target is computed by the hub's `fidelity.score`, for the schemes that the
+target judges. All trials are kept, including bad ones.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ COLUMNS = (
 
 KINDS = ("published", "settled")
 
-#: First spread of CMA-ES in units of each parameter's range.
+#: Initial standard deviation of CMA-ES as a fraction of each parameter's range.
 SPREAD = 0.03
 
-#: Keys that change no number, and those that a search takes from its target.
+#: Keys that change no number, and keys that a search takes from its target.
 _NOT_SHARED = frozenset({
     "compute", "results", "name", "calibration", "schemes", "experiment", "tuning",
     "ekf", "mkf", "hme1", "hme2", "hme",
@@ -48,7 +48,7 @@ DIVERGED = 50.0
 
 
 def plan(config: ReadingsConfig) -> list[Block]:
-    """One block per target, truth and sampler seed; settled targets take the config's own truth."""
+    """One block per target, truth and sampler seed; a settled target has a single truth."""
     _require_optuna()
     calibration = config.calibration
     blocks = []
@@ -61,7 +61,7 @@ def plan(config: ReadingsConfig) -> list[Block]:
         values = take_fixed_values(target, config.tuning)
         truths = _choose_truths(name, target, calibration.truths)
         for truth, overrides in truths.items():
-            # so that an unknown key is refused before anything runs
+            # refuses an unknown key before anything runs
             with_values(config, {**values, **overrides})
             for seed in calibration.sampler_seeds:
                 label = f"{name}, {truth}, sampler seed {seed}"
@@ -82,7 +82,7 @@ def plan(config: ReadingsConfig) -> list[Block]:
 def _choose_truths(
     name: str, target: Mapping[str, Any], truths: Mapping[str, Any]
 ) -> Mapping[str, Mapping[str, Any]]:
-    """The truths under which a target is searched: all, those that it names, or its own one."""
+    """The truths for a target: those that it names, or all; for a settled target its single one."""
     if target["kind"] == "settled":
         return {"own": target.get("truth", {})}
     wanted = target.get("truths", list(truths))
@@ -105,9 +105,9 @@ def read_tuning(name: str) -> dict[str, Any]:
 
 
 def take_fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]:
-    """Values of a target's schemes in its tuning file that are not searched.
+    """Values in a target's tuning file, for the target's schemes, that are not searched.
 
-    The searched ones are left out, so results stay valid when they are written into the file.
+    Searched values are left out, so results stay valid when they are written into the file.
     """
     searched = {key for keys in target["parameters"] for key in keys.split("+")}
     sections = {name.lower() for name in target["schemes"]} | {"hme"}
@@ -187,7 +187,7 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def _make_sampler(target: Mapping[str, Any], seed: int) -> Any:
-    """CMA-ES around the start, which searches better here; TPE where a parameter is a choice."""
+    """CMA-ES around the start, which finds better scores here; TPE if a parameter is a choice."""
     import optuna
 
     if any(isinstance(bounds, Mapping) for bounds in target["parameters"].values()):
@@ -237,7 +237,7 @@ def _score_settled(
 def _score_published(
     config: ReadingsConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
 ) -> dict[str, Any]:
-    """The score of the judged schemes; with HME1 and HME2 also winners and boundaries."""
+    """The score of the judged schemes; with HME1 and HME2 it includes winners and boundaries."""
     products = {scheme: scheme_products(config, scheme, lanes) for scheme in schemes}
     logs = compare(products).log2.abs()
     result: dict[str, Any] = {

@@ -20,7 +20,7 @@ __all__ = ["ReplayStudy"]
 
 
 class ReplayStudy:
-    """The study of records, and its only engine; a block is one record with one scheme."""
+    """The study of records, and also its only engine. A block is one record with one scheme."""
 
     name = "replay"
     schema_version = 1
@@ -28,27 +28,27 @@ class ReplayStudy:
     samples = True
 
     def config_type(self) -> type[ReplayConfig]:
-        """The hub study's configuration and how to read a record."""
+        """The hub study's configuration, with keys on how to read a record."""
         from owtsweep.studies.replay.config import ReplayConfig
 
         return ReplayConfig
 
     def conditions(self, config: ReplayConfig) -> tuple[Condition, ...]:
-        """A record has no grid: it is what it is."""
+        """Empty, because a record has no grid of conditions."""
         return ()
 
     def engine(self, config: ReplayConfig) -> ReplayStudy:
-        """There is one engine, and it is the study itself."""
+        """The study itself, which is the only engine."""
         return self
 
     def plan(self, config: ReplayConfig) -> list[Block]:
-        """The record's own block and one per scheme, for every file."""
+        """One block for the record itself and one per scheme, for every file."""
         from owtsweep.studies.replay.blocks import plan
 
         return plan(config)
 
     def backend(self, config: ReplayConfig) -> str:
-        """Threads for kernels; processes as soon as one scheme is Python."""
+        """Threads for kernels; processes if a scheme is Python code."""
         from owtsweep.studies.hub.public import backend, resolve_all
 
         return backend(config, resolve_all(config.schemes, config))
@@ -62,11 +62,11 @@ class ReplayStudy:
         return run(config, blocks)
 
     def sort_columns(self) -> list[str]:
-        """What identifies a row."""
+        """The columns that identify a row."""
         return ["file", "scheme", "measure", "window", "replicate"]
 
     def tables(self, config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """replay, errors, records and advice."""
+        """The tables replay, errors, records and advice."""
         from owtsweep.studies.replay.results import aggregate
 
         return aggregate(config, rows)
@@ -84,13 +84,13 @@ class ReplayStudy:
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """A single record's figures, or the map over many records."""
+        """The figures of a single record, or the map over many records."""
         from owtsweep.studies.replay.figures import drawings
 
         return drawings(config, tables, metadata)
 
     def overview(self, config: ReplayConfig) -> str:
-        """The estimates in time, zoomed in; of many records, the map over them."""
+        """The estimates over time, zoomed in; for many records, the map over them."""
         from owtsweep.studies.replay.figures import overview
 
         return overview(config)

@@ -1,8 +1,7 @@
-"""Which scheme to run, by how much it is better than the next, and whether that matters.
+"""Which scheme to run, by how much it is better than the runner-up, and whether that matters.
 
-Schemes are compared in pairs on the same data: replicate by replicate where noise was simulated.
-Where everything was recorded there is one replicate, and they are compared on pieces of its settled
-part.
+Schemes are compared in pairs on the same data: replicate by replicate if noise was simulated. If
+everything was recorded there is one replicate, and the comparison uses parts of its settled record.
 """
 
 from __future__ import annotations
@@ -20,9 +19,9 @@ from owtsweep.statistics.sums import mean_and_error
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A relative margin of at least this is told as a factor, not in per cent.
+#: A relative margin of at least this is given as a factor, not in per cent.
 MARGIN_IN_TIMES = 2.0
-#: A smaller relative margin does not decide what to run on board.
+#: A smaller relative margin does not matter for the choice of a scheme.
 LEAST_MARGIN = 0.05
 
 COLUMNS = (
@@ -40,23 +39,23 @@ _NO_RUNNER_UP = {
 def compare(
     samples: Array, schemes: Sequence[str], *, whole: Array | None = None
 ) -> dict[str, Any] | None:
-    """Best and runner-up.
+    """Find the best scheme and the runner-up.
 
     Parameters
     ----------
     samples
-        (schemes, n) mean squares of the same n replicates or pieces; NaN where a scheme has none.
+        (schemes, n) mean squares on the same n replicates or parts; NaN where a scheme has none.
     schemes
         Their names.
     whole
-        (schemes,) the values to compare; by default the means of the samples. Give it where the
-        samples are pieces that only decide the interval.
+        (schemes,) the values to compare; by default the means of the samples. Needed if the samples
+        are parts of a record, which only give the interval.
 
     Returns
     -------
     dict or None
-        Columns `best` to `matters` of the advice; None if no scheme has a value. Without a second
-        sample there is no interval, and the margin alone decides.
+        Columns `best` to `matters` of the advice; None if no scheme has a value. With a single
+        sample there is no interval, and only the margin decides.
     """
     common = np.isfinite(samples).any(axis=0)
     took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
@@ -98,7 +97,7 @@ def compare(
 def advise_from_record(
     values: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str
 ) -> dict[str, Any] | None:
-    """The advice of one record's own errors, or without a reference of its fixes.
+    """The advice from the errors on one record; without a reference, from its fixes.
 
     Parameters
     ----------
@@ -112,7 +111,7 @@ def advise_from_record(
     rows = values[values["measure"] == criterion]
     samples = _pivot(rows[rows["window"] == window], schemes, "replicate")
     whole = None
-    if samples.shape[1] == 1:  # drawn once: the settled record piece by piece
+    if samples.shape[1] == 1:  # one replicate: use the parts of the settled record
         parts = _pivot(rows[rows["window"].str.startswith("part_")], schemes, "window")
         if parts.shape[1] > 1:
             window = "settled"
@@ -130,7 +129,7 @@ def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
 
 
 def write_sentence(row: Any) -> str:
-    """One line of advice, as a report and the terminal say it."""
+    """One line of advice, for the report and the terminal."""
     where = {
         "record": "this record's own errors",
         "fixes": "the distance from the fixes that came later",
@@ -153,7 +152,7 @@ def write_sentence(row: Any) -> str:
 
 
 def _describe_margin(row: Any) -> str:
-    """How much more error the runner-up has: in per cent, or as a factor where it is large."""
+    """How much larger the error of the runner-up is: in per cent, or as a factor if large."""
     parts = [row["margin"]]
     if row["source"] != "map" and np.isfinite(row["ci_low"]):
         parts += [row[key] / row["value_best"] for key in ("ci_low", "ci_high")]

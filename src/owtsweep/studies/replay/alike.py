@@ -1,4 +1,4 @@
-"""Which of several series are the same, found piece by piece."""
+"""Find which of several series are equal, piece by piece."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from owtsweep.arrays import Array
 
 
 class Alike:
-    """Compares series by name; two are alike as long as all their pieces are."""
+    """Compares named series; two series are alike if all their pieces are equal."""
 
     def __init__(self, names: Sequence[str]) -> None:
         self.names = names
@@ -26,5 +26,5 @@ class Alike:
         }
 
     def repeated(self) -> frozenset[str]:
-        """Names of the series that a later one repeats."""
+        """Names of the series that are equal to a later one."""
         return frozenset(self.names[i] for i, _ in self._pairs)

@@ -39,16 +39,16 @@ if TYPE_CHECKING:
 COLUMNS = (
     "file", "scheme", "measure", "window", "replicate", "value", "n_samples", "status", "reason",
 )  # fmt: skip
-#: Steps of estimates that all replicates of a scheme hold at once, some 50 bytes each.
+#: Most steps of estimates, over all replicates of a scheme, in memory at once; 50 bytes each.
 STEPS_AT_ONCE = 2_000_000
-#: At most two schemes run on long records at once, however many workers there are: it saves memory.
+#: At most two schemes run on long records at once, to save memory.
 _LONG_RUNS = BoundedSemaphore(2)
-#: In the column `scheme`: the record itself, and holding the last fix.
+#: Values in the column `scheme` for the record itself, and for holding the last fix.
 RECORD, LAST_FIX = "", "last_fix"
 
 
 def label_files(files: Sequence[str]) -> dict[str, str]:
-    """Label -> file: the file's name without endings, numbered where two are alike."""
+    """Label -> file. A label is the file's name without endings, numbered if two are equal."""
     labels: dict[str, str] = {}
     for file in files:
         stem = Path(file).name.split(".")[0] or Path(file).name
@@ -60,7 +60,7 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
 
 
 def hash_file(file: str) -> str:
-    """Hash of a file's bytes, and of the file that belongs to it (a HAWC2 .sel has its .dat).
+    """Hash of the bytes of a file and of its companion file (a HAWC2 .sel has a .dat).
 
     Raises
     ------
@@ -89,10 +89,10 @@ def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
 
 
 def plan(config: ReplayConfig) -> list[Block]:
-    """The record's own block, then one per scheme, for every file."""
+    """For every file, one block for the record itself, then one per scheme."""
     shared = _collect_shared_content(config)
     schemes = resolve_all(config.schemes, config)
-    # Threads share a record, so its schemes are groups of their own; each process would read it.
+    # Threads share a record, so each scheme is a group. Processes would each have to read it.
     apart = (
         config.compute.backend in ("auto", "threading") and backend(config, schemes) == "threading"
     )
@@ -148,7 +148,7 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
 def _describe_record(
     config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
 ) -> list[dict[str, Any]]:
-    """The rows of the record itself, and of holding the last fix."""
+    """The rows for the record itself, and for holding the last fix."""
     rows = [_make_row(label, RECORD, 0, fact) for fact in facts.measure_record(config, record)]
     for replicate in range(count_replicates(config, record)):
         fixes = listen(config, sensors, record, replicate).fixes
@@ -165,7 +165,7 @@ def _run_scheme(
     sensors: Sensors,
     settled: int,
 ) -> list[dict[str, Any]]:
-    """The rows of all replicates, some of them run side by side, or of the one that failed."""
+    """The rows of all replicates (several run at once), or a row for the failed replicate."""
     rows: list[dict[str, Any]] = []
     count = count_replicates(config, record)
     edges = measures.cut_into_parts(settled, record.steps)
@@ -179,10 +179,10 @@ def _run_scheme(
                 for piece in estimate_pieces(config, scheme, sensors, replicates, edges):
                     for tally, estimated in zip(tallies, piece, strict=True):
                         tally.add(estimated)
-                    del piece, estimated  # they may be large, and the next piece needs the memory
+                    del piece, estimated  # free memory for the next piece
             for number, tally in zip(numbers, tallies, strict=True):
                 rows += [_make_row(label, scheme.name, number, m) for m in tally.measures()]
-        except (Exception, SystemExit) as error:  # a user's scheme may fail; the others go on
+        except (Exception, SystemExit) as error:  # a user's scheme may fail; the others continue
             return [_make_failed_row(label, scheme.name, first, as_text(error))]
     return rows
 

@@ -1,4 +1,4 @@
-"""The configuration of a replay: the hub study's, and what says how to read a record."""
+"""The configuration of a replay: the keys of the hub study, and how to read a record."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from owtsweep.studies.hub.public import Grid, HubConfig
 
 
 class ReplayGrid(Grid):
-    """The axes: the records; the others are those of the expected map."""
+    """The axes: the records, and the axes of the expected map."""
 
     files: list[str] = key("the records; the command line fills it from its FILE words")
 
 
 class Roles(Section):
-    """One text per role that a channel of a file can have, or null."""
+    """A text or null for each role that a channel of a file can have."""
 
     time: str | None = key("time", default=None)
     position_x: str | None = key("the motion, or a reference beside a specific force", default=None)
@@ -32,12 +32,12 @@ class Roles(Section):
     reference_y: str | None = key("a position to measure the errors against", default=None)
 
     def given(self) -> dict[str, str]:
-        """The roles that are not null."""
+        """The texts that are not null, by role."""
         return {role: text for role, text in vars(self).items() if text is not None}
 
 
 class ReplaySettings(Section):
-    """How a record is taken."""
+    """How a record is read and used."""
 
     input: Literal["auto", "motion", "sensors"] = key(
         "what the file holds; auto: sensors where there is a specific force"
@@ -61,7 +61,7 @@ class ReplaySettings(Section):
 class ReplayConfig(HubConfig):
     """All keys of a replay."""
 
-    #: The record is there: no key that says how to simulate one matters.
+    #: Keys that describe the simulation of a record have no effect here.
     inert: ClassVar[frozenset[str]] = HubConfig.inert - {"measures.window"} | {
         "evaluation", "record", "spectrum", "normalise", "wave_direction", "measures.extremes",
         "replay.table",

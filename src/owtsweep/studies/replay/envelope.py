@@ -1,4 +1,4 @@
-"""A long series as few points: `decimate` for a series that comes piece by piece."""
+"""Reduce a long series to few points, as `decimate` does, but piece by piece."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from owtsweep.figures.lines import POINTS
 
 
 class Envelope:
-    """The least and the greatest value of each span of a series, and both ends.
+    """The least and the greatest value of each span of a series, and its first and last value.
 
     The points are those of `decimate`.
 

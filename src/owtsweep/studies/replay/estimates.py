@@ -1,7 +1,7 @@
 """Write the estimates to files: estimates.parquet, and one CSV per scheme.
 
-Both are written piece by piece, one scheme at a time: a day at 100 Hz as a whole would take several
-GB of memory.
+Both are written piece by piece, one scheme at a time: a whole day at 100 Hz would take several GB
+of memory.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ STATES = ("x", "y", "vx", "vy")
 COLUMNS = ("time", "scheme", *STATES, *(f"{name}_std" for name in STATES))
 #: Rows of a piece.
 PIECE = 500_000
-#: Bytes of a row in CSV and in Parquet, roughly.
+#: Approximate bytes of a row in CSV and in Parquet.
 ROW = (160, 60)
 
 
@@ -37,13 +37,13 @@ def write(
     """Write estimates.parquet and estimates/<scheme>.csv of a record; return the files.
 
     Columns `COLUMNS`, replicate 0: time in s on the file's clock; x, y in m with the origin added
-    again, so that they compare with the positions in the file; velocities in m/s; the standard
-    deviations of all four (NaN for a scheme without covariance).
+    again, so that they can be compared with the positions in the file; velocities in m/s; standard
+    deviations of these four (NaN for a scheme without covariance).
 
     Parameters
     ----------
     say
-        Takes a line for the user that announces slow work on a long record.
+        A function that shows the user a line; it announces slow work on a long record.
     """
     record = load_record(config, file)
     sensors = make_sensors(config.sensors)
@@ -65,7 +65,7 @@ def write(
             files = _write_all(record, pieces, folder)
             release_memory(record)
             return files
-        except SchemeFailed as error:  # begin again, so that the files hold no part of it
+        except SchemeFailed as error:  # start again, so that the files hold no part of this scheme
             del schemes[error.name]
 
 
@@ -98,7 +98,7 @@ def _write_all(
 
 @contextmanager
 def _replace_when_written(path: Path) -> Iterator[str]:
-    """Name of a temporary file, which replaces `path` when the block ends without an error."""
+    """Name of a temporary file that replaces `path` if the context ends without an error."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         yield str(temporary)

@@ -31,25 +31,26 @@ def estimate_pieces(
 ) -> Iterator[tuple[Trajectory, ...]]:
     """Run a scheme over some replicates of a record, piece by piece.
 
-    Where every fix arrived the batch engine runs all replicates side by side. Where some are
-    missing the gains depend on which, and the online form computes them as it goes. The reference
-    engine, and a user's scheme without either, runs one `update` per step. The estimates depend
-    neither on the pieces nor on how many replicates run side by side.
+    If every fix arrived, the batch engine runs all replicates at once. If some are missing, the
+    gains depend on which ones, and the online form computes them step by step. The reference
+    engine, and a user's scheme without these two forms, runs one `update` per step. The estimates
+    depend neither on the pieces nor on how many replicates run at once.
 
     Parameters
     ----------
     edges
-        0, ..., steps: where pieces begin and end.
+        0, ..., steps: the steps at which pieces begin and end.
 
     Yields
     ------
     tuple
-        Each replicate's estimates of the steps between two edges.
+        The estimates of each replicate for the steps between two edges.
 
     Raises
     ------
     ValueError
-        If an estimate lacks a quantity, has the wrong shape or is not finite, naming the step.
+        If an estimate lacks a quantity, has the wrong shape or is not finite; the message names
+        the step.
     """
     start = scheme.start
     if config.engine == "batch":
@@ -109,7 +110,7 @@ def _run_kernel(
             Trajectory(state[i], covariance, innovation[i], innovation_covariance)
             for i in range(len(replicates))
         ]
-        # Nothing here keeps a piece of a long record while the next one is made.
+        # Free this piece of a long record before the next one is made.
         del state, innovation, covariance, innovation_covariance, variance, row
         yield tuple(piece.pop(0) for _ in replicates)
 

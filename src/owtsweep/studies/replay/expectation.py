@@ -1,4 +1,4 @@
-"""The settled error that is expected of a scheme for a motion of Eq. (1), without any record."""
+"""The expected settled error of a scheme for motion with the spectrum of Eq. (1)."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from owtsweep.studies.hub.public import (
     noise_floor,
 )
 
-#: Frequencies at which an error spectrum is computed over the band.
+#: Number of frequencies in the band at which an error spectrum is computed.
 NODES = 64
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """A scheme's settled error per unit of motion, and the error that its sensors' noise makes."""
+    """A scheme's settled error per unit of motion, and its error from sensor noise."""
 
     spectrum: ErrorSpectrum
     floor: NoiseFloor
@@ -42,9 +42,9 @@ class Expectation:
         Parameters
         ----------
         density
-            S(f) in any unit, cut off at the edges of `band` (Hz).
+            Spectral density S(f) in any unit, zero outside `band` (Hz).
         rms
-            Of the displacement, m.
+            Root mean square of the displacement, m.
         """
         position, velocity = expected_mse(self.spectrum, density, band, rms=rms)
         return position + self.floor.of("position"), velocity + self.floor.of("velocity")

@@ -19,7 +19,7 @@ from owtsweep.studies.replay.measures import Measured
 from owtsweep.studies.replay.measuring import cut_into_pieces, listen
 from owtsweep.studies.replay.record import ReplayRecord
 
-#: The spectrum is kept up to this many times the upper edge of the band.
+#: The periodogram is kept up to this multiple of the upper edge of the band.
 BEYOND = 2.0
 
 
@@ -32,9 +32,10 @@ class MotionSummary:
     source
         Where the displacement comes from, in words.
     samples
-        How many samples of it were taken.
+        Number of samples of the displacement.
     size
-        Its rms and peak (m), its main direction (deg) and the share of the variance along that.
+        Rms and peak (m) of the displacement, its main direction (deg) and the share of the
+        variance along that direction.
     frequency, power
         Periodogram of the displacement, Hz and m^2/Hz, up to `BEYOND` times the band.
     fit
@@ -99,9 +100,9 @@ def _summarise(config: ReplayConfig, file: str) -> MotionSummary:
 def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Array, str]:
     """(n, 2) m around its mean, without gaps; and its source, in words.
 
-    It is the truth, or without one a scheme's settled estimate. Of the truth it is the part that
-    `measures.window` names, because simulations begin with a transient. Straight lines bridge gaps
-    of a reference.
+    It is the truth in the window `measures.window`, because simulations begin with a transient.
+    Without a truth it is the settled estimate of a scheme. Gaps of a reference are filled with
+    straight lines.
     """
     settled = round(config.measures.settling_time / record.step)
     if record.position is not None:
@@ -128,7 +129,7 @@ def _estimate_position(config: ReplayConfig, record: ReplayRecord, scheme: Schem
 
 
 def choose_describer(config: ReplayConfig) -> int:
-    """Index of the scheme that describes a motion without a reference: HME1, else the last."""
+    """Index of the scheme that estimates the motion without a reference: HME1, else the last."""
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     return names.index("HME1") if "HME1" in names else len(names) - 1
 
@@ -155,7 +156,7 @@ def find_main_direction(xy: Array) -> tuple[float, float]:
 def measure_record(config: ReplayConfig, record: ReplayRecord) -> Iterator[Measured]:
     """Facts as measures: duration (s), rms and peak (m), direction (deg), the fit of Eq. (1).
 
-    The fit's `..._error` are standard errors; a report's ± is 1.96 times them.
+    The measures `..._error` of the fit are standard errors; the report shows ± 1.96 times these.
     """
     summary = summarise_motion(config, record.file)
     facts = {"duration": record.steps * record.step, **summary.size}

@@ -15,18 +15,18 @@ LEAST_FIXES = 3
 
 
 class Aligned(NamedTuple):
-    """Recorded fixes at the moments at which they are due.
+    """Recorded fixes, moved to the moments at which fixes are due.
 
     Attributes
     ----------
     offset
-        When the first fix is due, s after the record's begin; less than one GNSS interval.
+        Time of the first moment, s after the beginning of the record; less than one GNSS interval.
     values
-        (fixes, 2) m, NaN where none came.
+        (fixes, 2) m, NaN where no fix came.
     jitter
-        The largest distance of a fix from its moment, s.
+        The largest time between a fix and its moment, s.
     dropped
-        How many fixes were left out because a nearer one stood for the same moment.
+        How many fixes were left out because another fix was nearer to the same moment.
     """
 
     offset: float
@@ -38,17 +38,17 @@ class Aligned(NamedTuple):
 def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Aligned:
     """Move irregular fixes to the grid of the GNSS, each to the nearest moment.
 
-    The grid's phase is the circular mean of the fixes' phases, so the grid follows a constant
-    offset of theirs.
+    The phase of the grid is the circular mean of the phases of the fixes, so the grid follows a
+    constant offset of the fixes.
 
     Parameters
     ----------
     time
-        (n,) s after the record's begin, when the fixes came.
+        (n,) times of the fixes, s after the beginning of the record.
     values
-        (n, 2) m; rows with NaN are no fixes.
+        (n, 2) m; rows with NaN are ignored.
     duration
-        Of the record, s.
+        Duration of the record, s.
 
     Raises
     ------
@@ -75,7 +75,7 @@ def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Alig
     away = np.abs(time - offset - number * interval)
     inside = (number >= 0) & (number < count)
     result = np.full((count, 2), np.nan)
-    nearest_last = np.lexsort((-away[inside], number[inside]))  # later assignments win
+    nearest_last = np.lexsort((-away[inside], number[inside]))  # the last assignment stays
     result[number[inside][nearest_last]] = values[inside][nearest_last]
     dropped = int(np.count_nonzero(inside) - np.count_nonzero(np.isfinite(result[:, 0])))
     jitter = float(np.max(away[inside])) if np.any(inside) else 0.0

@@ -1,4 +1,4 @@
-"""Load the record of a file."""
+"""Load the record in a file."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from owtsweep.studies.replay.of_motion import make_record_of_motion
 from owtsweep.studies.replay.of_sensors import make_record_of_sensors
 from owtsweep.studies.replay.record import ReplayRecord
 
-#: How many records are kept, and the bytes above which the older ones are dropped for a new one.
+#: Number of records kept in memory, and the bytes above which older ones are dropped.
 _MOST_KEPT, _MOST_BYTES = 2, 1 << 28
 _RECORDS: OrderedDict[Any, ReplayRecord] = OrderedDict()
 _LOCK = Lock()
 
 
 def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
-    """Read, check and resample a file. The last two records are kept; of long ones only the last.
+    """Read, check and resample a file. Keeps the last two records in memory, or one if long.
 
     Raises
     ------
     InputError
-        For anything wrong in it, in one line that names the file.
+        For any error in the file; the one-line message names it.
     """
     from owtsweep.studies.replay.blocks import hash_file
 
@@ -53,7 +53,7 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
     )
     sensors = make_sensors(config.sensors)
     if _holds_sensors(config, recording):
-        # positions beside a specific force are the reference
+        # positions recorded together with a specific force are the reference
         recording = _rename(recording, "position", "reference")
         record = make_record_of_sensors(config, recording, sensors)
     else:
@@ -84,7 +84,7 @@ def _holds_sensors(config: ReplayConfig, recording: Recording) -> bool:
 
 
 def _rename(recording: Recording, old: str, new: str) -> Recording:
-    """Give the channels of one quantity to another, unless that has channels already."""
+    """Move the channels of one quantity to another, unless that one has channels already."""
     if recording.has(new) or not recording.has(old):
         return recording
     swap = {f"{old}_{axis}": f"{new}_{axis}" for axis in "xy"}

@@ -1,4 +1,4 @@
-"""What is done for long records alone."""
+"""Special treatment of long records."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ LONG = 1_000_000
 
 
 def release_memory(record: ReplayRecord) -> None:
-    """Return freed memory to the system after a long record's pieces, which take some 100 MB."""
+    """Return freed memory (some 100 MB) to the system after the pieces of a long record."""
     if record.steps > LONG:
         give_back_freed_memory()

@@ -1,8 +1,9 @@
-"""Measures of estimates: errors, coverage, consistency, and what needs no reference.
+"""Measures of estimates: errors, coverage, consistency, and measures without a reference.
 
-Without a reference a later fix judges an estimate: the fix that arrives `delay` after it reports
-the position of the estimate's moment, and the estimate has not seen it. Their mean squared distance
-is the MSE at those moments plus the variance of a fix, the same for every scheme.
+Without a reference an estimate is compared with a later fix: the fix that arrives `delay` later
+reports the position at the time of the estimate, and the estimate has not used it. Their mean
+squared distance is the MSE at those times plus the variance of a fix, which is the same for every
+scheme.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from owtsweep.studies.hub.public import Sensors
 from owtsweep.studies.replay.record import ReplayRecord
 
 WINDOWS = ("full", "settled")
-#: Parts of the settled record; their spread gives the interval of a difference observed once.
+#: Number of parts of the settled record. With a single replicate their spread gives intervals.
 PARTS = 20
 #: 95 % of normal errors lie within this many standard deviations.
 QUANTILE = 1.959963984540054
@@ -31,19 +32,19 @@ Measured = tuple[str, str, float, int]
 
 
 class Tally:
-    """All measures of one replicate, from its estimates piece by piece.
+    """All measures of one replicate, collected from its estimates piece by piece.
 
-    The pieces are always those of `cut_into_parts`, so the sums are the same bits however the
-    estimates were made.
+    The pieces are always those of `cut_into_parts`, so the sums do not depend on how the estimates
+    were computed, not even in the last bit.
 
     Parameters
     ----------
     record
-        With its truth, if it has one.
+        The record, with its truth if there is one.
     fixes
-        (fixes, 2) as measured in this replicate.
+        (fixes, 2) measured in this replicate.
     settled
-        First settled step.
+        The first settled step.
     """
 
     def __init__(self, record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int) -> None:
@@ -56,7 +57,7 @@ class Tally:
         ]
         self._steps_added = 0
         reported = sensors.fix_interval * np.arange(len(fixes)) - sensors.delay
-        # Without a delay the estimate has seen the fix of its own moment.
+        # Without a delay the estimate has already used the fix of the same time.
         judged = (reported >= 0) & (reported < record.steps) & (sensors.delay > 0)
         self._reported, self._fixes = reported[judged], fixes[judged]
         self._residual = np.empty(len(self._reported))
@@ -95,7 +96,7 @@ class Tally:
 def measure_last_fix(
     record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int
 ) -> Iterator[Measured]:
-    """The position error of holding the last fix, which an estimator has to beat."""
+    """The position error of holding the last fix: the baseline for an estimator."""
     if record.position is None:
         return
     last = np.where(np.isfinite(fixes[:, 0]), np.arange(len(fixes)), -1)
@@ -114,7 +115,7 @@ def measure_last_fix(
 
 
 def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured]:
-    """Errors and coverage over both windows and over the pieces of the settled one."""
+    """Errors and coverage over both windows and over the parts of the settled window."""
     for window, chosen in (("full", pieces), ("settled", pieces[1:])):
         for name in pieces[0]:
             count = sum(piece[name][1] for piece in chosen)
@@ -130,9 +131,9 @@ def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[
 def _sum_errors(
     record: ReplayRecord, estimated: Trajectory, begin: int
 ) -> dict[str, tuple[float, int]]:
-    """Measure -> sum and number of its values where there is a truth; none without one.
+    """Measure -> sum and number of its values where there is a truth; empty without a truth.
 
-    Axis by axis, in arrays that lie close together: this is where a replay spends its time.
+    Computed axis by axis on contiguous arrays, because a replay spends most of its time here.
     """
     if record.position is None:
         return {}
@@ -173,7 +174,7 @@ def _sum_finite(values: Array) -> tuple[float, int]:
 
 
 def _weigh(p: Array, v: Array, pp: Array, pv: Array, vv: Array) -> Array:
-    """(n,) one axis' part of NEES: (p, v) P^-1 (p, v)' with P = [[pp, pv], [pv, vv]]."""
+    """(n,) part of NEES from one axis: (p, v) P^-1 (p, v)' with P = [[pp, pv], [pv, vv]]."""
     weighted = vv * p**2 - 2.0 * pv * p * v + pp * v**2
     return np.asarray(weighted / (pp * vv - pv**2))
 
@@ -200,7 +201,7 @@ def check_whiteness(innovation: Array) -> tuple[float, float]:
     Parameters
     ----------
     innovation
-        (n, axes), no NaN.
+        (n, axes), without NaN.
     """
     from scipy.special import gammaincc
 
@@ -214,7 +215,7 @@ def check_whiteness(innovation: Array) -> tuple[float, float]:
 
 
 def cut_into_parts(settled: int, steps: int) -> list[int]:
-    """Where the parts begin and the last ends: one before settling, then `PARTS` settled ones."""
+    """Edges of the parts of a record: one part before settling, then `PARTS` settled parts."""
     return [0, *(int(edge) for edge in np.linspace(settled, steps, PARTS + 1))]
 
 

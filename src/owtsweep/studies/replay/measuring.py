@@ -1,4 +1,4 @@
-"""The measurements of a record: as recorded, or simulated in a replicate."""
+"""The measurements of a record: recorded, or simulated in a replicate."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.record import ReplayRecord
 
 STUDY = "replay"
-#: Steps of specific force that are made at once.
+#: Steps of specific force that are computed at once.
 PIECE = 1 << 16
 
 
@@ -31,12 +31,12 @@ class Signals:
     Attributes
     ----------
     steps
-        How many samples of the IMU.
+        Number of IMU samples.
     fixes
-        (fixes, 2) in NED, m; NaN where none came.
+        (fixes, 2) in NED, m; NaN where no fix came.
     force
-        Takes the length of a piece, gives the pieces, (n, 2) in the IMU's frame, m/s^2. Each call
-        begins at the start of the record.
+        A function of the length of a piece. It yields the pieces, (n, 2) in the IMU's frame, m/s^2.
+        Each call begins at the start of the record.
     """
 
     steps: int
@@ -45,7 +45,7 @@ class Signals:
 
 
 def count_replicates(config: ReplayConfig, record: ReplayRecord) -> int:
-    """The number of replicates of a record: one where nothing is simulated."""
+    """The number of replicates of a record: 1 if nothing is simulated."""
     return 1 if record.gnss == "recorded" else config.replay.replicates
 
 
@@ -58,7 +58,7 @@ def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replica
     fixes = record.fixes
     if record.gnss != "recorded":
         fixes = fixes + fix_noise(sensors, steps, streams)
-    if record.specific_force is not None:  # a real IMU has its own noise
+    if record.specific_force is not None:  # recorded data already contain noise
         recorded = record.specific_force
         return Signals(
             steps,

@@ -1,4 +1,4 @@
-"""Make a record of a recorded motion, whose sensors will be simulated."""
+"""Make a record from recorded motion; its sensors are simulated later."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def make_record_of_motion(
 
 
 def derive(recording: Recording, rate: float, **settings: Any) -> Gridded:
-    """`to_motion`, whose errors about `cutoff` name the key replay.cutoff here."""
+    """Call `to_motion`; in its errors, `cutoff` becomes the key replay.cutoff."""
     try:
         return to_motion(recording, rate, **settings)
     except InputError as error:

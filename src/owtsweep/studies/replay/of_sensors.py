@@ -1,4 +1,4 @@
-"""Make a record of recorded sensors: specific force, fixes, and the reference if there is one."""
+"""Make a record from recorded sensors: specific force, fixes, and a reference if given."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.of_motion import derive
 from owtsweep.studies.replay.record import ReplayRecord
 
-#: Fixes must lie within this part of the GNSS interval of the moments at which they are due.
+#: Largest time between a fix and its due moment, as a fraction of the GNSS interval.
 LARGEST_JITTER = 0.25
 
 
@@ -23,12 +23,12 @@ def make_record_of_sensors(
 ) -> ReplayRecord:
     """Specific force, fixes and reference from the first moment at which a fix is due.
 
-    To save memory the recording loses every channel once it has been read.
+    To save memory, each channel is removed from the recording once it has been read.
 
     Raises
     ------
     InputError
-        If there are neither fixes nor a reference, or the fixes come at another rate.
+        If there are neither fixes nor a reference, or the fixes have another rate.
     """
     rate = config.sensors.imu.rate
     forces = [role for role in recording.channels if role.startswith("specific_force")]
@@ -146,7 +146,7 @@ def _note_fixes(aligned: fixing.Aligned, sensors: Sensors) -> list[str]:
 def _derive_reference(
     config: ReplayConfig, recording: Recording, grid: TimeGrid
 ) -> tuple[Array, Array, list[str]]:
-    """Position and velocity of the reference on the grid, NaN where it has none; and notes."""
+    """Position and velocity of the reference on the grid, NaN in its gaps; and notes."""
     gridded = derive(
         recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
         grid=grid,

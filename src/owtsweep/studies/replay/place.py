@@ -16,7 +16,7 @@ from owtsweep.studies.replay.expectation import Expectation, expect_errors
 
 
 def read_fit(record: Any) -> Spectrum | None:
-    """Eq. (1) as fitted to a record, None without a fit; `record` is its line of records.csv."""
+    """The fit of Eq. (1) to a record, or None; `record` is its line of records.csv."""
     values = [record.get(name, np.nan) for name in "abc"]
     if not np.all(np.isfinite(values)):
         return None
@@ -24,12 +24,12 @@ def read_fit(record: Any) -> Spectrum | None:
 
 
 def compute_rms_in_band(record: Any) -> float:
-    """Root mean square (m) of the part of the displacement whose frequencies lie in the band."""
+    """Root mean square (m) of the displacement inside the frequency band."""
     return float(record["rms"]) * float(np.sqrt(record["band_share"]))
 
 
 def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
-    """Scheme -> expected settled MSE of position and velocity at the record's own spectrum.
+    """Scheme -> expected settled MSE of position and velocity for the spectrum of the record.
 
     None if the fit has no peak inside the band.
     """
@@ -47,10 +47,10 @@ def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float
 def expect_map(
     config: ReplayConfig, record: Any, periods: Array, amplitudes: Array
 ) -> dict[str, Array]:
-    """Scheme -> (periods, amplitudes) expected settled MSE by `measures.criterion`.
+    """Scheme -> expected settled MSE by `measures.criterion`, array (periods, amplitudes).
 
-    Motions have the spectrum of the configuration, and the record's ratio of the largest to the
-    root mean square displacement; amplitudes are largest displacements.
+    Motions have the spectrum of the configuration, and the ratio of largest to root mean square
+    displacement of the record. Amplitudes are largest displacements.
     """
     band = config.fit_band
     ratio = compute_rms_in_band(record) / float(record["peak"])
@@ -67,7 +67,7 @@ def expect_map(
 
 
 def _expect_all(config: ReplayConfig, record: Any) -> Iterator[tuple[str, Expectation]]:
-    """The name of each scheme and what is expected of it over a record of that duration."""
+    """The name and the expectation of each scheme, for the duration of a record."""
     sensors = make_sensors(config.sensors)
     steps = round(float(record["duration"]) / sensors.step)
     for scheme in resolve_all(config.schemes, config):

@@ -11,7 +11,7 @@ from owtsweep.arrays import Array
 
 @dataclass(frozen=True)
 class ReplayRecord:
-    """What a replay runs on: in NED relative to the origin, SI units.
+    """A record for a replay: series in NED relative to the origin, SI units.
 
     Attributes
     ----------
@@ -22,17 +22,17 @@ class ReplayRecord:
     gnss
         Where the fixes come from: "simulated" (motion), "recorded" or "from_reference" (sensors).
     begin, step, steps
-        Time of step 0 on the file's clock (s), interval (s), number of IMU steps.
+        Time of step 0 on the file's clock (s), interval (s), and number of IMU steps.
     origin
-        (2,) what was subtracted from the positions, m.
+        (2,) offset subtracted from the positions, m.
     position, velocity
-        (steps, 2) the truth, NaN in gaps of a reference; None without a reference.
+        (steps, 2) the truth; NaN in gaps of a reference, None without a reference.
     acceleration
-        (steps, 2), of a motion.
+        (steps, 2), for recorded motion.
     specific_force
-        (steps, 2) in the IMU's frame, of recorded sensors.
+        (steps, 2) in the IMU's frame, for recorded sensors.
     fixes
-        (fixes, 2) as recorded, or made without noise; NaN where there is none.
+        (fixes, 2) as recorded, or made without noise; NaN where there is no fix.
     truth
         The source of the truth, in words.
     notes
@@ -65,12 +65,12 @@ class ReplayRecord:
 
     @property
     def nbytes(self) -> int:
-        """Bytes that its series take."""
+        """Size of all series in bytes."""
         series = (self.position, self.velocity, self.acceleration, self.specific_force, self.fixes)
         return sum(0 if one is None else one.nbytes for one in series)
 
     def given(self, name: str) -> Array:
-        """A series by name, which must not be None."""
+        """The series of a name; it must not be None."""
         series: Array | None = getattr(self, name)
         if series is None:
             raise TypeError(f"{self.file}: the record has no {name}")

@@ -27,7 +27,7 @@ class Replay:
         return self.run.folder
 
     def errors(self) -> pd.DataFrame:
-        """Means over the draws with 95 % intervals: file, scheme, measure, window, mean, ..., n."""
+        """Means over replicates, 95 % intervals: file, scheme, measure, window, mean, ..., n."""
         return self.run.table("errors")
 
     def advice(self) -> pd.DataFrame:
@@ -35,7 +35,7 @@ class Replay:
         return self.run.table("advice")
 
     def records(self) -> pd.DataFrame:
-        """One line per record: duration, size, direction and fitted spectrum."""
+        """One row per record: duration, size, direction and fitted spectrum."""
         return self.run.table("records")
 
     def estimates(self, record: str | None = None) -> pd.DataFrame:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """The tables replay, errors, records and advice; docs/replay.md tells their columns."""
+    """The tables replay, errors, records and advice; docs/replay.md describes their columns."""
     import pandas as pd
 
     done = rows[rows["status"] == OK]
@@ -73,7 +73,7 @@ def average_errors(
 
 
 def list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """One line per record: its sea state from the table, and the facts about it."""
+    """One row per record: its sea state from the table, and facts about the record."""
     wide = rows.pivot_table(index="file", columns="measure", values="value", sort=False)
     table = wide.reindex([file for file in files if file in wide.index])
     table.columns.name = None
@@ -104,7 +104,7 @@ def _advise(
             continue
         try:
             advised = advise_from_map(config, schemes, record.iloc[0])
-        except InputError:  # a scheme that nothing can be expected of; the report says so
+        except InputError:  # a scheme has no expectation; the report says so
             continue
         if advised is not None:
             yield {"file": file, **advised}
@@ -113,7 +113,7 @@ def _advise(
 def advise_from_map(
     config: ReplayConfig, schemes: Sequence[str], record: Any
 ) -> dict[str, Any] | None:
-    """The advice of the expected map at a record's period and amplitude, settled.
+    """The advice from the expected map at the period and amplitude of a record, after settling.
 
     Raises
     ------

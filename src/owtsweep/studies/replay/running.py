@@ -1,4 +1,4 @@
-"""Run a replay: from the words on the command line to a run folder with estimates."""
+"""Run a replay: from the command line to a run folder with estimates."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> R
 def configure(
     files: Sequence[str], overrides: Sequence[str] = (), config_dir: str | None = None
 ) -> ReplayConfig:
-    """Compose and check the configuration of a replay of some files. Of these none is read.
+    """Compose and check the configuration of a replay of some files, without reading the files.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def configure(
     Raises
     ------
     InputError
-        If the overrides are wrong, or no file is there.
+        If the overrides are wrong, or no file exists.
     """
     config = compose_replay(overrides, config_dir)
     words = [*files, *config.grid.files]
@@ -94,12 +94,13 @@ def expand(words: Sequence[str]) -> list[str]:
 def verify(config: ReplayConfig) -> list[str]:
     """Read every record once, so that a bad one is refused before anything is written.
 
-    Returns the notes on the records, each once; with many records they begin with the file's name.
+    Returns the notes on the records, each only once. With many records, each note begins with the
+    name of the file.
 
     Raises
     ------
     InputError
-        One line that names the file.
+        The one-line message names the file.
     """
     from owtsweep.studies.replay.loading import load_record
     from owtsweep.studies.replay.seastates import read_sea_states
@@ -120,13 +121,13 @@ def execute(
     argv: Sequence[str] | None = None,
     say: Callable[[str], None] = lambda text: None,
 ) -> Outcome:
-    """Run what is missing, then write the estimates. `report.write` writes the report.
+    """Run the cases that are missing, then write the estimates (`report.write` writes the report).
 
     Parameters
     ----------
     say
-        Takes lines for the user: the notes on the records before anything runs, and the
-        announcement of slow work.
+        A function that shows the user a line: notes on the records before anything runs, and
+        announcements of slow work.
 
     Raises
     ------

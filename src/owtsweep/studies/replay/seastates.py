@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 
 def read_table(path: str) -> pd.DataFrame:
-    """Read a CSV with the column `file` and at least one column of numbers.
+    """Read a CSV table with the column `file` and at least one column of numbers.
 
-    Its files are relative to the table's folder.
+    File names in it are relative to the folder of the table.
 
     Raises
     ------
     InputError
-        If it cannot be read, or lacks one of these columns, or has no row.
+        If it cannot be read, lacks one of these columns, or has no row.
     """
     import pandas as pd
 
@@ -52,7 +52,7 @@ def read_table(path: str) -> pd.DataFrame:
 
 
 def find_axes(table: pd.DataFrame) -> list[str]:
-    """The columns of numbers, in order; the first two are the axes of the map."""
+    """Names of the columns of numbers, in order; the first two are the axes of the map."""
     numbers = table.select_dtypes("number").columns
     return [str(name) for name in numbers if name != "file"]
 

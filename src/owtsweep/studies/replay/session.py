@@ -1,7 +1,7 @@
-"""What figures show of a record and its schemes, replicate 0, without holding the whole of it.
+"""The data of a record that its figures show (replicate 0), without the whole record in memory.
 
-All schemes run through the record side by side, piece by piece. The steps that a figure shows are
-kept. Of the others only two things are: how large the errors grow, and which schemes are alike.
+All schemes run through the record together, piece by piece. Only the steps that a figure shows are
+kept. From all other steps two results are kept: the largest errors, and which schemes are alike.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ class Session:
     windows
         Name of a window -> its steps.
     seen
-        Name of a window -> scheme -> its estimates there.
+        Name of a window -> scheme -> its estimates in the window.
     repeated
-        "position" or "velocity" -> schemes whose line is the same as a later scheme's.
+        "position" or "velocity" -> schemes whose line equals that of a later scheme.
     bounds
-        "position" or "velocity" -> scheme -> its largest error of x after a fifth of the record.
+        "position" or "velocity" -> scheme -> its largest error of x after the first fifth.
     failed
         Scheme -> why it has no estimates.
     """
@@ -61,7 +61,7 @@ class Session:
 
 
 def skip_start(record: ReplayRecord) -> int:
-    """The step after a fifth of the record: from there on errors decide how far an axis reaches."""
+    """The step after a fifth of the record; only later errors determine the range of an axis."""
     return record.steps // 5
 
 
@@ -97,12 +97,12 @@ class SchemeFailed(Exception):
 def run_scheme(
     config: ReplayConfig, scheme: Scheme, sensors: Sensors, signals: Signals, edges: list[int]
 ) -> Iterator[Trajectory]:
-    """A scheme's estimates piece by piece.
+    """Yield the estimates of a scheme piece by piece.
 
     Raises
     ------
     SchemeFailed
-        Whatever goes wrong in a scheme, perhaps a user's, so that the others can go on.
+        For any error in a scheme, e.g. a user's, so that the other schemes can continue.
     """
     try:
         for (piece,) in estimate_pieces(config, scheme, sensors, [signals], edges):
@@ -160,5 +160,5 @@ def _run_side_by_side(
 
 
 def raise_bound(bound: float, values: Array) -> float:
-    """The largest of a bound and of some values; those that are not finite do not count."""
+    """The maximum of a bound and the finite ones of some values."""
     return float(np.max(values, initial=bound, where=np.isfinite(values)))

@@ -30,20 +30,20 @@ from owtsweep.studies.replay.session import Session, raise_bound, skip_start
 
 @dataclass
 class FilterState:
-    """The states of one filter in NED, each at the moment that it is an estimate of; SI units.
+    """The states of one filter in NED, SI units. Each is stored at the time that it estimates.
 
     Attributes
     ----------
     acceleration
         (n, 2) in the window "acceleration"; None for a model without that state.
     acceleration_bound, bias_bound
-        The largest error of x after a fifth of the record; 0 without a truth.
+        The largest error of x after the first fifth of the record; 0 without a truth.
     bias
         Envelopes of x and y of R b^b over the whole record.
     bias_error
         Envelope of the error of x, if the bias is simulated.
     bias_range
-        (2, 2) least and greatest bias of x and of y after a fifth of the record.
+        (2, 2) least and greatest bias of x and of y after the first fifth of the record.
     """
 
     acceleration: Array | None
@@ -63,11 +63,11 @@ class FilterStates:
     of
         Scheme -> the states of its filter.
     repeated
-        "acceleration" or "bias" -> schemes whose line is the same as a later scheme's.
+        "acceleration" or "bias" -> schemes whose line equals that of a later scheme.
     true_bias
         Envelopes of x and y of the simulated bias; None for recorded sensors.
     true_range
-        (2, 2) its least and greatest.
+        (2, 2) the least and greatest true bias of x and of y.
     """
 
     of: Mapping[str, FilterState]
@@ -81,7 +81,7 @@ NO_STATES = FilterStates({}, {}, None, np.empty((0, 2)))
 
 
 def collect_filter_states(config: ReplayConfig, session: Session) -> FilterStates:
-    """The states of all filters; none where fixes are missing, because kernels need every fix."""
+    """The states of all filters; none if fixes are missing, because kernels need every fix."""
     record = session.record
     simulated = record.kind == "motion"
     true_bias = (Envelope(record.steps), Envelope(record.steps)) if simulated else None
@@ -127,9 +127,9 @@ def _new_state(chain: Chain, steps: int) -> FilterState:
 
 
 def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[Array]:
-    """(n, 4, 2) p, v, a and R b^b of the steps between two edges each.
+    """Pieces of (n, 4, 2) p, v, a and R b^b; each holds the steps between two edges.
 
-    Estimates come `lag_of(chain)` steps late, so the last steps of the record have none: NaN.
+    Estimates come `lag_of(chain)` steps late, so the last steps of the record are NaN.
     """
     lag, steps = lag_of(chain), session.record.steps
     chunks = state_chunks(chain, *make_lanes([session.signals], session.sensors))
@@ -147,7 +147,7 @@ def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[A
 def _add_piece(
     state: FilterState, piece: Array, truth: Array | None, begin: int, session: Session
 ) -> None:
-    """Keep what figures show of a piece."""
+    """Keep the values of a piece that figures show."""
     end, late = begin + len(piece), slice(max(skip_start(session.record) - begin, 0), None)
     acceleration, bias = piece[:, 2], piece[:, 3]
     if state.acceleration is not None:
@@ -167,7 +167,7 @@ def _add_piece(
 
 
 def _empty_range() -> Array:
-    """(2, 2) least and greatest of x and of y while there are no values."""
+    """(2, 2) least and greatest value of x and of y, before any values are added."""
     return np.array([[np.inf, -np.inf], [np.inf, -np.inf]])
 
 

@@ -1,4 +1,4 @@
-"""The end of the command `replay`: the errors of every scheme, and the advice."""
+"""Text that the command `replay` prints at its end: errors of every scheme, and advice."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
-#: Measure -> heading, in the order of the columns; measures without a value have no column.
+#: Measure -> heading, in the order of the columns. A measure without a value has no column.
 SHOWN = {
     "position": "position MSE (m²)",
     "velocity": "velocity MSE (m²/s²)",
@@ -25,7 +25,7 @@ SHOWN = {
 }
 
 
-#: With more records than this the terminal counts the advice and does not print each.
+#: With more records than this the terminal prints counts of the advice, not each advice.
 MOST_RECORDS = 8
 
 
@@ -45,7 +45,7 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
 
 
 def _count_advice(advised: pd.DataFrame) -> str:
-    """How often each scheme is best by the records' own errors."""
+    """How often each scheme is best by the errors on the records."""
     by_record = advised[advised["source"] != "map"]
     counts = by_record["best"].value_counts()
     best = ", ".join(f"{name} in {count}" for name, count in counts.items())
@@ -56,7 +56,7 @@ def _count_advice(advised: pd.DataFrame) -> str:
 
 
 def make_sentences(advised: pd.DataFrame) -> list[str]:
-    """One line per advice; with many records each line begins with its record."""
+    """One line per advice; with many records each line begins with the name of its record."""
     empty = advised[["same_as", "runner_up"]].isna()
     clean = advised.astype({"same_as": object, "runner_up": object}).mask(
         empty.reindex(columns=advised.columns, fill_value=False), ""
@@ -69,14 +69,14 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
 
 
 def list_spectrum_notes(config: ReplayConfig) -> list[str]:
-    """Doubts about the fitted spectrum of a single record; nothing for many."""
+    """Warnings about the fitted spectrum of a single record; empty for many records."""
     if len(config.grid.files) > 1:
         return []
     return [f"spectrum: {warning}" for warning in list_fit_warnings(config, config.grid.files[0])]
 
 
 def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
-    """Doubts about the spectrum fitted to a record, or the reason why none could be fitted."""
+    """Warnings about the spectrum fitted to a record, or the reason why none could be fitted."""
     from owtsweep.studies.replay.facts import summarise_motion
 
     fit = summarise_motion(config, file).fit

@@ -8,14 +8,14 @@ from owtsweep.arrays import Array
 from owtsweep.studies.replay.measuring import PIECE
 from owtsweep.studies.replay.record import ReplayRecord
 
-#: The most that a whole and a zoomed view show, s.
+#: Length of the longest "whole" view, and lengths of the zoomed views, s.
 SPAN, ZOOM, ACCELERATION_ZOOM = 200.0, 15.0, 6.0
-#: No view zooms into the first seconds, while estimates settle, s.
+#: Zoomed views leave out this time at the start, while estimates settle, s.
 SETTLING = 20.0
 
 
 class LargestMotion:
-    """Finds where the motion is largest, piece by piece, for zoomed views of several lengths."""
+    """Finds the step of largest motion, piece by piece, for zoomed views of several lengths."""
 
     def __init__(self, record: ReplayRecord) -> None:
         self._record = record
@@ -41,7 +41,7 @@ class LargestMotion:
                 self._largest[length] = (float(here[at]), begin + at)
 
     def step(self, length: float) -> int:
-        """The step of the largest motion about which a view of that length fits."""
+        """The step of largest motion around which a view of that length fits."""
         step = self._largest[length][1]
         return step if step >= 0 else self._record.steps // 2
 
@@ -57,7 +57,7 @@ def choose_windows(record: ReplayRecord, largest: LargestMotion) -> dict[str, sl
 
 
 def choose_zoom(record: ReplayRecord, middle: int, length: float) -> tuple[float, float]:
-    """Start and end (s) of a view of some length about a step."""
+    """Start and end (s) of a view of a length (s) around a step."""
     first, last = _ends(record)
     centre = float(record.time_at(slice(middle, middle + 1))[0])
     start = max(centre - length / 2, first)

@@ -1,4 +1,4 @@
-"""The figures of a replay; matplotlib only once they are used."""
+"""The figures of a replay; matplotlib is imported when the first one is drawn."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: Figure -> what of the time histories it shows, and whether zoomed in.
+#: Figure -> the quantity whose time history it shows, and whether it is zoomed in.
 HISTORIES = {
     "position": ("position", False),
     "position_zoom": ("position", True),
@@ -26,7 +26,7 @@ HISTORIES = {
 
 
 def overview(config: ReplayConfig) -> str:
-    """The figure that tells the result: one record's position zoomed in, or the map over many."""
+    """Name of the main figure: the position of one record zoomed in, or the map over many."""
     return "position_zoom" if len(config.grid.files) == 1 else "best_scheme_by_record"
 
 
@@ -35,7 +35,7 @@ def drawings(
     tables: Mapping[str, pd.DataFrame],
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """The figures of a run by name: of one record its histories, of many the map over them."""
+    """The figures of a run by name: time histories of one record, or the map over many."""
     single = len(config.grid.files) == 1
     figures = _figures_of_one(config, tables) if single else _figures_of_many(config, tables)
     return {name: save_figure(draw, metadata) for name, draw in figures.items()}

@@ -1,4 +1,4 @@
-"""A record in time, as figures 9-14 of Ren et al. (2019): truth, fixes, estimates, errors."""
+"""A record over time, as in figures 9-14 of Ren et al. (2019): truth, fixes, estimates, errors."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def draw(
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom
-        Show some seconds about the largest motion after settling.
+        Show some seconds around the largest motion after settling.
     advised
         The scheme that is drawn with its ±1.96 standard deviations.
 
@@ -70,7 +70,7 @@ def draw(
 
 
 def _name_part(session: Session, shown: Traces, *, zoom: bool) -> str:
-    """Which part of the record a figure shows, in words, unless it is all of it."""
+    """The part of the record that a figure shows, in words; empty for the whole record."""
     if zoom:
         return ", zoomed in"
     length = session.record.steps * session.record.step
@@ -86,7 +86,7 @@ def _format_duration(seconds: float) -> str:
 
 
 def _make_values_panel(session: Session, quantity: str, axis: int, shown: Traces) -> Panel:
-    """The panel of x or y: truth, what the sensors said, and the estimates."""
+    """The panel of x or y: truth, measurements and estimates."""
     marks: list[Curve] = []
     if shown.imu is not None:
         marks.append(time_histories.show_measurement(shown.imu[axis]))
@@ -102,7 +102,7 @@ def _make_values_panel(session: Session, quantity: str, axis: int, shown: Traces
         label = "fixes\n(as they arrive)"
         marks.append(time_histories.show_fixes(time, fixes[:, axis], label=label, size=6))
     limits: tuple[float | None, float | None] = (None, None)
-    if shown.limits is not None:  # the start, from an uncertain guess, would hide the rest
+    if shown.limits is not None:  # the large values at the start would hide the rest
         low, high = shown.limits[axis]
         limits = (low - 0.3 * (high - low), high + 0.3 * (high - low))
     return Panel(f"{'xy'[axis]} {quantity} ({UNITS[quantity]})", marks, shown.view, limits)
@@ -111,7 +111,7 @@ def _make_values_panel(session: Session, quantity: str, axis: int, shown: Traces
 def _make_errors_panel(
     session: Session, quantity: str, shown: Traces, advised: str | None
 ) -> Panel:
-    """The errors of x, and the deviations that the advised scheme states for itself."""
+    """The panel of errors of x, with the standard deviations stated by the advised scheme."""
     marks: list[Band | Curve | Level] = []
     note = ""
     if advised is not None and advised in shown.deviations:
@@ -131,7 +131,7 @@ def _make_errors_panel(
 
 
 def _make_innovations_panel(session: Session, shown: Traces) -> Panel:
-    """Without a truth: innovations of x over the standard deviations that the filter states."""
+    """The panel without a truth: innovations of x divided by their stated standard deviations."""
     marks: list[Curve | Level] = []
     for name, (time, scaled) in shown.innovations.items():
         scheme = style_of(name, session.names)

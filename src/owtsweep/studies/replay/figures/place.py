@@ -1,4 +1,4 @@
-"""The place of a record in the expected best-scheme map."""
+"""Figure of the place of a record in the expected best-scheme map."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PERIODS, AMPLITUDES = 48, 160
 
 
 def draw(config: ReplayConfig, record: Any) -> Figure:
-    """The best scheme by expected settled MSE over period and amplitude, and the record in it.
+    """Map of the best scheme by expected settled MSE over period and amplitude, with the record.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
 
 
 def _find_distinct(expected: dict[str, Any]) -> list[str]:
-    """Names of schemes with different values, the last of those that are the same."""
+    """Names of schemes with different values; of schemes with equal values, only the last."""
     names = list(expected)
     return [
         name

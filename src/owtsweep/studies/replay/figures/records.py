@@ -1,4 +1,4 @@
-"""The best scheme of many records over the columns of their table."""
+"""Figure of the best scheme of many records, over columns of their table."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 
 HATCH = "////"
 
-#: A table's axis with more values than this has ticks of its own.
+#: Up to this many different values of a table become the ticks of an axis.
 MOST_TICKS = 12
 
 
 def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> Figure:
-    """One mark per record: its best scheme, the next, and by how much; hatched if none matters.
+    """One mark per record: best scheme, runner-up and margin; hatched if it does not matter.
 
-    Over the first two columns of numbers of `replay.table`; without one, over the fitted natural
-    period and the largest displacement.
+    The axes are the first two columns of numbers of `replay.table`. Without a table they are the
+    fitted natural period and the largest displacement.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             _mark(axes, line, (first, second), (width, height), names)
         axes.set_xlim(shown[first].min() - width, shown[first].max() + width)
         axes.set_ylim(shown[second].min() - height, shown[second].max() + height)
-        if config.replay.table is not None:  # a table's own values, where there are few
+        if config.replay.table is not None:  # the values of the table as ticks, if there are few
             for axis, name in ((axes.xaxis, first), (axes.yaxis, second)):
                 if shown[name].nunique() <= MOST_TICKS:
                     axis.set_ticks(sorted(shown[name].unique()))
@@ -96,7 +96,7 @@ def _choose_coordinates(
 
 
 def _measure_cell(values: pd.Series[Any]) -> float:
-    """Width of a mark: the least distance between different coordinates, not too small."""
+    """Width of a mark: the least distance between different coordinates, with a lower limit."""
     coordinates = sorted({float(value) for value in values})
     if len(coordinates) < 2:
         return max(abs(coordinates[0]) * 0.2, 1e-3)

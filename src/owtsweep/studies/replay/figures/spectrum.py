@@ -1,4 +1,4 @@
-"""A record's spectrum with Eq. (1) as it was fitted."""
+"""Figure of a record's spectrum with the fit of Eq. (1)."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from owtsweep.studies.replay.place import read_fit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: The running mean is over at least `SMOOTHED` lines of the periodogram; where the band holds many,
-#: it is over one in `SHARE` of them.
+#: With many lines of the periodogram inside the band, the running mean covers 1 / `SHARE` of them,
+#: but at least `SMOOTHED` lines.
 SMOOTHED, SHARE = 7, 500
 
 

@@ -1,4 +1,4 @@
-"""The lines that a figure of a record in time consists of."""
+"""The lines of a figure that shows a record over time."""
 
 from __future__ import annotations
 
@@ -17,25 +17,26 @@ from owtsweep.studies.replay.states import FilterStates
 
 @dataclass(frozen=True)
 class Traces:
-    """What a figure of one quantity shows.
+    """The contents of a figure of one quantity.
 
     Attributes
     ----------
     view
         First and last time shown, s.
     lines, errors
-        Scheme -> its x and y; scheme -> the error of its x. Schemes that repeat another are left
-        out.
+        Scheme -> its x and y; scheme -> the error of its x. Schemes whose line equals that of
+        another are left out.
     bound
-        The largest error of x after a fifth of the record: how far its axis has to reach.
+        The largest error of x after the first fifth of the record; it sets the range of the axis.
     truth, imu
-        x and y.
+        Lines of x and y.
     fixes
-        Times at which they come (n,), values (n, 2).
+        Times of arrival (n,), values (n, 2).
     deviations, innovations
-        Scheme -> times and standard deviations of x; times and innovations of x over their own.
+        Scheme -> times and standard deviations of x; scheme -> times and innovations of x, divided
+        by their standard deviations.
     limits
-        (2, 2) what the axes of x and of y must show, if not all of the lines.
+        (2, 2) ranges of the axes of x and of y, if they do not follow from the lines.
     """
 
     view: tuple[float, float]
