@@ -1,4 +1,4 @@
-"""Linear estimation: filters, smoothers, predictors, horizons. It knows no turbine and no study."""
+"""Linear estimation: filters, smoothers, predictors and horizons, independent of any study."""
 
-#: Raised whenever a change of this room alters a number that a study stores.
+#: Raised whenever a change of this package alters a number that a study stores.
 NUMERICS_VERSION = 0

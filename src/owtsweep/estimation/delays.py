@@ -1,9 +1,9 @@
-"""The Kalman filter where measurements arrive late, each by a delay of its own.
+"""The Kalman filter for measurements that arrive late, each with its own delay.
 
-At every step the filter goes back to the earliest instant that a new measurement is about. From
-there it filters again, with all that has arrived by now. That is exact whatever the delays are. It
-costs as many steps as the delay is long, and nothing where nothing is late. (The other exact way
-keeps a copy of the state for every step of the longest delay, all in one large state.)
+At every step the filter goes back to the earliest step that a new measurement refers to. From there
+it filters again with all measurements that have arrived. This is exact for any delays. The extra
+cost is one step of filtering per step of delay. (The other exact method keeps a copy of the state
+for every step of the longest delay in one large state.)
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from owtsweep.estimation.smoothing import compute_smoother_gain
 
 @dataclass(frozen=True)
 class Delayed:
-    """What a filter says of each step from what had arrived by then.
+    """Estimates of each step from the measurements that had arrived by then.
 
     Attributes
     ----------
@@ -47,8 +47,8 @@ class Delayed:
     covariance
         (series, steps, n, n) of it.
     nis
-        (series, steps): of all that arrived at the step, given all that had arrived before. Its
-        expectation is the number of components that arrived.
+        (series, steps): NIS of the measurements that arrived at the step, given all that arrived
+        before. Its expectation is the number of components that arrived.
     arrived
         (series, steps): that number.
     """
@@ -74,10 +74,10 @@ def filter_delayed(
     Parameters
     ----------
     measurements
-        (series, steps, m); row k is about step k, whenever it arrives. NaN where it never does.
+        (series, steps, m); row k is measured at step k, whenever it arrives. NaN if it never does.
     delay
-        Steps from that instant to the arrival, from 0: one number, or any shape that broadcasts
-        to (series, steps, m). What arrives after the record's end is not used.
+        Steps from measurement to arrival, at least 0: one number, or any shape that broadcasts to
+        (series, steps, m). What arrives after the record's end is not used.
     state, covariance, inputs
         As for `kalman.run_filter`.
     lag
@@ -98,8 +98,8 @@ def filter_delayed(
     smoothed, spread = np.empty_like(chain.filtered), np.empty_like(chain.filtered_P)
     nis = np.empty((series, steps))
     for now, first in enumerate(_earliest(arrival)):
-        # The NIS of all measurements is the sum over steps, whatever their order: the new ones have
-        # what they add to it.
+        # The NIS of all measurements is the sum over steps, whatever their order. That of the new
+        # ones is therefore the increase of this sum.
         before = chain.nis[:, first:now].sum(axis=1)
         chain.filter_again(first, now)
         nis[:, now] = chain.nis[:, first : now + 1].sum(axis=1) - before
@@ -116,12 +116,12 @@ def filter_delayed(
 
 
 def _arrivals(z: Array, delay: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(series, steps, m): the step at which each component arrives; never: the largest integer.
+    """(series, steps, m): the step at which each component arrives; if never, the largest integer.
 
     Raises
     ------
     InputError
-        If delays are no whole numbers from 0, or do not fit the measurements.
+        If delays are not whole numbers >= 0, or do not fit the measurements.
     """
     if not np.issubdtype(delay.dtype, np.integer) or np.any(delay < 0):
         raise InputError("delay: give whole numbers of steps, 0 or more")
@@ -136,7 +136,7 @@ def _arrivals(z: Array, delay: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _earliest(arrival: NDArray[np.int64]) -> list[int]:
-    """For every step the earliest instant that something is about that arrives at it."""
+    """For every step, the earliest step that the measurements arriving at it refer to."""
     steps = arrival.shape[1]
     earliest = np.arange(steps)
     _, about, _ = np.nonzero(arrival < steps)
@@ -145,10 +145,10 @@ def _earliest(arrival: NDArray[np.int64]) -> list[int]:
 
 
 class _Chain:
-    """The filter's states from the record's start to now, with what has arrived by now.
+    """The filter's states from the record's start to now, given all that has arrived by now.
 
     predicted, filtered (series, steps, n) with their covariances (patterns, steps, n, n); nis
-    (series, steps) of what is about each step.
+    (series, steps) of the measurements of each step.
     """
 
     def __init__(

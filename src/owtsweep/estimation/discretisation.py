@@ -39,10 +39,10 @@ class Discrete:
 def discretise(model: Model, step: float, method: str = "exact") -> Discrete:
     """Discretise over `step` seconds with the input held.
 
-    "exact" takes the integrals of Eq. (10) as such: A by the matrix exponential, B by the same
-    augmented exponential, Q by van Loan's method. "first_order" is the print: A = I + A T (10c),
-    B = T B + T^2/2 A B (10d), and the printed sum of (10e), Q T + Q A T^2 + A Q A' T^3/3, of which
-    only the symmetric part is kept, since a covariance has no other.
+    "exact" computes the integrals of Eq. (10): A and B by one augmented matrix exponential, Q by
+    van Loan's method. "first_order" is the form printed in the paper: A = I + A T (10c),
+    B = T B + T^2/2 A B (10d), and the sum of (10e), Q T + Q A T^2 + A Q A' T^3/3, of which only the
+    symmetric part is kept, since a covariance is symmetric.
     """
     from scipy.linalg import expm
 

@@ -1,4 +1,4 @@
-"""Checks what a filter is given, and groups series by which measurements they lost."""
+"""Checks a filter's input, and groups series that lost the same measurements."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def check_measurements(model: LinearModel, measurements: Array) -> Array:
     Raises
     ------
     InputError
-        If they have another shape, one is infinite, or the model has fewer steps.
+        If the shape is wrong, a number is infinite, or the model has fewer steps.
     """
     z = np.asarray(measurements, dtype=float)
     if z.ndim != 3 or z.shape[-1] != model.measurements:
@@ -40,7 +40,7 @@ def check_steps(model: LinearModel, steps: int) -> None:
     Raises
     ------
     InputError
-        If it is.
+        If it has more steps.
     """
     if model.steps is not None and model.steps < steps:
         raise InputError(
@@ -55,7 +55,7 @@ def check_prior(model: LinearModel, covariance: Array) -> Array:
     Raises
     ------
     InputError
-        If it has another shape, or is no covariance.
+        If the shape is wrong, or it is not a covariance.
     """
     P = np.asarray(covariance, dtype=float)
     if P.shape != (model.states, model.states):
@@ -91,7 +91,7 @@ def compute_input_effects(
     Raises
     ------
     InputError
-        If inputs are missing, not wanted, of another shape or not finite.
+        If inputs are missing, given without B, of a wrong shape or not finite.
     """
     shape = (series, steps, model.states)
     if model.B is None:

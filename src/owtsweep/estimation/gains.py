@@ -1,6 +1,6 @@
 """Gains of a two-rate Kalman filter: computed once, shared by all records.
 
-The gains depend on the model and the tuning alone, never on data. After a transient they repeat
+The gains depend only on the model and the tuning, never on data. After a transient they repeat
 with the slow interval, so a schedule stores the transient and one cycle.
 """
 
@@ -15,11 +15,12 @@ from owtsweep.arrays import Array, aligned
 from owtsweep.errors import InputError
 from owtsweep.estimation.discretisation import Discrete
 
-#: Rules for steps without a slow measurement; REPRODUCTION.md, rows "Alg. 6" and "EKF".
-#: proper: the rows of H are dropped (Joseph form). mask_columns: K from all rows, then its slow
-#: columns zeroed (the text of section 4.3.3), P = (I - K H) P as printed. mask_rows: K(1:2, :) = 0
-#: as printed in Algorithm 6, the last fix being held. every_step: the innovation is zeroed while
-#: gain and covariance are computed as if there were a fix at every step (section 5.3's EKF).
+#: Rules for steps without a slow measurement; see REPRODUCTION.md, rows "Alg. 6" and "EKF".
+#: proper: the slow rows of H are dropped (Joseph form). mask_columns: K is computed from all rows,
+#: then its slow columns are set to zero (text of section 4.3.3), with P = (I - K H) P as printed.
+#: mask_rows: K(1:2, :) = 0 as printed in Algorithm 6, and the last fix is held. every_step: the
+#: innovation is set to zero, while gain and covariance are computed as if there were a fix at every
+#: step (section 5.3's EKF).
 RULES = ("proper", "mask_columns", "mask_rows", "every_step")
 
 #: Largest scaled change of the covariance over a cycle that still counts as converged.
@@ -37,8 +38,8 @@ class GainSchedule:
     applied
         (rows,): whether the slow measurement corrects the state.
     fresh
-        (rows,): whether there is a new slow measurement, and so an innovation; `mask_rows` goes on
-        applying the last one in between.
+        (rows,): whether there is a new slow measurement, and so an innovation. Between fixes,
+        `mask_rows` applies the last one again.
     innovation_variance
         (rows,): variance of the slow innovation, H P H' + R.
     predicted, filtered
@@ -67,7 +68,7 @@ class GainSchedule:
         return np.where(step < self.rows, step, settled + (step - settled) % self.cycle)
 
     def fresh_before(self, step: int) -> int:
-        """How many of the steps before this one have a new slow measurement."""
+        """How many steps before this one have a new slow measurement."""
         stored = self.fresh[:step]
         cycles, rest = divmod(step - len(stored), self.cycle)
         last = self.fresh[self.rows - self.cycle :]
@@ -90,7 +91,7 @@ def schedule(
     start_steps: int = 0,
     cycle: int | None = None,
 ) -> GainSchedule:
-    """Run the covariance recursion of Algorithm 6 until it repeats, at most over `steps` steps.
+    """Run the covariance recursion of Algorithm 6 until it repeats, for at most `steps` steps.
 
     Each step predicts, then corrects with that step's measurements; the first step starts from
     `initial_covariance` one step before it.

@@ -34,12 +34,12 @@ from owtsweep.estimation.linear import LinearModel
 
 @dataclass(frozen=True)
 class Gains:
-    """What does not depend on data, for each pattern of losses.
+    """Gains and covariances for each pattern of losses; they do not depend on data.
 
     Attributes
     ----------
     available
-        (patterns, rows, m): whether a component of the measurement is there.
+        (patterns, rows, m): whether a component of the measurement exists.
     K
         (patterns, rows, n, m), zero in the columns of lost components.
     innovation_covariance
@@ -47,7 +47,7 @@ class Gains:
     predicted, filtered
         (patterns, rows, n, n): covariances of the state before and after the measurement.
     cycle
-        The last `cycle` rows repeat for ever; with 0 each step has a row of its own.
+        The last `cycle` rows repeat for ever; with 0, each step has its own row.
     """
 
     available: NDArray[np.bool_]
@@ -81,13 +81,13 @@ class Filtered:
     Attributes
     ----------
     model
-        The model that it ran with.
+        The model of the filter.
     gains
         Gains and covariances of each pattern of losses.
     pattern
-        (series,): which of these patterns a series has.
+        (series,): index of each series' pattern.
     predicted, filtered
-        (series, steps, n): the state given the measurements before the step, and with the step's.
+        (series, steps, n): the state before and after the step's measurement.
     innovation
         (series, steps, m): z - H x, NaN where the component was lost.
     """
@@ -111,9 +111,9 @@ class Filtered:
 
     @property
     def nis(self) -> Array:
-        """(series, steps): innovations squared in the metric of S^-1, zero where there is none.
+        """NIS e' S^-1 e of the innovations e, (series, steps); zero where there is none.
 
-        The expectation is the number of components that are there, if the model is right
+        If the model is right, its expectation is the number of components that exist
         (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
         """
         return compute_nis(self.innovation, self.innovation_covariance)
@@ -141,14 +141,14 @@ def run_filter(
     state
         (n,) or (series, n): the expected state of step 0 before its measurement.
     covariance
-        (n, n): its covariance.
+        (n, n): the covariance of that state.
     inputs
         (steps, p) or (series, steps, p) if the model has B; input k acts between steps k and k + 1.
 
     Raises
     ------
     InputError
-        If shapes do not fit, or the covariance is none.
+        If shapes do not fit, or `covariance` is not a covariance.
     """
     z = check_measurements(model, measurements)
     patterns, pattern = find_patterns(np.isfinite(z))
@@ -164,7 +164,7 @@ def compute_gains(model: LinearModel, covariance: Array, available: NDArray[np.b
     covariance
         (n, n) of the state of step 0 before its measurement.
     available
-        (patterns, steps, m): whether a component of the measurement is there.
+        (patterns, steps, m): whether a component of the measurement exists.
     """
     patterns, steps, m = available.shape
     n = model.states
@@ -189,17 +189,17 @@ def apply_gains(
     inputs: Array | None = None,
     pattern: NDArray[np.int64] | None = None,
 ) -> Filtered:
-    """Filter some series with given gains; all else is as for `run_filter`.
+    """Filter some series with given gains; other parameters are as for `run_filter`.
 
     Parameters
     ----------
     pattern
-        (series,): which of the gains' patterns a series has; None for the first.
+        (series,): index of each series' pattern in the gains; None for the first pattern.
 
     Raises
     ------
     InputError
-        If shapes do not fit, or a series has lost other components than its pattern says.
+        If shapes do not fit, or the components that a series lost differ from its pattern.
     """
     z = check_measurements(model, measurements)
     series, steps, _ = z.shape

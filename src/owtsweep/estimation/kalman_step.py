@@ -34,7 +34,7 @@ def correct_covariance(
     H, R
         (m, n) and (m, m).
     available
-        (patterns, m): which components of the measurement are there.
+        (patterns, m): which components of the measurement exist.
 
     Returns
     -------
@@ -64,12 +64,12 @@ def correct_covariance(
 
 
 def correct_state(x: Array, K: Array, innovation: Array) -> Array:
-    """x + K e for (series, n), (series, n, m) and (series, m); NaN in e counts for nothing."""
+    """x + K e for (series, n), (series, n, m) and (series, m); NaN in e counts as zero."""
     return x + multiply(K, np.nan_to_num(innovation))
 
 
 def compute_nis(innovation: Array, innovation_covariance: Array) -> Array:
-    """e' S^-1 e for (..., m) and (..., m, m); NaN in e counts for nothing."""
+    """e' S^-1 e for (..., m) and (..., m, m); NaN in e counts as zero."""
     e = np.nan_to_num(innovation)
     return np.asarray(np.sum(e * np.linalg.solve(innovation_covariance, e[..., None])[..., 0], -1))
 

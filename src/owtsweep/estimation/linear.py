@@ -1,4 +1,4 @@
-"""A linear Gaussian model in discrete time, the common language of filters and smoothers.
+"""The linear Gaussian model in discrete time that filters and smoothers use.
 
     x[k+1] = F[k] x[k] + B[k] u[k] + w[k],  E[w w'] = Q[k]
     z[k]   = H[k] x[k] + v[k],              E[v v'] = R[k]
@@ -35,7 +35,7 @@ class Step(NamedTuple):
 class LinearModel:
     """A model of n states, m measurements and perhaps p inputs.
 
-    Each matrix may carry a leading axis of time, (steps, ...); one without it serves all steps.
+    Each matrix may have a leading axis of time, (steps, ...). Without it, it serves all steps.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class LinearModel:
     Raises
     ------
     InputError
-        If shapes do not fit, a number is not finite, or Q or R is no covariance.
+        If shapes do not fit, a number is not finite, or Q or R is not a covariance.
     """
 
     F: Array
@@ -97,17 +97,17 @@ class LinearModel:
 
     @property
     def states(self) -> int:
-        """n."""
+        """Number of states n."""
         return int(self.F.shape[-1])
 
     @property
     def measurements(self) -> int:
-        """m."""
+        """Number of measurements m."""
         return int(self.H.shape[-2])
 
     @property
     def steps(self) -> int | None:
-        """How many steps the model is given for; None if it serves any number."""
+        """Number of steps of the model; None if it serves any number."""
         matrices = (self.F, self.Q, self.H, self.R, self.B)
         return next((len(a) for a in matrices if a is not None and a.ndim == 3), None)
 
@@ -119,12 +119,12 @@ class LinearModel:
 
 
 def check_covariance(name: str, matrix: Array) -> None:
-    """Refuse what is not symmetric and positive semidefinite, (..., n, n).
+    """Refuse matrices (..., n, n) that are not symmetric and positive semidefinite.
 
     Raises
     ------
     InputError
-        Naming the matrix.
+        With the name of the matrix.
     """
     transposed = np.swapaxes(matrix, -1, -2)
     largest = np.max(np.abs(matrix), initial=0.0)

@@ -1,10 +1,11 @@
 """Moving horizon estimation over fixes and preintegrated inputs, Eq. (11) of Ren et al. (2019).
 
-The reading of Eq. (11) (PAPER.md, section 4; REPRODUCTION.md, row "Eq. (11)"): squared norms, nodes
-at the fixes, every link between neighbouring nodes weighted once, and a last node at the present
-delayed time, t_f after the last fix. Without constraints the last link, which nothing contradicts,
-is met exactly, so the estimate is the window's least-squares state at the last fix carried on by
-the inputs: a fixed linear map of fixes, inputs and arrival state. `window_map` is that map.
+Eq. (11) is read as follows (PAPER.md, section 4; REPRODUCTION.md, row "Eq. (11)"): squared norms,
+nodes at the fixes, every link between neighbouring nodes weighted once, and a last node at the
+present delayed time, t_f after the last fix. Without constraints the last link is met exactly,
+because the last node has no measurement. The estimate is then the least-squares state at the last
+fix, predicted by the inputs. That state is a fixed linear map of fixes, inputs and arrival state,
+which `window_map` computes.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
-#: How far beyond a constraint an answer may lie, as a fraction of the admitted interval: daqp is
-#: told 1e-12 of the scaled states, and rounding leaves some 1e-9 where weights differ by decades.
+#: How far beyond a constraint a solution may lie, as a fraction of the allowed interval. The
+#: tolerance of daqp is 1e-12 of the scaled states; rounding leaves about 1e-9 where weights differ
+#: by decades.
 FEASIBILITY = 1e-8
 
 
@@ -30,9 +32,9 @@ class WindowWeights:
     transition
         (states, states): A over one fix interval.
     link_covariance
-        (states, states): covariance of w over one interval, the inverse of the print's weight Q.
+        (states, states): covariance of w over one interval, the inverse of the paper's weight Q.
     fix_variance
-        Variance of a fix, the inverse of the print's weight R; the first state is measured.
+        Variance of a fix, the inverse of the paper's weight R. A fix measures the first state.
     """
 
     transition: Array
@@ -54,7 +56,7 @@ def window_map(
     fixed_arrival: bool = False,
     use_first_fix: bool = True,
 ) -> Array:
-    """The linear map from a window's data to its last node's state.
+    """Compute the linear map from a window's data to the state of its last node.
 
     Parameters
     ----------
@@ -63,9 +65,9 @@ def window_map(
     arrival_covariance
         (states, states) covariance of the arrival state, or None for no arrival term.
     fixed_arrival
-        The arrival state is the oldest node's state, not an uncertain prior of it.
+        Whether the arrival state is the oldest node's state; otherwise it is its prior.
     use_first_fix
-        False when the arrival state already contains the oldest fix.
+        False if the arrival state already includes the oldest fix.
 
     Returns
     -------
@@ -114,12 +116,14 @@ def window_map(
 
 
 class CasadiWindow:
-    """Eq. (11) as an optimisation problem, solved by CasADi: the oracle of `window_map`.
+    """Eq. (11) as an optimisation problem, solved by CasADi; it is the test of `window_map`.
 
-    With `constraints` it is the only way: that many rows on every free node's state.
+    Only this class can solve a window with constraints; `constraints` is their number of rows on
+    every free node's state.
 
-    Two axes at once (states ordered as in Sigma_2: x, y, v_x, v_y, b_x, b_y), with the last node at
-    the present. Variables are scaled by the standard deviations that the weights imply.
+    It solves two axes at once (states in the order of Sigma_2: x, y, v_x, v_y, b_x, b_y), with the
+    last node at the present. Variables are scaled by the standard deviations that the weights
+    imply.
 
     Parameters
     ----------
@@ -196,8 +200,8 @@ class CasadiWindow:
             raise ValueError(f"solver is {solver!r}, neither 'qrqp' nor 'ipopt'")
         self._solvers = [solve]
         if constraints:
-            # qrqp at times reports success far outside the constraints; daqp, a dual active-set
-            # method, then finds the answer
+            # qrqp sometimes reports success far outside the constraints; daqp, a dual active-set
+            # method, then finds the solution
             exact: dict[str, Any] = {"daqp": {"primal_tol": 1e-12}, "error_on_fail": False}
             self._solvers.append(ca.qpsol("mhe", "daqp", problem, exact))
         self._gradient = ca.Function(
@@ -227,8 +231,8 @@ class CasadiWindow:
     ) -> Array:
         """The states of all nodes, (states, nodes [+ 1]).
 
-        The answer is refined once: the same problem is solved for what it leaves of the data, since
-        a solver alone loses up to 1e-10 of the states where the weights differ by many decades.
+        The solution is refined once: the same problem is solved for the residuals. A solver alone
+        has errors of up to 1e-10 of the states where the weights differ by many decades.
 
         Parameters
         ----------
@@ -249,9 +253,9 @@ class CasadiWindow:
         Raises
         ------
         ArithmeticError
-            If the answer does not meet the conditions of optimality: the gradient is not small (up
-            to what the active constraints hold), a constraint is broken or a multiplier has the
-            wrong sign. The solvers' own flags cannot be trusted.
+            If the solution does not meet the conditions of optimality: the gradient, with the
+            forces of active constraints, is not small, a constraint is violated or a multiplier has
+            the wrong sign. The solvers' flags of success are not reliable.
         """
         nodes = z.shape[1]
         fix = np.broadcast_to(fix, nodes)
@@ -269,7 +273,7 @@ class CasadiWindow:
         return states + self._minimum(limits, scale, G, *left, *data, x0 - states[:, 0], prior)
 
     def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
-        """The minimum with `limits` (2, nodes, constraints) on the rows: the first that is one."""
+        """Return the first solver's answer that is a minimum within `limits` (2, nodes, rows)."""
         packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
         p = np.concatenate([packed, scale, rows.ravel("F")])
         equal = np.zeros(self._equal)
@@ -286,20 +290,20 @@ class CasadiWindow:
         raise ArithmeticError(f"the MHE's solver stopped {fault}")
 
     def _slope_left(self, answer: Array, p: Array, force: Array) -> str:
-        """Whether the gradient is not small, up to what the constraints hold."""
+        """The fault if the gradient, with constraint forces, is not small; else empty."""
         slope = np.asarray(self._gradient(answer, p)).ravel()
         start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
         if self._limited:
             pull = np.asarray(self._pull(answer, p, force)).ravel()
             slope = slope + pull
-            start = np.append(start, pull)  # where constraints hold, they set the scale
+            start = np.append(start, pull)  # active constraints set the scale
         slope = slope[self._free]
         if not np.max(np.abs(slope)) <= 1e-6 * (1.0 + np.max(np.abs(start))):
             return f"at a gradient of {max(abs(slope)):.2g}"
         return ""
 
     def _broken_limit(self, states: Array, rows: Array, limits: Array, force: Array) -> str:
-        """Whether a limit is broken, or a multiplier pushes where no limit is reached."""
+        """The fault if a limit is violated, or one not reached has a multiplier; else empty."""
         value = (rows @ states[:, -self._limited :]).T
         width = limits[1] - limits[0]
         below, above = (value - limits[0]) / width, (limits[1] - value) / width

@@ -13,8 +13,8 @@ from owtsweep.estimation.discretisation import Discrete
 def predict(model: Discrete, state: Array, inputs: Array) -> Array:
     """Step `state` (states,) through `inputs` (steps, inputs), oldest first.
 
-    Printed: N_d - 1 steps with register 1, then N_s with u_s, which is the wrong order in time;
-    here the inputs come in the order in which they happened.
+    The paper prints N_d - 1 steps with register 1, then N_s with u_s, which is the wrong order in
+    time. Here the inputs are in order of time.
     """
     for u in inputs:
         state = model.A @ state + model.B @ u

@@ -22,7 +22,7 @@ class TwoRates(NamedTuple):
     """A model with a slow and a fast measurement.
 
     A, Q (n, n); slow, fast (n,) measurement rows, of variances r_slow and r_fast; rule as above.
-    With `fast` all zero there is no fast measurement (the model takes it as an input).
+    If `fast` is all zero, there is no fast measurement (the model takes it as an input).
     """
 
     A: Array
@@ -43,7 +43,7 @@ class Pattern(NamedTuple):
 
 
 class GainRows(NamedTuple):
-    """What the recursion fills: one row per step.
+    """The arrays that the recursion fills: one row per step.
 
     K (rows, n, 2) gains; S (rows,) variance of the slow innovation; Pm, Pf (rows, n, n) P_k|k-1
     and P_k|k; applied (rows,) whether the slow measurement corrects the state.
@@ -93,7 +93,7 @@ def riccati_step(model, P, is_slow, K, Pm, Pf, work):
         for j in range(n):
             hs += Pm[i, j] * slow[j]
             hf += Pm[i, j] * fast[j]
-        K[i, 0], K[i, 1] = hs, hf  # P H' for now
+        K[i, 0], K[i, 1] = hs, hf  # still P H', not yet the gain
     for i in range(n):
         ss += slow[i] * K[i, 0]
         ff += fast[i] * K[i, 1]
@@ -154,8 +154,8 @@ def recursion(first, stop, quiet, model, P0, pattern, tolerance, filled):
     Returns
     -------
     int, bool, int
-        How many rows there are, whether they repeat, and for how many rows they have been `quiet`,
-        which the next call takes.
+        Number of rows, whether they repeat, and for how many rows the covariance has not moved:
+        the argument `quiet` of the next call.
     """
     interval, start_interval, start_steps = pattern
     K, S, Pm, Pf, applied = filled

@@ -1,4 +1,4 @@
-"""Gains that repeat: where measurements come in a fixed cycle, so do the gains after a while.
+"""Gains that repeat: if measurements come in a fixed cycle, so do the gains after a transient.
 
 With a model that does not change and a fixed cycle (one sensor slower than another, for example)
 the covariance converges to a periodic one (Anderson and Moore 1979, section 4.4, for a cycle of one
@@ -17,7 +17,7 @@ from owtsweep.estimation.kalman import Gains
 from owtsweep.estimation.kalman_step import correct_covariance, predict_covariance
 from owtsweep.estimation.linear import LinearModel
 
-#: Distance from the periodic covariance, relative to the states' variances, that counts as none.
+#: Distance from the periodic covariance, relative to the states' variances, that is negligible.
 TOLERANCE = 1e-13
 
 
@@ -29,11 +29,11 @@ def schedule_gains(
     Parameters
     ----------
     model
-        Without an axis of time.
+        The model, with matrices that have no axis of time.
     covariance
         (n, n) of the state of step 0 before its measurement.
     available
-        (cycle, m): whether a component of the measurement is there, over one cycle.
+        (cycle, m): whether a component of the measurement exists, over one cycle.
     steps
         Length of the longest record. If the covariance has not settled by then, every step has its
         own row. (The covariance of a state that nothing observes never settles.)

@@ -13,7 +13,7 @@ import numpy as np
 from owtsweep.arrays import Array, aligned
 from owtsweep.estimation.gains import GainSchedule
 
-#: Rows of a schedule whose gains are solved for at once.
+#: Rows of a schedule whose gains are computed at once.
 _ROWS_AT_ONCE = 8192
 
 
@@ -32,7 +32,7 @@ class FixedLagSmoother:
     def update(
         self, x: Array, P: Array, x_predicted: Array, P_predicted: Array
     ) -> tuple[Array, Array] | None:
-        """Push one filtered pair; return state and covariance `window` steps back, when full.
+        """Push a filtered pair; if full, return state and covariance of `window` steps ago.
 
         Parameters
         ----------
@@ -57,8 +57,8 @@ class FixedLagSmoother:
 def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple[Array, Array]:
     """RTS gains C_k and D_k = -C_k ... C_{k+window-1} K_{k+window} of every schedule row.
 
-    D_k takes back what the innovations of step k + window have given to the smoothed state of step
-    k: the window of step k - 1 does not reach so far.
+    D_k removes the contribution of the innovations of step k + window from the smoothed state of
+    step k, because the window of step k - 1 does not include them.
 
     Returns
     -------

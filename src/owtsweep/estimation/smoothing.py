@@ -5,8 +5,8 @@ Rauch, Tung and Striebel (1965): with C[k] = P[k|k] F' P[k+1|k]^-1,
     x[k|N] = x[k|k] + C[k] (x[k+1|N] - x[k+1|k])
     P[k|N] = P[k|k] + C[k] (P[k+1|N] - P[k+1|k]) C[k]'
 
-(Anderson and Moore 1979, section 7.4). A smoother goes back over a filter's run and needs no
-measurement again, so it does not matter here which of them were lost.
+(Anderson and Moore 1979, section 7.4). A smoother goes backwards over a filter's run. It does not
+use the measurements again, so it does not matter here which of them were lost.
 """
 
 from __future__ import annotations
@@ -49,14 +49,14 @@ def smooth(run: Filtered) -> Smoothed:
 def smooth_fixed_lag(run: Filtered, lag: int) -> Smoothed:
     """The state of step k given the measurements up to step k + lag, or to the record's end.
 
-    For each step it is the pass of Rauch, Tung and Striebel over the window from k + lag back to k;
-    all windows are smoothed side by side. The result is optimal for that lag, unlike that of
+    For each step this is a pass of Rauch, Tung and Striebel from k + lag back to k. All windows are
+    smoothed side by side. The result is optimal for that lag, unlike that of
     filterpy's FixedLagSmoother.
 
     Parameters
     ----------
     lag
-        In steps, from 0 (which gives the filter's estimates).
+        In steps, at least 0 (0 gives the filter's estimates).
 
     Raises
     ------
@@ -93,9 +93,9 @@ def compute_smoother_gains(model: LinearModel, gains: Gains) -> Array:
 def compute_smoother_gain(filtered: Array, F: Array, following: Array) -> Array:
     """C = P[k|k] F' P[k+1|k]^-1 of (..., n, n) covariances.
 
-    The inverse is a pseudo-inverse, since a state may be known exactly (no noise drives it, and no
-    doubt stands at the start). It is taken of the correlation matrix, so that units do not decide
-    what counts as exact.
+    The inverse is a pseudo-inverse, since a state may be known exactly (if no noise drives it and
+    it has no uncertainty at the start). It is computed from the correlation matrix, so that units
+    do not affect what counts as exact.
     """
     scale = np.sqrt(np.diagonal(following, axis1=-2, axis2=-1))
     scale = np.where(scale > 0.0, scale, 1.0)

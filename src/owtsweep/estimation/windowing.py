@@ -1,8 +1,7 @@
-"""What leaves a fixed-lag smoother's window, and the window's covariances, compiled.
+"""Compiled covariances of a fixed-lag smoother's window, and gains for what leaves the window.
 
-There are four states. Matrices are tuples of rows while they are worked with: values that the
-compiler keeps in registers and works through side by side, which it may not do with small arrays
-that could overlap.
+There are four states. During computations matrices are tuples of rows. The compiler keeps tuples in
+registers and vectorises over them, which it may not do with small arrays that could overlap.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ _ONE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 
 
 
 class FilterRows(NamedTuple):
-    """What a filter leaves to a smoother, by row, (rows, 4, 4) each.
+    """What a smoother takes from a filter, (rows, 4, 4) each.
 
     filtered P_k|k, predicted P_k|k-1, and C the RTS gains.
     """
@@ -63,9 +62,9 @@ def covariances(rows, window, h, response, smoothed, coupling, first=0):
 
     `rows` are `FilterRows`. Row i of `smoothed` and `coupling` belongs to k = first + i; rows with
     k < window are left as they are. For the window s ... k = s + window: smoothed = P_{s|k} and
-    coupling = sum over i of
-    C_s ... C_{s+i-1} P_{s+i|k} h response_i', the cross-covariance of the smoothing error of s
-    with what the noise of the measurements h x + v of the window does to a prediction from s.
+    coupling = sum over i of C_s ... C_{s+i-1} P_{s+i|k} h response_i'. The coupling is the
+    cross-covariance of two errors: the smoothing error of s, and the error of a prediction from s
+    that the noise v of the window's measurements h x + v causes.
     """
     Pf, Pm, C = rows
     outputs = response.shape[1]
@@ -126,7 +125,7 @@ def _transposed(A):
 
 @njit
 def _plus_product(M, A, B):
-    """M + A B, each element summed in its columns' order."""
+    """M + A B; each element is summed in the order of A's columns."""
     return (
         _plus_row_product(M[0], A[0], B),
         _plus_row_product(M[1], A[1], B),

@@ -1,7 +1,7 @@
 """Motion of a structure: spectra, records made from them, recorded motion.
 
-This room imports neither sensors nor estimators.
+This package imports neither sensors nor estimators.
 """
 
-#: Raised whenever a change of this room alters a number that a study stores.
+#: Raised whenever a change of this package alters a number that a study stores.
 NUMERICS_VERSION = 0

@@ -13,7 +13,7 @@ from owtsweep.arrays import Array
 
 @dataclass(frozen=True)
 class Motion:
-    """One realisation of a motion, and what a delayed measurement still reports of its past.
+    """One realisation of a motion, with the past positions that delayed measurements report.
 
     Along one direction all series are (steps,); along several axes (steps, axes).
 
@@ -45,22 +45,22 @@ class Motion:
             raise ValueError(
                 f"the record holds {len(self.before)} steps before t = 0, not {-first}"
             )
-        earlier = min(max(-(first // stride), 0), count)  # how many of them lie in the past
+        earlier = min(max(-(first // stride), 0), count)  # how many of them are before t = 0
         past = self.before[first + len(self.before) :: stride][:earlier]
         return np.concatenate([past, self.position[first + earlier * stride :: stride]])[:count]
 
 
 @runtime_checkable
 class Source(Protocol):
-    """A source of motion, as a study asks it.
+    """A source of motion: the interface that studies use.
 
-    Everything random in a realisation comes from the named streams that `realise` is given; all
-    else is fixed. So two realisations with the same streams are the same bits.
+    All randomness in a realisation comes from the named streams that `realise` takes. So two
+    realisations with the same streams are equal bit by bit.
 
     Attributes
     ----------
     streams
-        Names of the random streams that it draws from. With none, every realisation is the same.
+        Names of the random streams that it draws from. Without any, all realisations are equal.
     duration
         Longest record that it can give, s, together with its history; None if there is no bound.
     """
@@ -84,7 +84,7 @@ class Source(Protocol):
         Parameters
         ----------
         stream
-            Gives the generator of a name, fresh each time.
+            Gives a fresh random generator for a name.
         steps, step
             Number of samples and sampling interval (s), those of the fastest sensor.
         history
@@ -93,6 +93,6 @@ class Source(Protocol):
         Raises
         ------
         InputError
-            If it has no such record, saying what would work.
+            If it cannot give such a record; the message says what would work.
         """
         ...

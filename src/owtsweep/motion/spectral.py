@@ -24,7 +24,7 @@ class SpectralSource:
     band
         Lower and upper edge of the lines that are drawn, Hz.
     normalise
-        "peak" or "rms": what of the displacement is 1 m (`synthesis.synthesise`).
+        "peak" or "rms": the property of the displacement that is 1 m (`synthesis.synthesise`).
     """
 
     spectrum: Spectrum

@@ -20,7 +20,7 @@ def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], 
     Raises
     ------
     InputError
-        If there is none.
+        If there are no lines in it.
     """
     first = int(np.ceil(band[0] * period - 1e-9))
     last = int(np.floor(band[1] * period + 1e-9))
@@ -48,7 +48,7 @@ def synthesise(
     Lines at f_m = m / (2 duration) inside the band carry the amplitude sqrt(2 S(f_m) df) and a
     uniform random phase; position, velocity and acceleration are one inverse Fourier transform
     each (`transform.interleaved`). The first half of the transform's period is the record, so
-    nothing repeats inside it; what stands before t = 0 is the end of the second half.
+    nothing repeats inside it. The time before t = 0 is the end of the second half.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def synthesise(
     before = scale * _newest(whole, history)
     _put(record, scale, result[0])
     for row, factor in ((1, 1j * omega), (2, -(omega**2))):
-        del record, whole  # of a long record: before the next is made
+        del record, whole  # frees the memory of a long record before the next is made
         whole = _sampled(numbers, line * factor, steps)
         record = _first_half(whole)
         _put(record, scale, result[row])
@@ -95,7 +95,7 @@ def displacement(
     step: float,
     band: tuple[float, float],
 ) -> Array:
-    """The displacement alone of what `synthesise` draws, (steps,) in m, not scaled."""
+    """The displacement, (steps,) in m, that `synthesise` draws, before it is scaled."""
     numbers, _, line = _drawn_lines(spectrum, phase, steps, step, band)
     return _first_half(_sampled(numbers, line, steps)).T.reshape(-1)
 
@@ -116,24 +116,24 @@ def _drawn_lines(
 
 
 def _sampled(numbers: NDArray[np.int64], line: NDArray[np.complex128], steps: int) -> Array:
-    """A whole period of 2 steps, interleaved."""
+    """Samples of a whole period, 2 * steps, in the form of `transform.interleaved`."""
     bins = np.zeros(numbers[-1] + 1, dtype=complex)
     bins[numbers] = line
     return interleaved(bins, 2 * steps)
 
 
 def _first_half(whole: Array) -> Array:
-    """The columns that hold the record, of a whole period interleaved."""
+    """The columns of an interleaved period that hold the record."""
     return whole[:, : whole.shape[1] // 2]
 
 
 def _newest(whole: Array, count: int) -> Array:
-    """The last `count` samples of interleaved ones."""
+    """The last `count` samples of an interleaved period."""
     columns = -(-count // len(whole))
     some = whole[:, whole.shape[1] - columns :].T.reshape(-1)
     return some[len(some) - count :]
 
 
 def _put(rows: Array, scale: float, out: Array) -> None:
-    """Write scale * the samples of some interleaved columns, in their order."""
+    """Write the samples of interleaved columns, times `scale`, to `out` in order of time."""
     np.multiply(rows.T, scale, out=out.reshape(rows.T.shape))

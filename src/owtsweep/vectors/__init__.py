@@ -15,17 +15,17 @@ from owtsweep.errors import InputError
 #: Lanes of a value: one register of 512 bits, two of 256, four of 128.
 WIDTH = 8
 
-#: The folder of compiled kernels ends with this where they are plain loops.
+#: Suffix of the folder of compiled kernels if they are plain loops.
 _PLAIN = "-plain"
 
 
 def choose(vectors: bool) -> None:
-    """Compile kernels with LLVM vectors or as plain loops; before the first kernel is imported.
+    """Choose LLVM vectors or plain loops; call it before the first kernel is imported.
 
     Raises
     ------
     InputError
-        If this process has imported kernels of the other form.
+        If this process has already imported kernels of the other form.
     """
     if vectors == uses_vectors():
         return

@@ -1,4 +1,4 @@
-"""The operations on values of eight lanes that kernels import, in the form that was chosen."""
+"""The operations on values of eight lanes, in the chosen form; kernels import them from here."""
 
 from __future__ import annotations
 
@@ -25,5 +25,5 @@ __all__ = [
     "zero",
 ]  # fmt: skip
 
-#: Rows ahead of their use that streams from memory are asked for.
+#: How many rows before their use data is prefetched from memory.
 AHEAD = 64

@@ -1,11 +1,11 @@
 """Values of eight lanes in plain numba: the functions and operators of `rows` and `vector`.
 
 A value is a named tuple of floats, eight for each group of lanes. A product keeps its two factors
-until it is added to something, as in `vector`, and rows are the tuples of arrays themselves. Only
+until it is added to something, as in `vector`. Rows are the tuples of arrays themselves. Only
 `numba.extending` and one instruction of llvmlite's builder, the fused multiply-add, are used.
 
-numba compiles one function for each combination of types. Its source is made as text, because a
-tuple can only be written out element by element.
+numba compiles one function for each combination of types. Its source is generated as text, because
+numba can only make a tuple element by element.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numba.extending import intrinsic, overload
 
 from owtsweep.vectors import WIDTH
 
-#: Whether registers hold two groups of lanes: without vectors no order of work is faster.
+#: Whether registers hold two groups of lanes. Without vectors the order of work does not matter.
 ROOMY = True
 
 
@@ -46,7 +46,7 @@ def fused(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
 
 
 def _count(kind: Any) -> int:
-    """How many lanes a type has; 0 if it is none of these values."""
+    """How many lanes a type has; 0 if it is neither a vector nor a product."""
     if not isinstance(kind, types.BaseNamedTuple):
         return 0
     if kind.instance_class is Product:
@@ -59,7 +59,7 @@ def _is_product(kind: Any) -> bool:
 
 
 def _lane(kind: Any, name: str) -> str:
-    """Lane {i} of an operand as source text: a product is multiplied, a float is in all lanes."""
+    """Source text of lane {i} of an operand: a product is multiplied, a float is in all lanes."""
     if _is_product(kind):
         return f"({name}.left.lanes[{{i}}] * {name}.right.lanes[{{i}}])"
     return f"{name}.lanes[{{i}}]" if _count(kind) else name
@@ -76,7 +76,7 @@ def _function(parameters: str, body: str) -> Any:
 
 
 def _define(function: Any, text: Any) -> None:
-    """Define an operator by the text of a lane of its result, made from its operands' types."""
+    """Define an operator. `text` makes the source of one lane of its result from operand types."""
 
     @overload(function, jit_options={"error_model": "numpy"})
     def implementation(a, b):
@@ -109,15 +109,15 @@ def _multiply(a, b):
 
 
 def rounded(product):
-    """A product multiplied here, once, for several sums."""
+    """The product as a vector, multiplied once for several sums."""
 
 
 def borrowed(value):
-    """Data as kernels take it: as it is."""
+    """Data for kernels: unchanged in this form."""
 
 
 def groups(whole):
-    """The rows, or the vector, of each group alone."""
+    """Split rows, or a vector, into groups of eight lanes."""
 
 
 def element(array, i):
@@ -133,11 +133,11 @@ def store(rows, i, vector):
 
 
 def prefetch(rows, i):
-    """Ask for row i early: nothing."""
+    """Prefetch row i: does nothing in this form."""
 
 
 def zero(rows):
-    """Zeros, as many as a row of these has."""
+    """A vector of zeros, with as many groups as the rows."""
 
 
 @overload(rounded)

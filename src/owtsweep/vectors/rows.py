@@ -1,9 +1,10 @@
 """Rows of lanes in memory, from which vectors are loaded, and single elements of other arrays.
 
-`borrowed` makes rows of tuples of C-contiguous (n, 8) arrays, one array per group; `load(rows, i)`
-and `store(rows, i, vector)` move row i, unchecked; `prefetch(rows, i)` asks for one early;
-`zero(rows)` is as many zeros; `groups` takes rows and vectors apart. `element(array, i)` is an
-element of any C-contiguous array, unchecked.
+`borrowed` makes rows from a tuple of C-contiguous (n, 8) arrays, one array per group.
+`load(rows, i)` reads row i and `store(rows, i, vector)` writes it, without bounds checks.
+`prefetch(rows, i)` fetches it into the cache early. `zero(rows)` is a vector of zeros. `groups`
+splits rows and vectors into groups. `element(array, i)` is an element of any C-contiguous array,
+without bounds checks.
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ from numba.extending import intrinsic, register_model
 from owtsweep.vectors import WIDTH
 from owtsweep.vectors.vector import LANES, PARTS, VECTOR, VECTORS, join, split
 
-#: The address of anything.
+#: LLVM's type of an address.
 POINTER = ir.PointerType()
 
 
 class _RowsType(types.Type):
-    """Where rows of lanes begin, for each of some groups: addresses, which nobody counts."""
+    """Addresses of the first row of each group of lanes, without reference counts."""
 
     def __init__(self, parts: int) -> None:
         self.parts = parts
@@ -72,11 +73,12 @@ def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
 
 @intrinsic
 def borrowed(typingctx: Any, value: Any) -> Any:
-    """Data as kernels take it, with nothing to be counted; the caller must keep the originals.
+    """Data for kernels, without reference counts; the caller must keep the originals alive.
 
-    Tuples of arrays (n, 8), one for each group of lanes, become rows; other arrays, also in named
-    tuples, have no owner. numba counts who holds an array at every call and access, in memory that
-    all threads share: with many short calls that is as much work as the filter itself.
+    Tuples of arrays (n, 8), one for each group of lanes, become rows. Other arrays, also in named
+    tuples, lose their owner. Otherwise numba would update an array's reference count, in memory
+    that all threads share, at every call and access. With many short calls that takes as much time
+    as the filter itself.
     """
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -87,7 +89,7 @@ def borrowed(typingctx: Any, value: Any) -> Any:
 
 @intrinsic
 def groups(typingctx: Any, whole: Any) -> Any:
-    """The rows, or the vector, of each group alone."""
+    """Split rows, or a vector, into groups of eight lanes."""
 
     rows = isinstance(whole, _RowsType)
     kind: Any = whole if rows else VECTORS[whole.parts]
@@ -102,10 +104,10 @@ def groups(typingctx: Any, whole: Any) -> Any:
 
 @intrinsic
 def element(typingctx: Any, array: Any, i: Any) -> Any:
-    """Element i of a C-contiguous array as it lies in memory, unchecked, whatever its shape.
+    """Element i of a C-contiguous array in memory order, unchecked, whatever its shape.
 
-    With an index for each dimension numba must take care of negative ones and of strides that it
-    does not know: for each row of a small matrix that is as much work as the sum it is needed for.
+    With one index per dimension, numba must handle negative indices and unknown strides. For a row
+    of a small matrix that takes as much work as the sum that needs the row.
     """
     if array.layout != "C":
         return None
@@ -121,7 +123,7 @@ def element(typingctx: Any, array: Any, i: Any) -> Any:
 
 
 def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
-    """Where the row lies, in each of the groups."""
+    """The address of the row in each group."""
     return [builder.gep(first, [row], source_etype=LANES) for first in split(builder, kind, rows)]
 
 
@@ -152,10 +154,10 @@ def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
 
 @intrinsic
 def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
-    """Ask for row i, which may lie outside, for the second cache, before it is needed.
+    """Prefetch row i, which may be out of bounds, into the second-level cache.
 
-    The hardware foresees the next rows of a stream but stops at each page, every 64 rows. The first
-    cache is too small for all that is asked for so early.
+    The hardware prefetches the next rows of a stream, but stops at each page, every 64 rows. The
+    first-level cache is too small for everything that is prefetched so early.
     """
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -171,7 +173,7 @@ def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
 
 @intrinsic
 def zero(typingctx: Any, rows: Any) -> Any:
-    """Zeros, as many as a row of these has."""
+    """A vector of zeros, with as many groups as the rows."""
     kind = VECTORS[rows.parts]
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:

@@ -1,22 +1,22 @@
-"""A value of eight lanes: what the kernels add and multiply, one instruction at a time.
+"""Values of eight lanes, which kernels add and multiply by single instructions.
 
-LLVM turns a plain loop over lanes into packed instructions only where it can prove that arrays do
-not overlap, and keeps the state in memory between steps. A `Vector` is one LLVM value of eight
-doubles: it stays in registers, and every operation on it is packed. Lanes never meet, and each
-operation is an IEEE operation of its lane.
+LLVM turns a plain loop over lanes into packed instructions only if it can prove that arrays do not
+overlap, and it keeps the state in memory between steps. A `Vector` is one LLVM value of eight
+doubles: it stays in registers, and every operation on it is packed. Lanes are independent, and each
+operation is an IEEE operation in each lane.
 
-A product that something is added to, or subtracted from, is not rounded in between: `x + a * b` is
-IEEE's fused multiply-add, by name, so it is the same on every machine and no compiler's choice
-(where the processor has none it is a slow call of the C library). Of two products the left one is
-rounded: `a * b + c * d` is fma(c, d, a * b). So a product is a type of its own, which holds its two
-factors, also in a variable, and is multiplied wherever else it is used; `rounded(a * b)` is a
-vector.
+In a sum or difference with a product, the product is not rounded first: `x + a * b` is always
+IEEE's fused multiply-add. So the result is the same on every machine and does not depend on the
+compiler. (A processor without this instruction calls a slow function of the C library.) With two
+products the left one is rounded: `a * b + c * d` is fma(c, d, a * b). For this, a product is a
+separate type that holds its two factors, also in a variable. Any other use multiplies them;
+`rounded(a * b)` is a vector.
 
-A filter's step waits for the step before it. A vector may hold several groups of lanes side by
-side, one instruction each: the processor works on one group while the other waits, and the gains
-are read once for all.
+A filter's step waits for the step before it. A vector may therefore hold several groups of lanes,
+with one instruction for each group. The processor works on one group while another waits, and the
+gains are read once for all groups.
 
-Inside kernels `+ - * /` take vectors and floats; `rows` loads vectors and stores them.
+Inside kernels `+ - * /` take vectors and floats; `rows` loads and stores vectors.
 """
 
 from __future__ import annotations
@@ -35,15 +35,15 @@ from numba.extending import intrinsic, lower_builtin, register_model
 
 from owtsweep.vectors import WIDTH
 
-#: Whether registers hold all that two groups of lanes need at once: 32 of 512 bits, or 16 of 256.
+#: Whether the registers suffice for two groups of lanes at once: 32 of 512 bits do, 16 of 256 not.
 ROOMY = "+avx512f" in (
     get_host_cpu_features() if config.CPU_FEATURES is None else config.CPU_FEATURES
 )
 
-#: Most groups of lanes that one vector holds side by side.
+#: Most groups of lanes that one vector holds.
 PARTS = 3
 
-#: A group of lanes as LLVM has it.
+#: LLVM's type of a group of lanes.
 LANES = ir.VectorType(ir.DoubleType(), WIDTH)
 
 
@@ -82,7 +82,7 @@ class _ProductModel(models.PrimitiveModel):
 
 
 def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
-    """Registers, or addresses, as one value."""
+    """Combine registers, or addresses, into one value."""
     value = ir.Constant(ir.LiteralStructType([kind] * len(parts)), ir.Undefined)
     for i, part in enumerate(parts):
         value = builder.insert_value(value, part, i)
@@ -90,13 +90,13 @@ def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
 
 
 def split(builder: Any, kind: Any, value: Any) -> list[Any]:
-    """The registers of a value."""
+    """The registers, or addresses, of a value."""
     return [builder.extract_value(value, i) for i in range(kind.parts)]
 
 
 @intrinsic
 def rounded(typingctx: Any, product: Any) -> Any:
-    """A product multiplied here, once, for several sums: each of them adds, none multiplies."""
+    """The product as a vector, multiplied once for several sums."""
     if not isinstance(product, _ProductType):
         return None
 
@@ -107,7 +107,7 @@ def rounded(typingctx: Any, product: Any) -> Any:
 
 
 def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
-    """A float in all lanes; a vector as it is; a product multiplied."""
+    """The operand as vectors: a float is put in all lanes, a product is multiplied."""
     if isinstance(kind, _VectorType):
         return split(builder, kind, value)
     if isinstance(kind, _ProductType):

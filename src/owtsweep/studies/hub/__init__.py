@@ -23,21 +23,21 @@ if TYPE_CHECKING:
 
 __all__ = ["HubStudy"]
 
-#: Whose numbers the study stores.
+#: Packages whose code affects the numbers that the study stores.
 ROOMS = (motion, sensing, estimation, evaluation, kernels)
 
 palette.reserve(LOOKS)
 
 
 class HubStudy:
-    """`owtsweep.sweep.study.Study` for the hub motion; heavy imports wait for their use."""
+    """`owtsweep.sweep.study.Study` for the hub motion; heavy imports are made at first use."""
 
     name = "hub"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
 
     def schemes(self) -> dict[str, str]:
-        """Its schemes and what each is."""
+        """The schemes and a description of each."""
         from owtsweep.studies.hub.schemes import REGISTERED
 
         return {name: purpose for name, (_, purpose) in REGISTERED.items()}
@@ -49,13 +49,13 @@ class HubStudy:
         return HubConfig
 
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
-        """Natural period and amplitude."""
+        """The conditions: natural period and amplitude."""
         from owtsweep.studies.hub.conditions import CONDITIONS
 
         return CONDITIONS
 
     def engine(self, config: HubConfig) -> Engine:
-        """What the key `engine` names."""
+        """The engine that the key `engine` names."""
         from owtsweep.studies.hub.engines import ENGINES
 
         return ENGINES[config.engine]()
@@ -63,7 +63,7 @@ class HubStudy:
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
-        """How map, boundary and errors move between runs."""
+        """Compare runs: how the map, the boundary and the errors change."""
         from owtsweep.comparing.compare import compare
         from owtsweep.studies.hub.comparing import describe_run
 
@@ -72,7 +72,7 @@ class HubStudy:
     def write_fidelity(
         self, config: HubConfig, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]
     ) -> list[Path]:
-        """Hold a run against the numbers and statements of the paper."""
+        """Compare a run with the numbers and statements of the paper."""
         from owtsweep.studies.hub.fidelity.report import write_report
 
         return write_report(config, rows, folder, name=metadata["folder"], metadata=metadata)
@@ -80,19 +80,19 @@ class HubStudy:
     def write_spectrum(
         self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
-        """error_spectra.png and .svg, spectrum.csv and noise_floor.csv; prints the floors."""
+        """Write error_spectra.png, .svg, spectrum.csv and noise_floor.csv; print the floors."""
         from owtsweep.studies.hub.figures.spectrum_tables import write
 
         return write(config, folder, metadata)
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:
-    """What best_scheme.csv judges: position, velocity and the configuration's own criterion."""
+    """Criteria of best_scheme.csv: position, velocity and that of the configuration."""
     return tuple(dict.fromkeys(("position", "velocity", config.measures.criterion)))
 
 
 def scheme_names(config: Any) -> list[str]:
-    """The names of a run's schemes in their order."""
+    """The names of a run's schemes, in order."""
     from owtsweep.studies.hub.schemes import resolve_all
 
     return [scheme.name for scheme in resolve_all(config.schemes)]

@@ -1,4 +1,4 @@
-"""The batch engine: chains over all replicates of a block, errors summed on the fly."""
+"""The batch engine: runs chains over all replicates of a block and sums their errors."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from owtsweep.arrays import Array, aligned
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.feed import Feed, Span
-from owtsweep.studies.hub.feed import Lanes as Lanes  # where others look for it
+from owtsweep.studies.hub.feed import Lanes as Lanes  # imported from here elsewhere
 from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
     ChainArrays,
@@ -32,12 +32,12 @@ from owtsweep.studies.hub.kernels.layout import (
 from owtsweep.studies.hub.one_pass import OnePassSeries
 from owtsweep.studies.hub.records import Records
 
-#: Steps that the kernels work through at once: the buffers of eight lanes fit the second cache.
+#: Steps that kernels process at once: the buffers of eight lanes fit the second-level cache.
 CHUNK = 500
 
 
 class Sums(NamedTuple):
-    """Sums over a record and how many terms they have.
+    """Sums over a record, and their numbers of terms.
 
     products (2 windows, 6 quantities, 3 products, replicates) as in `kernels.sums`; steps and
     innovations (2,): terms per window; squared (steps or 0, replicates): squared position error.
@@ -180,7 +180,7 @@ def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output
 
 
 def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
-    """Put the sums and squared errors of up to eight replicates each side by side."""
+    """Join the parts, each with the sums and squared errors of up to eight replicates."""
     early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
     products, squared = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
     return Sums(
@@ -192,15 +192,15 @@ def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array,
 
 
 def arrays_of(chain: Chain) -> ChainArrays:
-    """A chain as its kernels take it."""
+    """A chain as a structure of arrays for the kernels."""
     return ChainArrays(chain.filter, chain.predictor, chain.mhe)
 
 
 def chunk_of(chain: Chain) -> tuple[int, int]:
     """Steps of a chunk, and rows of a span that must be kept for the next one.
 
-    The end of a span that fills no whole chunk waits for the next span, so a chunk's rows are kept
-    besides those that the predictor and the delay reach back to.
+    The end of a span that fills no whole chunk is processed with the next span. So a chunk's rows
+    are kept in addition to those that the predictor and the delay reach back to.
     """
     window, prediction, delay = (
         chain.filter.window, chain.predictor.steps, chain.filter.input_delay
@@ -210,7 +210,7 @@ def chunk_of(chain: Chain) -> tuple[int, int]:
 
 
 class Estimates(NamedTuple):
-    """A chunk's estimates side by side: position, velocity, innovation, (steps, lanes) each."""
+    """A chunk's estimates: position, velocity and innovation, (steps, lanes) each."""
 
     position: Array
     velocity: Array
@@ -237,9 +237,9 @@ def trajectories(
 def chunks(
     chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, Estimates]]:
-    """Run a chain over lanes chunk by chunk: first step, number of steps, the estimates.
+    """Run a chain over lanes chunk by chunk; yields first step, number of steps and estimates.
 
-    The next chunk is written into the same arrays.
+    The next chunk overwrites the same arrays.
     """
     from owtsweep.studies.hub.kernels import runs
 
@@ -257,8 +257,8 @@ def chunks(
 def states(chain: Chain, force: Array, fixes: Array) -> Array:
     """The filter's states (p, v, a, b), smoothed if the chain has a smoother.
 
-    Row k is the state of step k - window in the filter's own time, which is the chain's input
-    delay (and the fixes' delay) late; the first `window` rows are zero.
+    Row k is the state of step k - window in the filter's time, which lags by the chain's input
+    delay (and the fixes' delay). The first `window` rows are zero.
 
     Returns
     -------
@@ -274,9 +274,9 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
 def state_chunks(
     chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, Array]]:
-    """`states` chunk by chunk: first step, number of steps, and (chunk, 4, lanes).
+    """`states` chunk by chunk; yields first step, number of steps and (chunk, 4, lanes).
 
-    The next chunk is written into the same array.
+    The next chunk overwrites the same array.
     """
     from owtsweep.studies.hub.kernels import runs
 
@@ -294,7 +294,7 @@ def state_chunks(
 def _one_by_one(
     chain: Chain, force: Array | OnePassSeries, fixes: Array, chunk: int
 ) -> Iterator[tuple[int, int, slice, Fed, Registers]]:
-    """Chunk by chunk and group by group: first step, steps, lanes, inputs and registers."""
+    """Go through chunks and groups; yields first step, steps, lanes, inputs and registers."""
     (steps, width), lead = force.shape, lead_of(chain)
     positions = _in_groups(fixes, 0, len(fixes))
     registers = [new_registers(1, chain.filter.window, chain.mhe.horizon) for _ in positions]
@@ -306,7 +306,7 @@ def _one_by_one(
 
 
 def lead_of(chain: Chain) -> int:
-    """How many rows of the force before a chunk the predictor and the delay reach back to."""
+    """How many rows of the force before a chunk the predictor and the delay need."""
     return max(chain.predictor.steps, chain.filter.input_delay + 1)
 
 

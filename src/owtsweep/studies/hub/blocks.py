@@ -1,4 +1,4 @@
-"""Planning and running the study's blocks."""
+"""Plans and runs the study's blocks."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def plan(config: HubConfig) -> list[Block]:
     """One block per period, run of replicates and scheme (and amplitude, when run directly)."""
     shared = shared_content(config)
     schemes = resolve_all(config.schemes, config)
-    # Once per scheme: blocks share these parts, or a large plan would not fit into memory.
+    # Made once per scheme: blocks share these parts, so that a large plan fits into memory.
     by_scheme = [
         ({**shared, **scheme_content(config, entry, scheme)}, explain_anew(entry, scheme))
         for entry, scheme in zip(config.schemes, schemes, strict=True)
@@ -64,7 +64,7 @@ def _superposes(config: HubConfig, scheme: Scheme) -> bool:
 
 
 def shared_content(config: HubConfig) -> dict[str, Any]:
-    """What every block depends on; never the grid's lists."""
+    """The settings that every block depends on; the grid's lists are not among them."""
     whole = as_mapping(config)
     keys = (
         "seed",
@@ -83,7 +83,7 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
 
 
 def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
-    """What a scheme's rows depend on: its sections of the tuning, or all for a user's scheme."""
+    """What a scheme's rows depend on: its sections of the tuning; for a user's scheme, all."""
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
     tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
     content: dict[str, Any] = {"scheme": scheme.name, "tuning": tuning}
@@ -94,7 +94,7 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
 
 
 def explain_anew(entry: Any, scheme: Scheme) -> str:
-    """Why blocks of a scheme are computed anew even if they are stored; empty for most."""
+    """Why stored blocks of a scheme are not used but computed anew; usually empty."""
     return explain_doubt(type(scheme)) if isinstance(entry, Mapping) else ""
 
 
@@ -103,18 +103,18 @@ def _plain(section: Any) -> Any:
 
 
 def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
-    """Threads for kernels, which release the GIL; processes as soon as one scheme is Python."""
+    """Threads if all schemes have kernels, which release the GIL; otherwise processes."""
     compiled = all(uses_kernels(config, scheme) for scheme in schemes)
     return "threading" if compiled else "loky"
 
 
 def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
-    """Whether the batch engine runs the scheme's own kernel."""
+    """Whether the batch engine runs the scheme by a kernel."""
     return config.engine == "batch" and hasattr(scheme, "kernel")
 
 
 def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
-    """An estimator to be fed step by step: compiled in the batch engine, where there is such."""
+    """Start an estimator that runs step by step; in the batch engine a compiled one, if any."""
     if config.engine == "batch" and hasattr(scheme, "stream"):
         return scheme.stream(sensors, config)  # type: ignore[no-any-return]
     return scheme.start(sensors, config)  # type: ignore[no-any-return]
@@ -123,8 +123,8 @@ def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; motion and noise are made once for all of them.
 
-    Schemes with a kernel share each span of the records while it is in the processor's cache. So
-    when the first block of an amplitude is due (or the first that superposes), all of them run.
+    Schemes with a kernel run together on each span of the records, while it is in the processor's
+    cache. So the first block of an amplitude (or the first superposed block) runs all of them.
     """
     records: Records | None = None
     schemes = {s.name: under(s, config) for s in resolve_all(config.schemes)}
@@ -160,7 +160,7 @@ def _settled(config: HubConfig, records: Records) -> int:
 
 
 def _frames(parts: Sequence[Iterable[measures.Columns]]) -> list[pd.DataFrame]:
-    """One frame for each part's tables; pandas takes as long for all rows as for a quarter."""
+    """One frame per part. It is cut from one large frame, because pandas is slow to make each."""
     tables = [list(part) for part in parts]
     pieces = [piece for part in tables for piece in part]
     whole = pd.DataFrame({name: _joined([p[name] for p in pieces]) for name in measures.COLUMNS})
@@ -183,12 +183,12 @@ def _by_kernels(
     records: Records,
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame | Exception]:
-    """Rows of several schemes at one amplitude, or what keeps a scheme from having a chain."""
+    """Each scheme's rows at one amplitude, or the exception raised when its chain was made."""
     made = zip(schemes, _chains(config, list(schemes.values()), records), strict=True)
     result: dict[int, pd.DataFrame | Exception] = {}
     chains: dict[int, Chain] = {}
     for number, chain in made:
-        if isinstance(chain, Exception):  # raised when its block is due: the others come first
+        if isinstance(chain, Exception):  # raised later, when its block is due
             result[number] = chain
         else:
             chains[number] = chain
@@ -211,7 +211,7 @@ def _by_kernels(
 def _chains(
     config: HubConfig, schemes: Sequence[Any], records: Records
 ) -> Iterable[Chain | Exception]:
-    """The schemes' chains, several at once where no other work keeps the cores busy."""
+    """The schemes' chains; several are made at once if the cores have no other work."""
 
     def made(scheme: Any) -> Chain | Exception:
         try:
@@ -227,7 +227,7 @@ def _chains(
 
 
 def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
-    """How many chains may be made at once: as many as threads would wait for them."""
+    """How many chains may be made at once: the number of threads that would wait for them."""
     from joblib import cpu_count
 
     compute = config.compute
@@ -266,7 +266,7 @@ def _by_loop(
             try:
                 measured = _looped(config, scheme, part, settled, amplitude, index)
                 yield measures.table(period, [replicate], scheme.name, measured, amplitude)
-            except (Exception, SystemExit) as error:  # whatever a user's scheme does, go on
+            except (Exception, SystemExit) as error:  # a user's scheme may raise anything
                 yield measures.failed(period, replicate, scheme.name, as_text(error), amplitude)
 
 

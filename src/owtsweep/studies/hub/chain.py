@@ -1,4 +1,4 @@
-"""A linear scheme as data: what the batch kernels need, computed once per sensors and tuning.
+"""A linear scheme as arrays for the batch kernels, computed once per sensors and tuning.
 
 Every scheme of the study is the same chain with parts left out: [MHE ->] multirate Kalman filter
 [-> fixed-lag smoother] [-> predictor]. The gains are shared by all periods, amplitudes and records.
@@ -35,7 +35,7 @@ LONGEST_TRANSIENT = 2**18
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A scheme for the batch engine; a cache tells chains apart by identity.
+    """A scheme for the batch engine. Chains are compared by identity, for caches.
 
     Attributes
     ----------
@@ -68,10 +68,10 @@ class Chain:
         return np.asarray(1.0 / self.gains.innovation_variance)
 
     def for_runs(self) -> Chain:
-        """This chain with all that a run needs, without the filter's covariances: half the memory.
+        """This chain without the filter's covariances, which a run does not need: half the memory.
 
-        The covariance of the output and its inverse are computed now. As cached properties they
-        would make threads wait for each other: until Python 3.12 all chains share one lock.
+        The covariance of the output and its inverse are computed here. As cached properties they
+        would make threads wait: before Python 3.12 all chains share one lock.
         """
         none, covariance = np.empty((0, 4, 4)), self._covariance()
         result = replace(self, gains=replace(self.gains, predicted=none, filtered=none))
@@ -102,7 +102,7 @@ Kernel = Callable[..., Chain]
 
 
 def chain_for_runs(scheme: Any, sensors: Sensors, tuning: Any, steps: int) -> Chain:
-    """A scheme's chain, without what runs do not need if the scheme's kernel can leave it out."""
+    """A scheme's chain, without the parts that runs do not need if the kernel can omit them."""
     if getattr(scheme.kernel, "keeps_chains", False):
         made: Chain = scheme.kernel(sensors, tuning, steps, for_runs=True)
     else:
@@ -111,7 +111,7 @@ def chain_for_runs(scheme: Any, sensors: Sensors, tuning: Any, steps: int) -> Ch
 
 
 def shared(kernel: Kernel) -> Kernel:
-    """Compute a scheme's chain once per sensors, tuning and length: all records share it.
+    """Make a kernel compute its chain once per sensors, tuning and length; all records share it.
 
     The scheme names the parts of the tuning that it depends on in `sections`.
     """
@@ -149,7 +149,7 @@ def shared(kernel: Kernel) -> Kernel:
 #: Rows of a schedule whose covariances are worked out at once.
 _ROWS_AT_ONCE = 8192
 
-#: One for each registered scheme: a chain whose gains settle slowly takes up to 100 MB.
+#: Chains in the cache, one for each registered scheme; slowly settling gains take up to 100 MB.
 _KEPT_CHAINS = 4
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
 _MAKING: dict[Any, Lock] = {}
@@ -182,9 +182,9 @@ def chain(
     predict
         Sigma_2 on (p, v, b) over one step, to predict over input_delay + window steps.
     horizon
-        The MHE whose positions take the place of the fixes.
+        The MHE whose positions replace the fixes.
     steps
-        How long a record the chain must serve; a shorter one than the transient stores less.
+        Length of the longest record. If it is shorter than the transient, less is stored.
     """
     M = sensors.fix_interval
     gains = schedule(
@@ -256,14 +256,14 @@ def _output_covariance(
     sample and feeds it inputs whose noise v_i the smoother has partly seen. For the filter's own
     optimal estimate E[error_s v_i] = cov(error_s, error_i) h', since v_i minus its estimate is
     h (error_i) and the estimate is uncorrelated with the error. The noise of later inputs is
-    independent. (The bias' own walk over these steps is added as if independent: it is 1e-3 of
-    the rest for the default sensors.)
+    independent. (The bias' walk over these steps is added as if it were independent. For the
+    default sensors it is 1e-3 of the rest.)
     """
     if predict is None or steps == 0:
         return gains.filtered[:, :2, :2].copy()
     noise = prediction_noise(predict, steps)
     pick = SIGMA_2_STATES
-    # with no window there is nothing to look up among the smoother's gains
+    # without a window there are no smoother gains
     rows = FilterRows(gains.filtered, gains.predicted, C if window > 0 else gains.filtered)
     result = np.empty((gains.rows, 2, 2))
     for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small

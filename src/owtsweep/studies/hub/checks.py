@@ -1,4 +1,4 @@
-"""What cannot work together is refused before anything runs: one line each, with what would work.
+"""Refuses settings that cannot work together, before a run; each message says what would work.
 
 Types and bounds of single keys are declared in `config`.
 """
@@ -20,12 +20,12 @@ from owtsweep.studies.hub.schemes import resolve_all
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig, Mhe
 
-#: What fits a machine: a record of 1e8 steps holds gigabytes.
+#: Longest record that fits a machine's memory: 1e8 steps take gigabytes.
 MOST_STEPS = 100_000_000
 
 
 def check(config: HubConfig) -> None:
-    """Raise `InputError` for the first thing that cannot work."""
+    """Raise `InputError` for the first setting that cannot work."""
     _check_sensors(config)
     _check_record(config)
     _check_spectrum(config)
@@ -44,7 +44,7 @@ def check(config: HubConfig) -> None:
 
 
 def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
-    """Refuse what has no expectation that could be computed without a record."""
+    """Refuse settings for which the expectation cannot be computed without records."""
     require(
         not config.measures.extremes,
         "measures.extremes: largest errors need records; use engine=batch",

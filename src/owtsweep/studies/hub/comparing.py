@@ -1,4 +1,4 @@
-"""What the hub study says of a run that is compared with others."""
+"""What a comparison of runs needs to know about a run of the hub study."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-#: What the motion of a record depends on besides its natural period and replicate. Sigma, delay,
-#: rate, bias and tuning keep the phases of the motion and the draws of the noise.
+#: The keys that a record's motion depends on besides natural period and replicate. Changing sigma,
+#: delay, rate, bias or tuning changes neither the motion's phases nor the draws of the noise.
 PAIRING = ("seed", "record", "spectrum", "band", "normalise")
 
 
 def describe_run(run: Candidate) -> Aspects:
-    """What a comparison needs to know of a run."""
+    """Describe a run for a comparison."""
     config: HubConfig = run.config
     window = config.measures.window
 

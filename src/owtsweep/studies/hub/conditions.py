@@ -1,4 +1,4 @@
-"""The conditions of the hub study, and its rows as a cube over them."""
+"""The conditions of the hub study, and its rows as a cube over these conditions."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ AMPLITUDE = Condition(
 CONDITIONS = (NATURAL_PERIOD, AMPLITUDE)
 #: The order of measures in tables.
 MEASURES = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
-#: The measures by which schemes are told to coincide.
+#: The measures that decide whether two schemes coincide.
 CRITERIA = ("position", "velocity")
-#: The schemes whose boundary is told: below it the first is better, above it the second.
+#: The schemes whose boundary is reported: below it the first is better, above it the second.
 BOUNDARY = ("HME2", "HME1")
 
 

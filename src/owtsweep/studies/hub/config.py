@@ -1,6 +1,6 @@
 """The configuration of the hub-motion study: its keys, types, bounds and meanings.
 
-Units are SI; angles are in degrees, as users state a yaw or a wave direction.
+Units are SI, but angles (yaw, wave direction) are in degrees.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Imu(Section):
 
 
 class SensorConfig(Section):
-    """GNSS and IMU, and how the IMU lies."""
+    """GNSS and IMU, and the orientation of the IMU."""
 
     gnss: Gnss = key("the position sensor")
     imu: Imu = key("the accelerometers")
@@ -72,7 +72,7 @@ class SensorConfig(Section):
 
 
 class Variance(Section):
-    """A measurement variance by its rule from the sensor's sigma, times `scale`."""
+    """A measurement variance: computed by a rule from the sensor's sigma, times `scale`."""
 
     rule: Literal["sigma2", "sigma2_over_step", "sigma2_times_ratio"] = key(
         "sigma2: sigma^2; sigma2_over_step: sigma^2 / T_a, Eq. (10f) on a per-sample variance; "
@@ -171,7 +171,7 @@ class Mhe(Section):
 
     @property
     def bounds(self) -> tuple[float, float, float]:
-        """Of |p|, |v| and |b^b|; infinite where there is none."""
+        """Bounds of |p|, |v| and |b^b|; infinite where there is none."""
         limits = self.constraints or Constraints()
         values = (limits.position, limits.velocity, limits.bias)
         p, v, b = (float("inf") if value is None else value for value in values)
@@ -179,7 +179,7 @@ class Mhe(Section):
 
 
 class Hme(Section):
-    """What HME1 and HME2 share, and the MHE of HME2."""
+    """Settings that HME1 and HME2 share, and the MHE of HME2."""
 
     smoother_window: int = key(
         "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
@@ -188,7 +188,7 @@ class Hme(Section):
 
 
 class Measures(Section):
-    """What is measured, and what the map judges."""
+    """The measures to compute, and the criterion of the map."""
 
     settling_time: NotNegative = key("left out of the window settled", unit="s")
     window: Literal["full", "settled"] = key("the window that the map judges")

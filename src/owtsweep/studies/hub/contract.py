@@ -1,4 +1,4 @@
-"""What a scheme is: the interface between the hub study and every estimator, ours or a user's."""
+"""The interface between the hub study and any scheme, built in or a user's."""
 
 from __future__ import annotations
 
@@ -82,12 +82,12 @@ class Scheme(Protocol):
     """An estimation scheme.
 
     It may also offer `kernel(sensors, tuning, steps)` for the batch engine. That gives the scheme
-    as an `owtsweep.studies.hub.chain.Chain` for records of so many steps.
+    as an `owtsweep.studies.hub.chain.Chain` for records of `steps` steps.
 
     Attributes
     ----------
     name
-        What tables and figures call it; unique within a run.
+        Its name in tables and figures; unique within a run.
     linear
         Whether estimates are linear in the measurements and gains do not depend on these. Then one
         run with the motion alone and one with the noise alone serve every amplitude.

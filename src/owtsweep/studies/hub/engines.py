@@ -1,4 +1,4 @@
-"""The hub study's engines: from records, step by step or by kernels, and without any record."""
+"""The hub study's engines: from records (step by step or by kernels), or without records."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ logger = logging.getLogger(__name__)
 
 
 class _Engine:
-    """What both engines share: which columns identify a row, and the map as the answer."""
+    """What both engines share: the columns that identify a row, and the map as the result."""
 
     def sort_columns(self) -> list[str]:
         """The columns that identify a row."""
@@ -56,7 +56,7 @@ class RecordsEngine(_Engine):
     drawings = staticmethod(figures.drawings)
 
     def backend(self, config: HubConfig) -> str:
-        """Threads for kernels, which release the GIL; processes as soon as one scheme is Python."""
+        """Threads if all schemes have kernels, which release the GIL; otherwise processes."""
         schemes = resolve_all(config.schemes, config)
         for scheme in schemes:
             if config.engine == "batch" and getattr(scheme, "constrained", False):
@@ -68,7 +68,7 @@ class RecordsEngine(_Engine):
         return blocks.backend(config, schemes)
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """summary and best_scheme, with intervals over the records."""
+        """The tables summary and best_scheme, with intervals over the records."""
         cube = make_cube(config, rows)
         best = find_best_schemes(cube, config.measures.window, criteria(config))
         return {"summary": summarise(cube), "best_scheme": best}
@@ -88,7 +88,7 @@ class ExpectedEngine(_Engine):
         return "threading"
 
 
-#: The key `engine` -> what makes the engine.
+#: Value of the key `engine` -> class of the engine.
 ENGINES: dict[str, Callable[[], Engine]] = {
     "batch": RecordsEngine,
     "reference": RecordsEngine,

@@ -1,7 +1,7 @@
-"""What the kernels are fed with: the records of eight replicates, span by span.
+"""Makes the kernels' input: the records of eight replicates, span by span.
 
 A span is 10 000 steps of specific force and truth in rows of eight lanes. Spans are made one after
-the other in the same buffers, so of a whole record only the motion is in memory.
+the other in the same buffers, so only the motion is in memory for the whole record.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from owtsweep.studies.hub.kernels.layout import WIDTH, ImuNoise
 from owtsweep.studies.hub.records import Records
 from owtsweep.studies.hub.sensors import fix_count
 
-#: Steps of a span: long enough that Python's share is small, short enough for the last cache.
+#: Steps of a span: enough that Python's overhead is small, few enough for the last-level cache.
 SPAN = 10_000
 
 
 class Span(NamedTuple):
-    """A piece of the record: step k stands in row k - base; rows before step 0 are zero.
+    """A piece of the record: step k is in row k - base; rows before step 0 are zero.
 
     stop: the first step after the span; force (groups, rows, 8), m/s^2 in NED; position and
     velocity (rows, 8): the truth along the wave, m and m/s, of the unit motion.
@@ -36,14 +36,14 @@ class Span(NamedTuple):
 
 
 class Lanes:
-    """Records whose motion and noise are kept, to be run again and again.
+    """Records whose motion and noise are kept for repeated runs.
 
     As arrays they are lanes in NED, (steps, lanes) and (fixes, lanes).
     """
 
     def __init__(self, records: Records) -> None:
         self.records = records
-        _ = records.noise  # made now, and kept
+        _ = records.noise  # makes the noise, which is then kept
 
     @cached_property
     def position(self) -> Array:
@@ -52,7 +52,7 @@ class Lanes:
 
     @cached_property
     def velocity(self) -> Array:
-        """Its rate, (steps, replicates), m/s."""
+        """True velocity along the wave, (steps, replicates), m/s."""
         return np.stack([motion.velocity for motion in self.records.motion], axis=1)
 
     @cached_property
@@ -82,18 +82,18 @@ class Lanes:
 class Feed:
     """Up to eight replicates of a block's records.
 
-    Without an amplitude the groups of lanes are motion, noise in x, noise in y: the motion has one
-    lane per replicate, the unit displacement along the wave, since both axes share their gains.
-    With one they are x and y of whole series at that amplitude (m).
+    Without an amplitude the groups of lanes are motion, noise in x, noise in y. The motion has one
+    lane per replicate, the unit displacement along the wave, because both axes share their gains.
+    With an amplitude (m) the groups are x and y of whole series at it.
 
     Parameters
     ----------
     records
         Records of the block.
     first
-        The first replicate's index in the records; the next seven follow, as far as there are any.
+        Index of the first replicate in the records; up to seven more follow.
     amplitude
-        None for motion and noise apart.
+        None for motion and noise in separate groups.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class Feed:
         return self._grouped(motion, noise)
 
     def spans(self, lead: int) -> Iterator[Span]:
-        """The record span by span; each begins with the last `lead` rows of the one before."""
+        """Yield the record's spans; each begins with the last `lead` rows of the one before."""
         from owtsweep.studies.hub.kernels import feeding
 
         steps = self.records.steps

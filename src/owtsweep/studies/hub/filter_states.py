@@ -1,4 +1,4 @@
-"""What a filter believes besides position and velocity, and how late it is.
+"""A filter's states besides position and velocity, and how late they are.
 
 `batch.states` and `batch.state_chunks` give the states (p, v, a, b) themselves.
 """
@@ -13,7 +13,7 @@ from owtsweep.studies.hub.contract import Sensors
 
 
 def lag_of(chain: Chain) -> int:
-    """How many steps before the present the filter's own time is."""
+    """How many steps the filter's states are behind the present."""
     return chain.filter.input_delay + chain.filter.window
 
 

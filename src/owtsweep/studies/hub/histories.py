@@ -19,19 +19,19 @@ from owtsweep.studies.hub.true_bias import simulate_bias
 
 #: Natural period of the paper's time histories, section 5.2, s.
 NATURAL_PERIOD = 3.8
-#: Their amplitude (m) is not printed. HME1 is the better scheme there; at 4 s it is so from .3 m on
-#: (section 5.3), and .5 m is the next amplitude of the study's grid.
+#: Amplitude of these time histories, m. The paper does not print it. HME1 is the better scheme in
+#: them. At 4 s that holds from 0.3 m on (section 5.3); 0.5 m is the grid's next amplitude.
 AMPLITUDE = 0.5
 
 
 @dataclass(frozen=True)
 class SchemeHistory:
-    """What one scheme estimates over a record, in NED.
+    """The estimates of one scheme over a record, in NED.
 
     Attributes
     ----------
     position, velocity
-        (steps, 2): estimate of step k at step k, m and m/s.
+        (steps, 2): row k is the estimate of step k, made at step k; m and m/s.
     acceleration, bias
         (steps, 2): states of the filter, m/s^2. Row k is the estimate of step k - `lag`; the first
         `lag` rows are NaN. `bias` is R b^b; `acceleration` is None for a model without that state.
@@ -61,9 +61,9 @@ class Histories:
     measured
         (steps, 2): the acceleration that the IMU reports, R f + g, m/s^2.
     fix_time, fixes
-        (fixes,) s, when they arrive; (fixes, 2) m, the position of `delay` s before.
+        (fixes,) times of arrival, s; (fixes, 2) m, the position `delay` s before.
     delay
-        Of the GNSS, s.
+        Delay of the GNSS, s.
     integrated_position, integrated_velocity
         (steps, 2): the IMU alone, integrated from the true initial state.
     estimated
@@ -90,14 +90,14 @@ class Histories:
 
 
 def natural_period_of(config: HubConfig) -> float:
-    """3.8 s; for the printed spectrum, which has whole seconds only, the grid's nearest period."""
+    """3.8 s. The printed spectrum has whole seconds only: then the grid's nearest period."""
     if config.spectrum.kind == "printed":
         return min(config.grid.natural_period, key=lambda period: abs(period - NATURAL_PERIOD))
     return NATURAL_PERIOD
 
 
 def simulate_histories(config: HubConfig) -> Histories:
-    """Run the schemes of a study that have a kernel over its first record at `AMPLITUDE`."""
+    """Run those schemes of a study that have a kernel on its first record at `AMPLITUDE`."""
     period = natural_period_of(config)
     records = make_records(config, period, [0])
     sensors, motion = records.sensors, records.motion[0]
@@ -143,7 +143,7 @@ def simulate_histories(config: HubConfig) -> Histories:
 
 
 def _shift_by_one(sums: Array) -> Array:
-    """Running sums as they stand when a step begins: those of the steps before it."""
+    """Running sums at the beginning of each step: the sums over the steps before it."""
     return np.concatenate([np.zeros((1, sums.shape[1])), sums[:-1]])
 
 
@@ -151,7 +151,7 @@ def _estimate(chain: Chain, sensors: Sensors, force: Array, fixes: Array) -> Sch
     position, velocity, _ = batch.trajectories(chain, sensors, force, fixes)
     state = batch.states(chain, force, fixes)
     lag = lag_of(chain)
-    state[:lag] = np.nan  # there is no such moment in the record
+    state[:lag] = np.nan  # these times lie before the record
     return SchemeHistory(
         position=position,
         velocity=velocity,

@@ -1,4 +1,4 @@
-"""The moving horizon estimator of HME2: its tuning as numbers, for both engines."""
+"""The settings of HME2's moving horizon estimator as numbers, for both engines."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2, variance
 
 INPUTS = ("all", "averaged", "sampled")
 
-#: A link needs some freedom in every state: least density of the bias walk, (m/s^2)^2/s.
+#: Least density of the bias walk, (m/s^2)^2/s: a link's covariance must not be singular.
 LEAST_BIAS_DENSITY = 1e-12
 
 
@@ -32,20 +32,21 @@ class Horizon:
     length
         N_m, GNSS intervals in the window.
     first
-        Number of the first fix at which the window can be solved; until then fixes pass through.
+        Number of the first fix at which the window can be solved. Until then the filter gets the
+        fixes themselves.
     arrival
-        Whether the filter's own past state enters as arrival term.
+        Whether the filter's past state enters as arrival term.
     fixed
-        Whether it enters as the oldest node's state itself, not as a prior.
+        Whether the oldest node's state equals that state; otherwise that state is its prior.
     inputs
         One of `INPUTS`.
     weights
         Weights of Eq. (11a) for one GNSS interval.
     initial_covariance
-        (3, 3): the prior while the window fills (with an arrival term only).
+        (3, 3): covariance of the prior while the window fills (only with an arrival term).
     bounds
         (3,): of |p|, |v| (NED) and |b^b| (IMU's frame), infinite where there is none. The maps
-        below do not know them.
+        below ignore them.
     """
 
     interval: int
@@ -63,7 +64,7 @@ class Horizon:
         return min(fix, self.length)
 
     def arrays(self, gains: GainSchedule, sensors: Sensors) -> HorizonArrays:
-        """The maps of every fix until they repeat, for the kernels."""
+        """The maps of all fixes until they repeat, for the kernels."""
         M = sensors.fix_interval
         settled = -(-gains.rows // M) if self.arrival else 0
         count = self.length + settled + 1
@@ -91,13 +92,13 @@ class Horizon:
         )
 
     def is_fixed(self, fix: int) -> bool:
-        """Whether the window's oldest state is given; while it fills, the prior is uncertain."""
+        """Whether the window's oldest state is fixed; while the window fills, it has a prior."""
         return self.fixed and self.uses_filter(fix)
 
     def uses_filter(self, fix: int) -> bool:
         """Whether the arrival state is the filter's (x_m0 of register 3, Algorithm 5).
 
-        That state already contains the oldest fix, which the window then leaves out.
+        That state already includes the oldest fix, so the window leaves this fix out.
         """
         return self.arrival and fix >= self.length
 
@@ -112,7 +113,7 @@ class Horizon:
 
 
 def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
-    """The MHE that a tuning means for these sensors."""
+    """The MHE for a tuning and these sensors."""
     q_f = sensors.force_sigma**2 * sensors.step if tuning.q_a is None else tuning.q_a
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     model = discretise(sigma_2(q_f, max(q_b, LEAST_BIAS_DENSITY)), sensors.fix_step)
@@ -136,5 +137,5 @@ def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
 
 
 def transition_over(seconds: float) -> Array:
-    """A_df of Sigma_2 on (p, v, b) over t_f, Eq. (11g), exact in place of I + t_f A."""
+    """A_df of Sigma_2 on (p, v, b) over t_f, Eq. (11g); exact, where the paper has I + t_f A."""
     return np.array([[1.0, seconds, 0.5 * seconds**2], [0.0, 1.0, seconds], [0.0, 0.0, 1.0]])

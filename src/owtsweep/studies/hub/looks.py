@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from owtsweep.figures.palette import SchemeStyle
 
-#: EKF and MKF can coincide: dashes over a full line show both.
+#: EKF and MKF can coincide: a dashed line over a solid one shows both.
 LOOKS = {
     "EKF": SchemeStyle("#CC79A7", "s", "-"),
     "MKF": SchemeStyle("#009E73", "D", (0, (4, 2))),

@@ -14,13 +14,13 @@ from owtsweep.evaluation.measures import Errors, Mean, measure
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.batch import Sums
 
-#: What the kernels sum, in their order.
+#: The measures that the kernels sum, in their order.
 SUMMED = ("x", "y", "vx", "vy", "nees", "nis")
-#: Measures of the position's error, where each record is run at its amplitude.
+#: Measures of the position error that need records run at their amplitude.
 EXTREMES = ("position_max", "position_p95")
 WINDOWS = ("full", "settled")
 
-#: Some columns of rows by name: numbers or words.
+#: Columns of a table by name: numbers or strings.
 Columns = dict[str, Array | NDArray[np.int64] | list[str]]
 #: Columns of a shard, in order.
 COLUMNS = (
@@ -33,7 +33,7 @@ class Measured(NamedTuple):
     """Measures of some records.
 
     measures and windows (n,): their names. products (n, 3, records): means of motion x motion,
-    motion x noise and noise x noise. n_samples (n,): how many samples a mean is taken of.
+    motion x noise and noise x noise. n_samples (n,): number of samples in each mean.
     """
 
     measures: list[str]
@@ -45,7 +45,7 @@ class Measured(NamedTuple):
 def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measured:
     """The measures of the replicates with these indices in the sums."""
     names = [*SUMMED, "position", "velocity", *(EXTREMES if len(sums.squared) else ())]
-    # from here on the first axis is the window: the whole record, and what comes after it settled
+    # from here on the first axis is the window: the whole record, then the settled part
     steps, innovations = (np.array([sum(n), n[1]]) for n in (sums.steps, sums.innovations))
     counts = np.stack([innovations if name == "nis" else steps for name in names], axis=1)
     products = sums.products[..., chosen]
@@ -56,7 +56,7 @@ def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measur
     if len(sums.squared):
         squared = (sums.squared[first:, chosen] for first in (0, int(sums.steps[0])))
         parts.append(np.stack([_extremes(errors) for errors in squared]))
-    there = counts > 0  # without a fix after the settling time there is no innovation
+    there = counts > 0  # no innovation if no fix comes after the settling time
     entries = [(name, window) for window in WINDOWS for name in names]
     measures, windows = zip(*(entries[i] for i in np.flatnonzero(there)), strict=True)
     values = np.concatenate(parts, axis=1)[there]
@@ -64,7 +64,7 @@ def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measur
 
 
 def _extremes(squared: Array) -> Array:
-    """`EXTREMES` of (steps, records) squared errors, (2, 3, records); only the last product."""
+    """`EXTREMES` of squared errors (steps, records), as (2, 3, records): only product 2 is set."""
     error = np.sqrt(squared)
     result = np.zeros((2, 3, error.shape[1]))
     result[0, 2] = np.max(error, axis=0)
@@ -128,10 +128,10 @@ def table(
     natural_period
         In s.
     replicates
-        Numbers of the records, as many as `measured` has.
+        Numbers of the records in `measured`.
     amplitude
-        In m, of records that were run at it: their value is the product noise x noise. None for
-        superposed records, which keep all three products.
+        Amplitude at which the records were run, m; the value is then the product noise x noise.
+        None for superposed records, which keep all three products.
     """
     measures, windows, means, samples = measured
     records, rows = len(replicates), len(measures) * len(replicates)
@@ -159,7 +159,7 @@ def table(
 def failed(
     natural_period: float, replicate: int, scheme: str, reason: str, amplitude: float | None
 ) -> Columns:
-    """The one row of a failed case."""
+    """The single row of a failed case."""
     nothing = Measured([""], [""], np.full((1, 3, 1), np.nan), [0])
     row = table(natural_period, [replicate], scheme, nothing, amplitude)
     return {**row, "status": ["failed"], "reason": [reason]}

@@ -20,7 +20,7 @@ from owtsweep.studies.hub.contract import Sensors
 POSITION = np.array([1.0, 0.0, 0.0, 0.0])
 #: R f = x3 - x4 (6b).
 FORCE = np.array([0.0, 0.0, 1.0, -1.0])
-#: Places of Sigma_2's states (p, v, b) among the four states.
+#: Positions of Sigma_2's states (p, v, b) among the four states.
 SIGMA_2_STATES = np.array([0, 1, 3])
 
 

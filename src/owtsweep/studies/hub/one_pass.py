@@ -1,4 +1,4 @@
-"""A series that is made piece by piece, for runs that go through it once from front to back."""
+"""A series that is made piece by piece, for runs that read it once from start to end."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class OnePassSeries:
     Parameters
     ----------
     pieces
-        The rows, some at a time.
+        The rows, in pieces.
     shape
-        Of the whole.
+        Shape of the whole series.
     """
 
     def __init__(self, pieces: Iterator[Array], shape: tuple[int, int]) -> None:

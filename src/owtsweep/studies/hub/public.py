@@ -1,6 +1,6 @@
-"""What other studies use of the hub study; they import nothing else of it.
+"""The names of the hub study that other studies use; they import nothing else from it.
 
-A name is looked up when it is asked for: whoever takes `Sensors` loads no kernel.
+Each name is imported at first use, so that importing `Sensors` loads no kernel.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ __all__ = [
     "scheme_products", "score", "simulate_bias", "state_chunks", "trajectories",
 ]  # fmt: skip
 
-#: Module -> its names.
+#: Module -> names that it provides.
 _HOMES = {
     "batch": ["Lanes", "chunks", "state_chunks", "trajectories"],
     "blocks": ["backend", "explain_anew", "scheme_content"],
@@ -60,7 +60,7 @@ _HOMES = {
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors"],
     "true_bias": ["simulate_bias"],
 }
-#: Names that are others there.
+#: Name here -> name in its module, where they differ.
 _OTHER_NAMES = {"make_sensors": "sensors", "require_scheme": "check_scheme"}
 
 

@@ -1,6 +1,6 @@
 """The numbers and statements that Ren et al. (2019) print, as data.
 
-They are kept as printed, misprints included: a `note` says where a number cannot be meant.
+They are kept as printed, including misprints; a `note` marks a number that must be wrong.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from owtsweep.verdicts.published import read_published
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Whose `data/` holds what is printed.
+#: The package whose folder `data/` holds the printed numbers.
 PACKAGE = "owtsweep.studies.hub"
-#: Measures that tables 6-9 give, with the names of their columns in the data file.
+#: Measures in tables 6-9 -> their columns in the data file.
 MEASURES = {"x": "mse_x_m2", "y": "mse_y_m2", "vx": "mse_vx_m2_s2", "vy": "mse_vy_m2_s2"}
 
 
@@ -35,7 +35,7 @@ def mse_tables() -> pd.DataFrame:
     keys = ["table", "natural_period", "amplitude", "scheme"]
     parts = []
     for measure, column in MEASURES.items():
-        # a note of the data file starts with the name of the column it speaks of
+        # a note in the data file starts with the name of the column that it is about
         concerns = wide["note"].str.startswith(f"mse_{measure} ")
         note = wide["note"].where(concerns, "").str.removeprefix("mse_")
         part = wide[keys].assign(measure=measure, published=wide[column], note=note)

@@ -21,10 +21,10 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 
 STUDY = "hub"
-#: A block's share of memory: bytes of motion that a worker holds at a time. Replicates whose motion
-#: does not fit in it run one part after the other. Eight records fit up to 6600 s at 100 Hz.
+#: Most bytes of motion that a worker holds at a time. If a block's replicates need more, they run
+#: in several parts. Eight records of up to 6600 s at 100 Hz fit.
 MEMORY_SHARE = 128_000_000
-#: Position, velocity and acceleration, eight bytes each.
+#: Bytes per step: position, velocity and acceleration, eight bytes each.
 BYTES_PER_STEP = 24
 
 
@@ -53,9 +53,9 @@ class Records:
         return round(self.config.record.duration / self.sensors.step)
 
     def parts(self) -> Iterator[Records]:
-        """These records, as many replicates at a time as fit into a block's share of memory.
+        """Split the records into parts whose motion fits into a worker's share of memory.
 
-        A part makes its motion when it is first asked for, and drops it with itself.
+        A part makes its motion at first use; the memory is freed with the part.
         """
         count = len(self.replicates)
         each = max(MEMORY_SHARE // (BYTES_PER_STEP * self.steps), 1)
@@ -67,7 +67,7 @@ class Records:
 
     @cached_property
     def motion(self) -> tuple[Motion, ...]:
-        """One per replicate, scaled to the unit amplitude."""
+        """The motions, one per replicate, scaled to unit amplitude."""
         low, high = self.config.band
         source = SpectralSource(self.spectrum, (low, high), self.config.normalise)
         sensors = self.sensors
@@ -80,7 +80,7 @@ class Records:
 
     @cached_property
     def noise(self) -> tuple[sensing.Measurements, ...]:
-        """One per replicate: everything in the measurements that is not motion, whole and kept."""
+        """One per replicate: all of the measurements that is not motion, kept in memory."""
         return tuple(
             sensing.noise(self.config.sensors, self.sensors, self.steps, self.stream(index))
             for index in range(len(self.replicates))
@@ -88,7 +88,7 @@ class Records:
 
     @property
     def keeps_noise(self) -> bool:
-        """Whether somebody has asked for the whole noise."""
+        """Whether the whole noise has been made, and so is kept."""
         return "noise" in vars(self)
 
     def force_noise(self, index: int) -> sensing.ForceNoise:
@@ -100,7 +100,7 @@ class Records:
         return sensing.fix_noise(self.sensors, self.steps, self.stream(index))
 
     def stream(self, index: int) -> Callable[[str], np.random.Generator]:
-        """The named streams of the replicate with this index."""
+        """The random streams, by name, of the replicate with this index."""
         return partial(
             stream, self.config.seed, STUDY, (self.natural_period,), self.replicates[index]
         )

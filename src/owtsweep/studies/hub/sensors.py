@@ -1,7 +1,7 @@
 """What GNSS and IMU report of a motion, Eqs. (3)-(5) of Ren et al. (2019).
 
-Signal and noise are made apart. So superposition can run them side by side, and a record's noise is
-the same whatever moves.
+Signal and noise are made separately. So superposition can run them side by side, and a record's
+noise does not depend on its motion.
 """
 
 from __future__ import annotations
@@ -48,12 +48,12 @@ def fix_count(steps: int, fix_interval: int) -> int:
 
 
 def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
-    """The part of Eqs. (3) and (4) that is motion: R' vdot and p(t - tau_d).
+    """The part of Eqs. (3) and (4) that comes from motion: R' vdot and p(t - tau_d).
 
     Parameters
     ----------
     motion
-        Displacement along `direction`, (2,) in NED.
+        The displacement along `direction`, which is (2,) in NED.
     """
     force = motion.acceleration[:, None] * (sensors.rotation.T @ direction)
     count = fix_count(len(motion.position), sensors.fix_interval)
@@ -98,16 +98,16 @@ class ForceNoise:
         return self.white[0].sigma
 
     def draw(self, normals: Array) -> None:
-        """Put the next unit normals of bias_x, imu_x, bias_y, imu_y into (4, steps).
+        """Write the next unit normals of bias_x, imu_x, bias_y, imu_y to `normals` (4, steps).
 
-        The kernels scale them. A record is taken either by this or by `next`.
+        The kernels scale them. For one record, use either this or `next`.
         """
         for axis in range(2):
             self.bias[axis].generator.standard_normal(out=normals[2 * axis])
             self.white[axis].generator.standard_normal(out=normals[2 * axis + 1])
 
     def next(self, steps: int) -> Array:
-        """The next (steps, 2) in the IMU's frame, m/s^2."""
+        """The noise of the next steps, (steps, 2) in the IMU's frame, m/s^2."""
         force = np.empty((steps, 2))
         for axis in range(2):
             total = self.white[axis].draw(steps)
@@ -122,7 +122,7 @@ def noise(
     steps: int,
     stream: Callable[[str], np.random.Generator],
 ) -> Measurements:
-    """All that is not motion in the measurements of a whole record."""
+    """The part of a whole record's measurements that does not come from motion."""
     force = ForceNoise(config, sensors, stream).next(steps)
     return Measurements(force, fix_noise(sensors, steps, stream))
 

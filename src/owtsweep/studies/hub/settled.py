@@ -21,9 +21,9 @@ MOST_CYCLES = 4096
 
 
 def settled(chain: Chain) -> Chain:
-    """The chain as it is after its transient: the last cycle of its gains from the start on.
+    """The chain after its transient: it uses the last cycle of its gains from the start.
 
-    While the window of an MHE fills, its growing windows are kept.
+    The growing windows of an MHE at the start are kept.
     """
     gains, last = chain.gains, slice(-chain.gains.cycle, None)
     filter_arrays = chain.filter
@@ -63,12 +63,12 @@ def longest(chain: Chain) -> int:
 
 
 def limit(sequence: Complex) -> tuple[Complex, Array]:
-    """The limit of a sequence that a linear system with few modes makes.
+    """The limit of a sequence that comes from a linear system with few modes.
 
-    Reduced rank extrapolation: weights g with sum 1 that make the weighted sum of the differences
-    least give the weighted sum of the terms, in which as many modes have vanished as there are
-    differences, less one. (Smith, Ford and Sidi, 1987, Extrapolation methods for vector sequences,
-    SIAM Review 29, 199-233.)
+    This is reduced rank extrapolation. The weights have the sum 1 and minimise the weighted sum of
+    the differences between terms. The limit is the weighted sum of the terms. It removes as many
+    modes as there are differences, less one. (Smith, Ford and Sidi, 1987, Extrapolation methods for
+    vector sequences, SIAM Review 29, 199-233.)
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def limit(sequence: Complex) -> tuple[Complex, Array]:
     remainder = np.empty(n)
     for i in range(n):
         D = differences[:, :, i].T
-        # sum 1: the last difference with its changes against the others
+        # so that the weights sum to 1: the last difference, and the others minus it
         step = D[:, :-1] - D[:, -1:]
         g = np.linalg.lstsq(step, -D[:, -1], rcond=1e-12)[0]
         g = np.append(g, 1.0 - np.sum(g))

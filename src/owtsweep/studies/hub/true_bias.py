@@ -1,4 +1,4 @@
-"""The accelerometer's bias as it was simulated, which no sensor tells."""
+"""The true bias of the simulated accelerometer."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ def simulate_bias(
     *,
     piece: int | None = None,
 ) -> Iterator[Array]:
-    """R b^b of a record, (steps, 2) m/s^2 in NED, in pieces.
+    """Yield R b^b of a record, (steps, 2) m/s^2 in NED, in pieces.
 
     Parameters
     ----------
     stream
-        Gives the generator of a name. With the streams of a record's noise, the bias is the one
-        that this noise holds.
+        Gives the random generator for a name. With the streams of a record's noise, the bias is
+        the one in that noise.
     piece
         Steps of a piece; the whole record at once by default.
     """

@@ -1,4 +1,4 @@
-"""Solves one window of the MHE by CasADi, with constraints, for both forms of HME2."""
+"""Solves one window of the MHE with constraints, by CasADi, for both forms of HME2."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def solve(
     x0: Array,
     covariance: Array | None,
 ) -> Array:
-    """The states of a window's nodes, (6, nodes): x, y, v_x, v_y, b_x, b_y.
+    """Return the states of a window's nodes, (6, nodes): x, y, v_x, v_y, b_x, b_y.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def solve(
         (links, 6) effect B u of the inputs between two nodes. If `since_fix` is above zero, the
         last one ends at the present.
     filled
-        Whether the arrival state comes from the filter's past. It contains the oldest fix then.
+        Whether the arrival state comes from the filter's past. It then includes the oldest fix.
     x0, covariance
         (6,) arrival state and its (3, 3) covariance; a covariance of None means no arrival term.
 
@@ -86,7 +86,7 @@ def solve(
 def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Array]:
     """Constraint rows (rows, 6) on a node's states and their lower and upper limits (rows,) each.
 
-    Only finite bounds make rows. The bias is bounded in the IMU's frame: b^b = R' g - R' x4 by
+    Only finite bounds give rows. The bias is bounded in the IMU's frame: b^b = R' g - R' x4 by
     Eq. (6).
     """
     rows, shift = np.kron(np.eye(3), _I), np.zeros(6)

@@ -1,8 +1,8 @@
 """The whole chain of a scheme over a chunk: filter, smoother, predictor.
 
-In two parts: `prepare` takes a whole chunk through filter and smoother; `finish` makes the
-estimates of some of its steps, few enough that they are still in a near cache when they are
-judged. A chain that is a filter alone has nothing to prepare.
+There are two parts. `prepare` runs the filter and the smoother over a whole chunk. `finish` makes
+the estimates of some of its steps: few enough that these are still in a near cache when their
+errors are summed. A chain that consists of a filter alone skips `prepare`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from owtsweep.vectors.lanes import ROOMY, groups, load, store
 
 @njit
 def filter_span(steps, fed, chain, memory, width, late):
-    """The filter over some steps, fed by the fixes or, interval by interval, by the MHE."""
+    """Run the filter over some steps, on fixes or, interval by interval, on the MHE's positions."""
     k0, first, stop, shift = steps
     mhe, registers, M = chain.mhe, memory.registers, chain.filter.fix_interval
     if not mhe.active:
@@ -40,7 +40,7 @@ def filter_span(steps, fed, chain, memory, width, late):
         if at_fix:
             horizon_fix(q, fed.fixes, mhe, registers)
         horizon_steps(Steps(k0, first, end, shift), fed, q, chain, memory)
-        if at_fix and mhe.arrival:  # register 3 takes the state that this fix has corrected
+        if at_fix and mhe.arrival:  # register 3 stores the state after this fix's correction
             positions = positions_from(k0, begun, mhe.interval, made)
             some = Steps(k0, begun, first + 1, shift)
             filter_steps(some, fed, positions, chain, memory, width, late)
@@ -56,17 +56,17 @@ def filter_span(steps, fed, chain, memory, width, late):
 
 @njit
 def is_filter(chain):
-    """Whether the filter's states are the estimates."""
+    """Whether the chain is a filter alone, so that its states are the estimates."""
     return chain.filter.window == 0 and chain.predictor.steps == 0
 
 
 @njit
 def prepare(k0, count, fed, chain, memory, whole, late):
-    """Leave filtered or smoothed states of a chunk's steps in scratch.X, `window` steps late.
+    """Write filtered or smoothed states of a chunk's steps to scratch.X, `window` steps late.
 
-    There are four rows per step, (p, v, b, a); unless they are wanted `whole`, two, of what the
-    predictor takes of them.
-    `late` are rows, based as the force's, that are read once the states are there.
+    If `whole`, or without a predictor, each step has four rows, (p, v, b, a). Otherwise it has two:
+    what the predictor needs of the state.
+    `late` are rows that later stages read; they are numbered as the rows of the force.
     """
     window, registers, scratch = chain.filter.window, memory.registers, memory.scratch
     width = WHOLE if whole or chain.predictor.steps == 0 else PREDICTED
@@ -78,7 +78,7 @@ def prepare(k0, count, fed, chain, memory, whole, late):
     rows, source = Window(scratch.X, scratch.r, scratch.s), k0 - fed.base
     if ROOMY:
         smooth_chunk(k0, count, chain, width, rows, fed.force, source)
-    else:  # group by group: a group has enough to do while a step waits, and all of it fits
+    else:  # group by group: the registers do not hold more than one
         X, r, s, force = groups(rows.X), groups(rows.r), groups(rows.s), groups(fed.force)
         for g in range(len(X)):
             smooth_chunk(k0, count, chain, width, Window(X[g], r[g], s[g]), force[g], source)
@@ -86,13 +86,13 @@ def prepare(k0, count, fed, chain, memory, whole, late):
 
 @njit
 def steps_of(k0, first, stop, shift):
-    """`Steps` of numbers, some of which may be written as such."""
+    """`Steps` of these numbers, which may be literal constants."""
     return Steps(k0, first, stop, shift)
 
 
 @njit
 def finish(steps, fed, chain, memory, late):
-    """Estimates of some steps of a chunk; innovations stay in the row of their step."""
+    """Make the estimates of some steps of a chunk; innovations stay in the row of their step."""
     scratch, output = memory.scratch, memory.output
     if is_filter(chain):
         filter_span(steps, fed, chain, memory, FINAL, late)

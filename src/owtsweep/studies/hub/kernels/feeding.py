@@ -1,4 +1,4 @@
-"""A span of records put into rows of eight lanes, in one call that leaves the GIL alone."""
+"""Puts a span of records into rows of eight lanes, in one call that releases the GIL."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def gather(first, count, lead, sources, rows):
 def noise(count, lead, normals, begun, bias, imu, force):
     """Turn unit normals (lanes, 4, steps) of bias_x, imu_x, bias_y, imu_y into groups 1 and 2.
 
-    The bias walks on from `bias` (lanes, 2), or begins at its initial value. `imu` is `ImuNoise`;
-    its axes are those of NED.
+    If `begun`, the bias continues from `bias` (lanes, 2); otherwise it starts at its initial value.
+    `imu` is an `ImuNoise`, with axes in NED.
     """
     walk, initial, sigma, gravity = imu
     for axis in range(2):
@@ -36,7 +36,7 @@ def noise(count, lead, normals, begun, bias, imu, force):
 
 @njit
 def whole_series(count, lead, amplitude, direction, force, result):
-    """Add the groups motion and noise up to the groups x and y at an amplitude."""
+    """Make the groups x and y at an amplitude from the groups motion and noise."""
     for axis in range(2):
         for i in range(lead, lead + count):
             for lane in range(force.shape[2]):
@@ -46,7 +46,7 @@ def whole_series(count, lead, amplitude, direction, force, result):
 
 @njit
 def keep_lead(lead, rows):
-    """Move the last `lead` rows of each group to the front: the next span follows them."""
+    """Move the last `lead` rows of each group to the front, where the next span follows them."""
     last = rows.shape[1] - lead
     for group in range(rows.shape[0]):
         for i in range(lead):

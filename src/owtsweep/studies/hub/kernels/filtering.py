@@ -1,4 +1,4 @@
-"""The multirate Kalman filter over a run of steps, eight lanes or groups of them at a time."""
+"""Runs the multirate Kalman filter over some steps, on one or more groups of eight lanes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from owtsweep.compiled import njit
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.vectors.lanes import AHEAD, element, load, prefetch, store
 
-#: Rows per state in the scratch: what the predictor takes of it, or all of it; none where it is
+#: Rows per state in the scratch: two that the predictor needs, all four, or none if the state is
 #: the estimate.
 PREDICTED, WHOLE, FINAL = 2, 4, 0
 
@@ -21,7 +21,7 @@ def row_before(k, row, rows, cycle):
 
 @njit
 def corrected(x0, x1, x2, x3, gains, row, column, innovation):
-    """A state and what one innovation adds to it, by a row of gains (4, 2)."""
+    """The state corrected by one innovation, with a column of a row of gains (4, 2)."""
     at = 8 * row + column
     return (
         x0 + element(gains, at) * innovation,
@@ -35,18 +35,19 @@ def corrected(x0, x1, x2, x3, gains, row, column, innovation):
 def filter_steps(steps, fed, positions, chain, memory, width, late):
     """Algorithm 6 over some steps of a chunk, with these positions.
 
-    Filtered states and innovations go behind the window in the scratch (of the position only where
-    there is one), `width` rows a state: position, velocity, bias and acceleration if it is WHOLE;
-    what they add to position and velocity at the end of the prediction if it is PREDICTED. Where it
-    is FINAL, with neither smoother nor predictor to come, position and velocity go to the output.
-    `late` are rows, based as the force's, that the next stages read: they are asked for ahead, and
-    so is the force where there is no smoother to do so.
-    Each step waits for the one before. So the terms are added in an order that leaves few
-    operations between one state and the next: the increments first, then the state; and last what
-    is computed last.
+    Filtered states and innovations are stored behind the window in the scratch (innovations of the
+    position only at steps that have one). A state takes `width` rows. WHOLE stores position,
+    velocity, bias and acceleration. PREDICTED stores what they contribute to position and velocity
+    at the end of the prediction. FINAL, without smoother and predictor, writes position and
+    velocity to the output.
+    `late` are rows that the next stages read, numbered as the rows of the force. They are
+    prefetched, and so is the force if there is no smoother that does it.
+    Each step waits for the one before. The order of the sums therefore leaves few operations
+    between one state and the next: increments first, then the state, and the term computed last is
+    added last.
     """
     k0, first, stop, shift = steps
-    force, source = fed.force, k0 - chain.filter.input_delay - fed.base  # the row of the chunk's 0
+    force, source = fed.force, k0 - chain.filter.input_delay - fed.base  # row of the chunk's step 0
     fixes, q, phase, M = positions
     x, scratch, output = memory.registers.x, memory.scratch, memory.output
     arrays, predictor = chain.filter, chain.predictor
@@ -60,7 +61,7 @@ def filter_steps(steps, fed, positions, chain, memory, width, late):
     before = load(force, source + first - 1)
     row = schedule_row(k0 + first, rows, cycle)
     applied = arrays.applied
-    # fields are named once: a tuple of arrays fetched in a loop is counted in and out each time
+    # fields are fetched once: in a loop numba would count references at each access
     X, r_rows, s_rows = scratch.X, scratch.r, scratch.s
     position, velocity, innovation = output.position, output.velocity, output.innovation
     for i in range(first, stop):

@@ -9,7 +9,7 @@ from owtsweep.vectors.lanes import element, load, store, zero
 
 @njit
 def added(n0, n1, n2, maps, at, columns, datum):
-    """A node and what one datum adds to it: three sums side by side, as each waits for its last."""
+    """A node's state plus the contribution of one datum; the three sums run side by side."""
     return (
         n0 + element(maps, at) * datum,
         n1 + element(maps, at + columns) * datum,
@@ -19,7 +19,7 @@ def added(n0, n1, n2, maps, at, columns, datum):
 
 @njit
 def horizon_fix(q, fixes, mhe, registers):
-    """A fix arrives: push the finished interval, solve the window, start a new interval."""
+    """Take fix number q: store the finished interval, solve the window, start a new interval."""
     nm = mhe.horizon
     z, ip, iv, running = registers.z, registers.ip, registers.iv, registers.running
     if q > 0:
@@ -32,7 +32,7 @@ def horizon_fix(q, fixes, mhe, registers):
         return
     n = min(q, nm)
     maps, columns = mhe.maps, mhe.maps.shape[2]
-    G = 3 * columns * min(q, maps.shape[0] - 1)  # where this fix's map begins
+    G = 3 * columns * min(q, maps.shape[0] - 1)  # start of this fix's map
     n0, n1, n2 = zero(running), zero(running), zero(running)
     at = (q - n) % (nm + 1)
     for j in range(n + 1):
@@ -55,23 +55,26 @@ def horizon_fix(q, fixes, mhe, registers):
 
 @njit
 def tick_of(k0, i, interval):
-    """The row of the position that holds at a chunk's step i: its first tick has row 0."""
+    """The row of the position that is valid at step i of a chunk; the chunk's first tick is row 0.
+
+    A tick is a multiple of T_m.
+    """
     return (k0 + i) // interval - k0 // interval
 
 
 @njit
 def positions_from(k0, i, interval, rows):
-    """What the filter takes of the MHE's positions from a chunk's step i on."""
+    """The MHE's positions in `rows` that the filter takes from step i of a chunk on."""
     return Positions(rows, tick_of(k0, i, interval), (k0 + i) % interval, interval)
 
 
 @njit
 def horizon_steps(steps, fed, q, chain, memory):
-    """The MHE's positions at some steps of a chunk, all after fix number q.
+    """Compute the MHE's positions at some steps of a chunk between fix number q and the next.
 
-    A position is (11d) with nothing to contradict its last link at the ticks of T_m, and holds
-    until the next (until there is a solution it is the last fix). Row `tick_of` a step is its. The
-    specific force is integrated as it reaches the MHE.
+    At each multiple of T_m the position is predicted from the last node by (11d). It is valid until
+    the next one, and is stored in the row that `tick_of` gives. Before the first solution it is the
+    last fix. The specific force is integrated in the form in which the MHE takes it (`inputs`).
     """
     k0, first, stop, _ = steps
     mhe, fix_interval = chain.mhe, chain.filter.fix_interval

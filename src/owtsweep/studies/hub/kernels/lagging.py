@@ -10,14 +10,14 @@ from owtsweep.vectors.lanes import element, load, prefetch, store, zero
 
 @njit
 def combined(y0, y1, y2, y3, C, at):
-    """A state times the four elements from `at` on."""
+    """The sum of a state's components times the four elements of C from `at` on."""
     a, b, c, d = element(C, at), element(C, at + 1), element(C, at + 2), element(C, at + 3)
     return a * y0 + b * y1 + c * y2 + d * y3
 
 
 @njit
 def carried_back(y0, y1, y2, y3, C, row):
-    """C y: carries a correction of one step back to the step before."""
+    """C y: what a correction y of one step means for the step before."""
     return (
         combined(y0, y1, y2, y3, C, 16 * row),
         combined(y0, y1, y2, y3, C, 16 * row + 4),
@@ -28,7 +28,7 @@ def carried_back(y0, y1, y2, y3, C, row):
 
 @njit
 def given_and_taken(K, D, row, r, leaving):
-    """The correction by a step's specific force, less that by the one that leaves the window."""
+    """A step's correction by the specific force, and by the one that leaves the window."""
     at = 8 * row + 1
     return (
         element(K, at) * r + element(D, at) * leaving,
@@ -40,7 +40,7 @@ def given_and_taken(K, D, row, r, leaving):
 
 @njit
 def add_smoothing(X, j, width, s0, s1, s2, s3, predictor):
-    """Make the rows of filtered state j those of the smoothed one."""
+    """Add the smoothing correction s0 ... s3 to the rows of filtered state j."""
     at = width * j
     if width == WHOLE:
         store(X, at, load(X, at) + s0)
@@ -59,10 +59,10 @@ def smooth_chunk(k0, count, chain, width, window_rows, force, source):
     With innovations i_k, e_k = K_k i_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed
     state is x_{k|k} + S_k, where S_k = C_k (e_{k+1} + S_{k+1} + D_{k+1} i_{k+1+window}). The
     recursion is stable backwards in time only. Each chunk therefore starts it anew, one window
-    beyond its last state, and the steps of that window take nothing back.
-    States have `width` rows, as the filter left them.
-    Meanwhile the force of the next chunk is asked for, row source + count + i: the filter reads it
-    faster than memory can give it.
+    beyond its last state, and in that window no innovation leaves.
+    States have `width` rows, as the filter wrote them.
+    Meanwhile the force of the next chunk is prefetched, row source + count + i, because the filter
+    reads it faster than memory delivers it.
     """
     X, r, s = window_rows
     arrays, predictor = chain.filter, chain.predictor
@@ -97,7 +97,7 @@ def smooth_chunk(k0, count, chain, width, window_rows, force, source):
 
 @njit
 def recall(window, width, registers, scratch):
-    """Put the window that the last chunk left in front of this one's."""
+    """Copy the window that the last chunk kept to the front of the scratch."""
     for row in range(window):
         store(scratch.r, row, load(registers.r, row))
         store(scratch.s, row, load(registers.s, row))
@@ -117,7 +117,7 @@ def keep(count, window, width, registers, scratch):
 
 @njit
 def begin_prediction(k0, first, force, base, predictor, scratch):
-    """What the inputs before the chunk's step `first` add to velocity and position."""
+    """What the inputs before step `first` add to the predicted velocity and position."""
     dv, dp = load(scratch.inputs, 0), load(scratch.inputs, 1)
     if first == 0:
         n, T, half = predictor.steps, predictor.step, predictor.half
@@ -133,8 +133,9 @@ def begin_prediction(k0, first, force, base, predictor, scratch):
 def predict(i, at, dv, dp, force, predictor, X):
     """Algorithm 9 at the chunk's step i: position, velocity, and the next step's dv and dp.
 
-    The states' part lies in X. The inputs' is a moving sum: the newest, row `at` of the force,
-    enters and the oldest leaves. It is made anew in every chunk, so its rounding does not add up.
+    X holds the contribution of the states. That of the inputs is a moving sum, dv and dp: the
+    newest input, row `at` of the force, enters and the oldest leaves. The sum is computed anew in
+    every chunk, so that rounding errors do not accumulate.
     """
     n, T, half = predictor.steps, predictor.step, predictor.half
     x, w = load(X, PREDICTED * i) + dp, load(X, PREDICTED * i + 1) + dv
@@ -146,6 +147,6 @@ def predict(i, at, dv, dp, force, predictor, X):
 
 @njit
 def leave_prediction(dv, dp, scratch):
-    """Keep what `begin_prediction` goes on from within the chunk."""
+    """Keep the sums with which `begin_prediction` continues within the chunk."""
     store(scratch.inputs, 0, dv)
     store(scratch.inputs, 1, dp)

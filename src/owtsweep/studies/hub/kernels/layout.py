@@ -1,4 +1,4 @@
-"""The arrays that kernels take, grouped and named."""
+"""The structures of arrays that kernels take."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.vectors import WIDTH as WIDTH  # where others look for it
+from owtsweep.vectors import WIDTH as WIDTH  # imported from here elsewhere
 
-#: How the MHE takes the IMU's samples; the same order as `hub.horizon.INPUTS`.
+#: Which IMU samples the MHE takes; the same order as `hub.horizon.INPUTS`.
 ALL, AVERAGED, SAMPLED = 0, 1, 2
 
-#: An array per group of eight lanes; compiled code works on all of them side by side.
+#: One array per group of eight lanes; kernels process all groups side by side.
 Groups = tuple[Array, ...]
 
 
 class FilterArrays(NamedTuple):
     """One axis of the Kalman filter: states (p, v, a, b).
 
-    A (4, 4), B (4,) input column, h (4,) force row, K (rows, 4, 2), applied (rows,), C (rows, 4, 4)
-    smoother gains and D (rows, 4, 2) what leaves its window, cycle, input_delay and window in
-    steps, fix_interval M.
+    A (4, 4), B (4,) input column, h (4,) force row, K (rows, 4, 2), applied (rows,). C (rows, 4, 4)
+    are the smoother's gains; D (rows, 4, 2) are the gains for the innovations that leave its
+    window. cycle, input_delay, window and fix_interval (M) are in steps.
     """
 
     A: Array
@@ -42,7 +42,7 @@ class FilterArrays(NamedTuple):
 class PredictorArrays(NamedTuple):
     """Open-loop prediction over `steps` steps of `step` s with Sigma_2.
 
-    pv, pb, vb: elements of A^steps; half: position gained per step and unit input, T^2/2.
+    pv, pb, vb: elements of A^steps; half: the change of position per step and unit input, T^2/2.
     """
 
     steps: int
@@ -81,11 +81,11 @@ class ChainArrays(NamedTuple):
 class Registers(NamedTuple):
     """What lanes carry from chunk to chunk; each field has an array (rows, 8) per group of eight.
 
-    x (4) the filter's state; r, s (window) and X (4 window) the newest innovations, of specific
-    force and position, and filtered states; the MHE's registers: z (horizon + 1) fixes, ip and iv
-    (horizon) effects of the inputs per interval, arrival (3 (horizon + 1)) past states, running (4)
-    the present interval's inputs, node (3) the newest node, fix (1) the position that the filter
-    takes.
+    x (4): the filter's state. r, s (window): the newest innovations of specific force and position;
+    X (4 window): the newest filtered states. The MHE's registers are z (horizon + 1): fixes; ip, iv
+    (horizon): effects of the inputs on position and velocity per interval; arrival
+    (3 (horizon + 1)): past states; running (4): sums over the present interval's inputs; node (3):
+    the newest node; fix (1): the position that the filter takes.
     """
 
     x: Groups
@@ -102,12 +102,12 @@ class Registers(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """What is needed within a chunk only: all runs share it, so that it stays in the cache.
+    """Memory that is used within a chunk only. All runs share it, so that it stays in the cache.
 
     Each field has an array per group of lanes.
-    r and s (window + chunk, 8) innovations; X (4 (window + chunk), 8) states, up to four rows per
-    step; inputs (2, 8) what the predictor has of them; positions (chunk, 8) what the MHE gives the
-    filter, one per tick of T_m.
+    r and s (window + chunk, 8): innovations. X (4 (window + chunk), 8): states, up to four rows per
+    step. inputs (2, 8): the predictor's sums over the inputs. positions (chunk, 8): the positions
+    that the MHE gives the filter, one per multiple of T_m.
     """
 
     r: Groups
@@ -118,7 +118,7 @@ class Scratch(NamedTuple):
 
 
 class Output(NamedTuple):
-    """A chunk's estimates, of each group of lanes an array (steps, 8)."""
+    """A chunk's estimates; each field has an array (steps, 8) per group of lanes."""
 
     position: Groups
     velocity: Groups
@@ -134,7 +134,7 @@ class Memory(NamedTuple):
 
 
 class Fed(NamedTuple):
-    """What a chain is fed with.
+    """The data that a chain runs on.
 
     force (rows, 8) for each group of lanes: the specific force of step k in row k - base, m/s^2;
     fixes (fixes, 8) for each group: positions, m.
@@ -146,10 +146,11 @@ class Fed(NamedTuple):
 
 
 class Truth(NamedTuple):
-    """What the estimates are judged by.
+    """The true motion, with which the estimates are compared.
 
-    position and velocity: one array (rows, 8) each, the displacement along the wave and its rate,
-    of step k in the row that `Fed` has it; direction (2,): the wave's cosines, times an amplitude.
+    position and velocity: one array (rows, 8) each, the displacement along the wave and its rate;
+    step k is in the same row as in `Fed`. direction (2,): the wave's direction cosines times an
+    amplitude.
     """
 
     position: Groups
@@ -158,10 +159,10 @@ class Truth(NamedTuple):
 
 
 class Totals(NamedTuple):
-    """Where squared errors go.
+    """Arrays to which squared errors are added or written.
 
-    sums: one array (36, 8), see `kernels.sums`; squared: one array (steps, 8) of the squared error
-    of the position, filled where `keep` says so.
+    sums: one array (36, 8), see `kernels.sums`. squared: one array (steps, 8) of the squared
+    position error, filled if `keep` is true.
     """
 
     sums: Groups
@@ -170,9 +171,9 @@ class Totals(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """Steps begin ... stop - 1 of a record, worked through `chunk` at a time.
+    """Steps begin ... stop - 1 of a record, processed `chunk` steps at a time.
 
-    From step `settled` on errors count as settled.
+    From step `settled` on, errors count as settled.
     """
 
     begin: int
@@ -184,7 +185,7 @@ class Stretch(NamedTuple):
 class Steps(NamedTuple):
     """Steps first ... stop - 1 of the chunk that begins at the record's step k0.
 
-    The estimates of step i stand in row i - shift of the output.
+    The estimates of step i are in row i - shift of the output.
     """
 
     k0: int
@@ -194,10 +195,10 @@ class Steps(NamedTuple):
 
 
 class Positions(NamedTuple):
-    """Positions that a filter takes: fixes, or what the MHE makes of them.
+    """Positions that a filter takes: fixes, or the MHE's positions.
 
-    The first one it may take is row `row`; the next is due after interval - phase steps, then
-    every `interval` steps.
+    The current one is row `row`, due `phase` steps ago. The next is due after interval - phase
+    steps, then one every `interval` steps.
     """
 
     rows: Groups
@@ -207,7 +208,7 @@ class Positions(NamedTuple):
 
 
 class Window(NamedTuple):
-    """What a smoother works on: states, and innovations of force and position; see `Scratch`."""
+    """The smoother's data: states X, innovations r of force and s of position; see `Scratch`."""
 
     X: Groups
     r: Groups
@@ -215,7 +216,7 @@ class Window(NamedTuple):
 
 
 class ImuNoise(NamedTuple):
-    """What makes an IMU's noise of unit normals: the bias' step and start, sigma, gravity (2,)."""
+    """An IMU's noise: sigma of the bias' steps, initial bias, sigma of a sample, gravity (2,)."""
 
     walk: float
     initial: float
@@ -228,14 +229,14 @@ def new_registers(groups: int, window: int, horizon: int) -> Registers:
     rows = (
         4, window, window, 4 * window, horizon + 1, horizon, horizon, 3 * (horizon + 1), 4, 3, 1,
     )  # fmt: skip
-    # one array, cut into pieces: to make eleven takes longer than a short run
+    # slices of one array: making eleven arrays takes longer than a short run
     block = aligned(groups, sum(max(n, 1) for n in rows), WIDTH)
     stops = np.cumsum([max(n, 1) for n in rows]).tolist()
     return Registers(*(tuple(block[:, a:b]) for a, b in pairwise([0, *stops])))
 
 
 def new_scratch(groups: int, chunk: int, window: int) -> Scratch:
-    """Working memory for chunks of that many steps."""
+    """Working memory for chunks of `chunk` steps."""
     steps = window + chunk
     rows = (steps, steps, 4 * steps, 2, chunk)
     return Scratch(*(_zeros(groups, n) for n in rows))
@@ -251,10 +252,10 @@ def _zeros(groups: int, rows: int) -> Groups:
 
 
 class Weights(NamedTuple):
-    """What NEES and NIS weigh errors with, by schedule row.
+    """The weights of errors in NEES and NIS, by schedule row.
 
-    precision (rows, 3) is the inverse of the (p, v) covariance of one axis, innovation (rows,) the
-    inverse of the innovation's variance, fresh (rows,) where there is one.
+    precision (rows, 3) is the inverse of the (p, v) covariance of one axis; innovation (rows,) is
+    the inverse of the innovation's variance; fresh (rows,) says whether there is an innovation.
     """
 
     precision: Array

@@ -1,8 +1,8 @@
-"""One vessel's estimator, sample by sample, with gains for the measurements that really arrived.
+"""One estimator, sample by sample, with gains for the measurements that really arrived.
 
-All four schemes: [MHE ->] filter [-> fixed-lag smoother] [-> predictor], two axes. Everything but
-the filter itself is recomputed from its registers at every step, so nothing can drift, and memory
-is constant: the registers are one row per step, moved to the front when they are full.
+It serves all four schemes: [MHE ->] filter [-> fixed-lag smoother] [-> predictor], on two axes. All
+parts but the filter are recomputed from their registers at every step, so no rounding accumulates.
+Memory is constant: registers have one row per step and are moved to the front when they are full.
 """
 
 from __future__ import annotations
@@ -26,17 +26,18 @@ from owtsweep.studies.hub.kernels.window import (
     violates,
 )
 
-#: (p, v, b) among the four states of the filter.
+#: Places of (p, v, b) among the filter's four states.
 PICK = (0, 1, 3)
 
 
 @njit
 def advance(begin, resume, samples, f, h, m, estimates):
-    """Take samples from row `begin` on and fill the estimates' rows.
+    """Process samples from row `begin` on and fill the rows of the estimates.
 
-    Returns the row at which the MHE's constraints are violated, or the number of rows: solve the
-    window with its constraints, put the answer into m.given (and m.node), and call again from that
-    row with `resume`. f, h, m: `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
+    Returns the number of rows when all are done. If the MHE violates its constraints at a row, it
+    returns that row. The caller then solves the window with its constraints, puts the answer into
+    m.given (and m.node), and calls again from that row with `resume`. f, h, m: `FilterSettings`,
+    `HorizonSettings` and `OnlineRegisters`.
     """
     force, fixes = samples
     state, covariance, innovation, variance = estimates
@@ -72,7 +73,7 @@ def advance(begin, resume, samples, f, h, m, estimates):
 
 @njit
 def take_sample(force, f, m):
-    """Register 1: the newest sample in NED; make room when the registers are full."""
+    """Register 1: store the newest sample in NED; make room when the registers are full."""
     row = m.counter[ROW] + 1
     keep = f.delay + f.window + 2
     if row == len(m.force):
@@ -119,7 +120,7 @@ def filter_step(fresh, f, m):
 
 @njit
 def take_fix(fresh, fix, f, h, m):
-    """Registers 2 and 3: a node, with or without a fix; solve the window if it is determined."""
+    """Registers 2 and 3: add a node, with or without a fix; solve the window if determined."""
     n = m.counter[LINKS]
     if m.counter[STEP] > 0:
         if n == h.length:
@@ -166,7 +167,7 @@ def take_fix(fresh, fix, f, h, m):
 
 @njit
 def horizon_has_position(f, h, m):
-    """Whether the filter is given a position at this step."""
+    """Whether the MHE has a position for the filter at this step."""
     since = m.counter[STEP] % f.fix_interval
     if m.counter[DETERMINED]:
         return m.counter[STEP] % h.interval == 0
@@ -180,7 +181,7 @@ def horizon_position(f, h, m):
     since = m.counter[STEP] % f.fix_interval
     if not m.counter[DETERMINED]:
         if since == 0 and m.have[n]:
-            # too few fixes for a window: they pass through
+            # too few fixes for a window: the filter gets the fix itself
             m.given[0], m.given[1] = m.z[n, 0], m.z[n, 1]
         return True
     if m.counter[STEP] % h.interval != 0:
@@ -194,7 +195,7 @@ def horizon_position(f, h, m):
         last[2, axis] = b
         m.given[axis] = last[0, axis]
     if h.constrained:
-        if since > 0:  # the nodes at the fixes have been looked at, and mended, then
+        if since > 0:  # the nodes at fixes were checked, and solved anew, at the last fix
             return not violates_beyond_rounding(last, f, h)
         start = 1 if h.arrival == FIXED and m.counter[STEP] >= h.length * f.fix_interval else 0
         for i in range(start, n + 1):
@@ -205,13 +206,13 @@ def horizon_position(f, h, m):
 
 @njit
 def violates_beyond_rounding(last, f, h):
-    """As `violates`, for a node predicted from one that may stand on its bound."""
+    """As `violates`, with a tolerance: the node is predicted from one that may be on its bound."""
     return violates(last, h.bounds * (1.0 + 1e-8), f.rotation, f.gravity)
 
 
 @njit
 def after_filter(f, h, m):
-    """Register 3 at the fixes; integrate this step's input as it reaches the MHE."""
+    """Fill register 3 at the fixes; integrate this step's input in the form the MHE takes it."""
     n = m.counter[LINKS]
     if m.counter[STEP] % f.fix_interval == 0:
         for i in range(3):
@@ -235,7 +236,7 @@ def after_filter(f, h, m):
 
 @njit
 def smoother_gain(A, filtered, predicted, work, C):
-    """C = P_{k|k} A' P_{k+1|k}^-1 by elimination, which a covariance allows without pivoting."""
+    """C = P_{k|k} A' P_{k+1|k}^-1 by elimination; a covariance needs no pivoting."""
     n = len(A)
     M, X = work[0], work[1]
     put(M, 0, 0, predicted)
@@ -262,7 +263,7 @@ def smoother_gain(A, filtered, predicted, work, C):
 
 @njit
 def output(f, m, state, covariance):
-    """Smooth and predict (Algorithms 8 and 9) and say how uncertain that is."""
+    """Smooth and predict (Algorithms 8 and 9), with the covariance of the result."""
     row, k, window = m.counter[ROW], m.counter[STEP], f.window
     if not f.predicts:
         for axis in range(2):
@@ -299,7 +300,7 @@ def output(f, m, state, covariance):
 
 @njit
 def output_covariance(f, m, covariance):
-    """(2, 2) of the prediction's (p, v), as `hub.chain` has it for a schedule."""
+    """Covariance (2, 2) of the predicted (p, v), as `hub.chain` computes it for a schedule."""
     row, window = m.counter[ROW], f.window
     if f.delay + window == 0:
         take(covariance, m.P, 0, 0)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 
-#: Places among the counters: step, row of the registers, links in the window, whether the window
-#: is determined; and how many there are.
+#: Places of the counters: step, row of the registers, links in the window, whether the window is
+#: determined; and the number of counters.
 STEP, ROW, LINKS, DETERMINED, COUNTERS = 0, 1, 2, 3, 4
 
 
@@ -22,10 +22,10 @@ class Samples(NamedTuple):
 
 
 class OnlineEstimates(NamedTuple):
-    """What an estimator gave over some steps.
+    """The output of an estimator over some steps.
 
-    state (steps, 4): x, y, v_x, v_y in NED; covariance (steps, 2, 2) of (p, v), alike for both
-    axes; innovation (steps, 2) and innovation_variance (steps,), NaN at steps without one.
+    state (steps, 4): x, y, v_x, v_y in NED; covariance (steps, 2, 2) of (p, v), the same for
+    both axes; innovation (steps, 2) and innovation_variance (steps,), NaN at steps without one.
     """
 
     state: Array
@@ -37,10 +37,11 @@ class OnlineEstimates(NamedTuple):
 class FilterSettings(NamedTuple):
     """Filter, smoother and predictor: one axis' model, and times in IMU steps.
 
-    A, Q (4, 4), B (4,), slow and fast (4,) measurement rows with variances r_slow and r_fast, rule
-    (index of `RULES`), P0 (4, 4); input_A (3, 3) and input_B (3,) of the predictor; ahead (3, 3)
-    its transition over all steps, response (steps, 3) to the inputs' noise, added (3, 3) what that
-    noise alone adds; rotation (2, 2) from the IMU's frame to NED, gravity (2,).
+    Filter: A, Q (4, 4), B (4,), slow and fast (4,) measurement rows with variances r_slow and
+    r_fast, rule (index of `RULES`), P0 (4, 4). Predictor: input_A (3, 3) and input_B (3,); ahead
+    (3, 3) is its transition over all steps, response (steps, 3) its response to the inputs' noise,
+    added (3, 3) the covariance from that noise alone. rotation (2, 2) from the IMU's frame to NED,
+    gravity (2,).
     """
 
     A: Array
@@ -68,7 +69,7 @@ class FilterSettings(NamedTuple):
 class HorizonSettings(NamedTuple):
     """The MHE: T_m in steps, N_m, and Eq. (11)'s weights as square roots of information.
 
-    arrival: 0 none, 1 prior, 2 fixed. bounds (3,) of |p|, |v|, |b^b|; infinite where there is none.
+    arrival: 0 none, 1 prior, 2 fixed. bounds (3,) of |p|, |v|, |b^b|; infinite if there is none.
     """
 
     active: bool

@@ -1,12 +1,12 @@
-"""Whole records through a chain, chunk by chunk, with their errors summed on the fly.
+"""Runs a chain over records, chunk by chunk, and sums the errors during the run.
 
-One call works through many chunks without coming back to Python. Everything a chunk leaves between
-its stages stays in the second cache, and so do estimates until they are judged. The groups of lanes
-go through each stage side by side. Arguments are the structures of `kernels.layout`.
+One call processes many chunks without returning to Python. What one stage leaves for the next stays
+in the second-level cache, and so do estimates until their errors are summed. Each stage processes
+the groups of lanes side by side. Arguments are the structures of `kernels.layout`.
 
-Each stage asks ahead for about as much as memory can give in its time: the filter for the true
-velocity (and, without a smoother, for its force), the smoother for the next chunk's force, the sums
-for the true position.
+Each stage prefetches about as much as memory can deliver in its time: the filter the true velocity
+(and, without a smoother, the force), the smoother the next chunk's force, and the sums the true
+position.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from owtsweep.studies.hub.kernels.layout import Steps
 from owtsweep.studies.hub.kernels.sums import direct_span, superposed_span
 from owtsweep.vectors.lanes import borrowed, load, store
 
-#: Steps whose estimates are made before they are judged: few enough for the near caches, enough
-#: that calls do not count.
+#: Steps whose estimates are made before their errors are summed: few enough for the near caches,
+#: but enough that the calls take little time.
 PIECE = 250
 
 
 @njit
 def estimates(k0, count, fed, chain, memory):
-    """The estimates of the chunk of `count` steps that begins at step k0."""
+    """Make the estimates of the chunk of `count` steps that begins at step k0."""
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     if not is_filter(c):
         prepare(k0, count, inputs, c, m, False, inputs.force)
@@ -82,7 +82,7 @@ def direct(stretch, fed, truth, chain, weights, memory, totals):
 
 @njit
 def states(k0, count, fed, chain, memory, result):
-    """Filtered or smoothed states (p, v, a, b) of one chunk, into (4 count, 8) of each group."""
+    """Write the filtered or smoothed states (p, v, a, b) of a chunk to (4 count, 8) per group."""
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     target, X = borrowed(result), m.scratch.X
     prepare(k0, count, inputs, c, m, True, inputs.force)

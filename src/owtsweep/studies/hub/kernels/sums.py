@@ -1,15 +1,16 @@
-"""Sums of squared errors, on the fly, of eight replicates at once.
+"""Sums of squared errors of eight replicates at once, computed during the run.
 
-`superposed_span` takes three groups of lanes, motion, noise of x, noise of y: the motion lane is
-the response to the unit displacement along the wave, of which each axis sees its direction cosine.
-It sums motion x motion, motion x noise and noise x noise, from which every amplitude follows.
-`direct_span` takes two groups, x and y, of whole series and sums their squares.
+`superposed_span` takes three groups of lanes: motion, noise of x, noise of y. The motion lane is
+the response to the unit displacement along the wave; each axis gets it times its direction cosine.
+The products motion x motion, motion x noise and noise x noise are summed. From these the errors at
+every amplitude follow. `direct_span` takes two groups, x and y, of whole series and sums their
+squares.
 
-Where there is a predictor its estimates are made here, step by step, and never stored; else they
-are read from the output, the chunk's step i from row i - shift.
+With a predictor, estimates are made here, step by step, and never stored. Otherwise they are read
+from the output: those of the chunk's step i from row i - shift.
 
-Sums have the rows (2 windows, 6 quantities, 3 products), (36, 8), with the quantities x, y, vx,
-vy, NEES, NIS; window 0 is the part before settling, window 1 the part after.
+Sums are (36, 8); the rows are (2 windows, 6 quantities, 3 products). The quantities are x, y, vx,
+vy, NEES, NIS. Window 0 is the part before settling, window 1 the part after.
 """
 
 from __future__ import annotations
@@ -28,14 +29,14 @@ def add(sums, row, term):
 
 @njit
 def precision_of(precision, row):
-    """The elements pp, pv, vv of a row."""
+    """The elements pp, pv, vv of a row of the precision."""
     at = 3 * row
     return element(precision, at), element(precision, at + 1), element(precision, at + 2)
 
 
 @njit
 def begin(k0, first, fed, predictor, scratch):
-    """What the first step's prediction starts from; zeros where nothing is predicted."""
+    """The inputs' sums with which the first prediction starts; zeros without a predictor."""
     if predictor.steps > 0:
         return begin_prediction(k0, first, fed.force, fed.base, predictor, scratch)
     return zero(fed.force), zero(fed.force)
@@ -43,9 +44,9 @@ def begin(k0, first, fed, predictor, scratch):
 
 @njit
 def estimate(i, at, row, dv, dp, force, predictor, memory):
-    """Position and velocity of the chunk's step i, and what the next step's prediction needs.
+    """Position and velocity of the chunk's step i, and dv and dp of the next step's prediction.
 
-    `at` is the row of the force, `row` that of the output.
+    `at` is a row of the force, `row` a row of the output.
     """
     if predictor.steps > 0:
         return predict(i, at, dv, dp, force, predictor, memory.scratch.X)
@@ -54,7 +55,7 @@ def estimate(i, at, row, dv, dp, force, predictor, memory):
 
 @njit
 def squares(px, py, vx, vy):
-    """Squared errors of both axes, multiplied once: each goes to a sum of its own and to NEES."""
+    """Squared errors of both axes, rounded once: each is used in its own sum and in NEES."""
     return rounded(px * px), rounded(py * py), rounded(vx * vx), rounded(vy * vy)
 
 
@@ -66,7 +67,7 @@ def weighted(pp, pv, vv, position, cross, velocity):
 
 @njit
 def add_axes(sums, top, direction, products):
-    """Add what the motion and the noise have given to the rows of x and y."""
+    """Add products of motion and noise to the rows of x and y."""
     cx, cy = direction[0], direction[1]
     mm, mx, my, xx, yy = products
     add(sums, top, cx * cx * mm)

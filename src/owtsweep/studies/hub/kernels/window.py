@@ -1,8 +1,9 @@
-"""The MHE's window with whatever fixes arrived, solved as it is: a square-root information filter.
+"""Solves the MHE's window for the fixes that arrived, by a square-root information filter.
 
-The least squares problem of Eq. (11) is a chain, so its factor is found node by node: one QR step
-over each link leaves the block of the older node behind and carries a 3 x 3 factor on. Without
-missing fixes the result is the batch engine's map applied to the data. Both axes share the factors.
+The least squares problem of Eq. (11) is a chain of nodes, so it is factorised node by node: one QR
+step over each link yields the block of the older node and a 3 x 3 factor for the newer one. If no
+fix is missing, the result equals the batch engine's map applied to the data. Both axes share the
+factors.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import numpy as np
 
 from owtsweep.compiled import njit
 
-#: What is known of the oldest node: nothing, a prior, or its state itself.
+#: What is known about the oldest node: nothing, a prior, or the state itself.
 NO_ARRIVAL, PRIOR, FIXED = 0, 1, 2
 
 
@@ -51,7 +52,7 @@ def square_root_information(P, U):
 
 @njit
 def triangularise(M, columns):
-    """Householder's reflections of M (rows, any), in place, until `columns` are triangular."""
+    """Make the first `columns` columns of M triangular by Householder reflections, in place."""
     rows, width = M.shape
     for c in range(min(columns, rows - 1)):
         norm = 0.0
@@ -80,10 +81,10 @@ def triangularise(M, columns):
 def solve_window(n, h, m, x0, prior, kind, first):
     """Fill m.nodes[: n + 1] (each (3, 2): p, v, b of both axes) with the window's solution.
 
-    The window has n links. `h` holds the weights (`HorizonSettings`), `m` fixes, effects of the
-    inputs and room for the factors and nodes (`OnlineRegisters`); x0 (3, 2) is the arrival state,
-    with square-root information `prior`. Fixes before node `first` are left out. The data must
-    determine the states.
+    The window has n links. `h` holds the weights (`HorizonSettings`). `m` holds fixes, effects of
+    the inputs, and memory for factors and nodes (`OnlineRegisters`). x0 (3, 2) is the arrival
+    state, with square-root information `prior`. Fixes before node `first` are left out. The data
+    must determine the states.
     """
     A, U, inverse_sigma = h.transition, h.link, h.inverse_sigma
     z, have, effects, blocks, nodes = m.z, m.have, m.effects, m.blocks, m.nodes
@@ -114,7 +115,7 @@ def solve_window(n, h, m, x0, prior, kind, first):
         step[:] = 0.0
         if kind == FIXED and node == 0:
             for i in range(3):
-                step[i, i] = 1.0  # stands for a factor without bound: met exactly
+                step[i, i] = 1.0  # stands for an infinite factor: the state is met exactly
             put(step, 0, 6, x0)
         else:
             put(step, 0, 0, R)
@@ -151,7 +152,7 @@ def solve_window(n, h, m, x0, prior, kind, first):
 
 @njit
 def older_nodes(n, blocks, nodes):
-    """Carry the newest node's solution back to all older ones."""
+    """Compute all older nodes from the newest one by back substitution."""
     for node in range(n - 1, -1, -1):
         block = blocks[node]
         for axis in range(2):

@@ -1,4 +1,4 @@
-"""Schemes as they run on board: one sample in, one estimate out, for as long as it takes."""
+"""Schemes as they run on board: each IMU sample gives one estimate."""
 
 from __future__ import annotations
 
@@ -29,20 +29,20 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     -------
     OnlineEstimator
         With `update(specific_force, position=None) -> Estimate`. Fixes may be missing: gains and
-        covariances are those of what arrived. The first estimator on a machine waits half a minute
-        for its kernels to be compiled.
+        covariances follow the fixes that arrived. The first estimator on a machine takes half a
+        minute to compile its kernels.
 
     Raises
     ------
     InputError
-        If the scheme has no such form, or the overrides are wrong.
+        If the scheme cannot run on board, or the overrides are wrong.
     """
     from owtsweep.studies import compose
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.sensors import sensors
 
     streaming = Streaming(scheme)
-    if not isinstance(overrides, str):  # a text is refused below
+    if not isinstance(overrides, str):  # a string is refused below
         overrides = [*overrides, f"schemes=[{scheme}]"]
     config = compose(overrides)
     if not isinstance(config, HubConfig):
@@ -51,7 +51,7 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
 
 
 class Streaming:
-    """A registered scheme whose `start` gives the online form, for tests and for `schemes`."""
+    """A registered scheme whose `start` makes its online form, for tests and for `schemes`."""
 
     def __init__(self, scheme: str) -> None:
         from owtsweep.studies.hub.schemes import resolve
@@ -63,7 +63,7 @@ class Streaming:
         self.linear: bool = self._scheme.linear
 
     def under(self, tuning: Any) -> Streaming:
-        """As that tuning makes it: with constraints not linear."""
+        """The form for a tuning: with constraints the scheme is not linear."""
         from owtsweep.studies.hub.schemes import under
 
         made = Streaming(self.name)
@@ -71,6 +71,6 @@ class Streaming:
         return made
 
     def start(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """A fresh estimator."""
+        """Make a fresh estimator."""
         estimator: OnlineEstimator = self._scheme.stream(sensors, tuning)
         return estimator

@@ -1,4 +1,4 @@
-"""A scheme as it runs on board: one compiled call per sample, gains for what really arrived."""
+"""A scheme as it runs on board: one compiled call per sample, gains for the fixes that arrived."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ _EYE = np.eye(2)
 class OnlineEstimator:
     """A running scheme; `update` for one sample, `run` for many.
 
-    A fix may be missing at any step. EKF, MKF and HME1 take fixes at any step, each `delay` old;
-    HME2 only at multiples of the fix interval.
+    Any fix may be missing. EKF, MKF and HME1 take fixes at any step, HME2 only at multiples of the
+    fix interval. Each fix is `delay` steps old.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class OnlineEstimator:
         self._filter, self._horizon = settings, horizon
         self._registers: OnlineRegisters = new_registers(settings, horizon)
         self._force, self._fix = np.empty((1, 2)), np.empty((1, 2))
-        #: How often the constraints were violated, so that a problem had to be solved.
+        #: How often constraints were violated, so that the window was solved with them.
         self.solved = 0
         self._lost = ""
 
@@ -66,14 +66,14 @@ class OnlineEstimator:
         return self._sensors.step
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take one sample and, when there is one, a fix; return the estimate of now.
+        """Take one sample and, if there is one, a fix; return the estimate of the present.
 
         Parameters
         ----------
         specific_force
             (2,) in the IMU's frame, m/s^2.
         position
-            (2,) in NED, m: the position of `delay` steps ago; None (or NaN) when there is none.
+            (2,) in NED, m: the position of `delay` steps ago; None (or NaN) if there is no fix.
 
         Raises
         ------
@@ -81,10 +81,10 @@ class OnlineEstimator:
             If a sample is not two finite numbers, or a fix comes where HME2 cannot take it. The
             estimator is then as it was before.
         ArithmeticError
-            If no solver meets the MHE's constraints. The sample is then half worked in, so every
-            later call is refused as well: start a new estimator.
+            If no solver meets the MHE's constraints. The sample is then only partly processed, so
+            every later call is refused too: start a new estimator.
         """
-        _check_pair("specific_force", specific_force)  # NumPy would spread one number over both
+        _check_pair("specific_force", specific_force)  # NumPy would use one number for both
         if position is not None:
             _check_pair("position", position)
         self._force[0] = specific_force
@@ -105,12 +105,12 @@ class OnlineEstimator:
         Parameters
         ----------
         specific_force, positions
-            (steps, 2); NaN in both components of a position where there is none.
+            (steps, 2); NaN in both components of a position if there is no fix.
 
         Raises
         ------
         ValueError
-            As for `update`, or if the shapes are others.
+            As for `update`, or if the shapes are wrong.
         """
         from owtsweep.studies.hub.kernels.online import advance
 
@@ -168,7 +168,7 @@ class OnlineEstimator:
                 raise ValueError(OFF_GRID.format(step=off[0], interval=self._sensors.fix_interval))
 
     def _solve_with_constraints(self) -> None:
-        """The window at hand breaks its constraints: solve it with them."""
+        """Solve the present window with its constraints, which its solution violates."""
         from owtsweep.studies.hub import window
 
         if self._mhe is None:
@@ -210,15 +210,15 @@ def online_chain(
     mhe: Horizon | None = None,
     solver: str = "qrqp",
 ) -> OnlineEstimator:
-    """A fresh estimator of the chain [MHE ->] filter [-> smoother -> predictor].
+    """Make a fresh estimator of the chain [MHE ->] filter [-> smoother -> predictor].
 
     Parameters
     ----------
     window
         N_s in steps.
     delay
-        Steps of register 1, over which the predictor goes; None for a filter on the undelayed IMU
-        whose state is the estimate.
+        Steps of register 1. The predictor covers them and the window. None for a filter on the
+        undelayed IMU whose state is the estimate.
     """
     axis = axis_filter(tuning, sensors)
     predict = None if delay is None else input_model(tuning, sensors)

@@ -1,4 +1,4 @@
-"""A scheme's numbers as the online kernels take them, and new registers of one estimator."""
+"""Makes the settings that the online kernels take, and the registers of a new estimator."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from owtsweep.studies.hub.models import POSITION, AxisFilter
 def filter_settings(
     axis: AxisFilter, sensors: Sensors, rule: str, delay: int, window: int, predict: Discrete | None
 ) -> FilterSettings:
-    """A chain's numbers; without `predict` the filtered state is the estimate."""
+    """The settings of a chain; without `predict` the filtered state is the estimate."""
     steps = delay + window
     ahead: Array = np.eye(3)
     response: Array = np.zeros((1, 3))
@@ -58,7 +58,7 @@ def filter_settings(
 
 
 def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
-    """The MHE's numbers; None for a scheme without one."""
+    """The MHE's settings; `mhe` is None for a scheme without one."""
     eye = np.eye(3)
     if mhe is None:
         free = np.full(3, np.inf)
@@ -84,7 +84,7 @@ def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
     keep = f.delay + f.window + 2
     rows = 3 * keep + 64
     counter = np.zeros(COUNTERS, dtype=np.int64)
-    counter[ROW] = keep  # rows before the first step: zeros
+    counter[ROW] = keep  # rows before the first step are zero
     n = h.length
     return OnlineRegisters(
         counter=counter,

@@ -23,9 +23,9 @@ from owtsweep.studies.hub.schemes.uncertainty import predicted_covariance
 class DelayedChain:
     """What HME1 and HME2 have in common: register 1, filter, smoother and predictor.
 
-    The two differ only in the position that they give to the filter. Covariances come from the
-    precomputed schedule while every fix arrives at the step at which it is due. Once one does not,
-    `on_schedule` is False, and covariances are computed from the filter's past.
+    The two differ only in the position that they give to the filter. As long as every fix arrives
+    at the step at which it is due, covariances come from the precomputed schedule. After the first
+    that does not, `on_schedule` is False, and covariances are computed from the filter's past.
     """
 
     def __init__(self, tuning: FilterTuning, window: int, sensors: Sensors, gains: Chain) -> None:

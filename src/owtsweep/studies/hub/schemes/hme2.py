@@ -24,8 +24,8 @@ from owtsweep.studies.hub.schemes.multirate import FilterStep
 class MovingHorizonEstimator:
     """Registers 2 and 3 and the optimisation (Algorithms 4 and 5, Eq. 11) on two axes.
 
-    The paper prints that both parts of register 2 are built from register 1. Here they are built
-    from the past of register 2, which must be meant. A missing fix leaves its node without a
+    As printed, both parts of register 2 are built from register 1. Here they are built from the
+    past of register 2, which must be what the paper means. A missing fix leaves its node without a
     measurement.
     """
 
@@ -52,7 +52,7 @@ class MovingHorizonEstimator:
     def determined(self) -> bool:
         """Whether the window holds enough fixes: one with an arrival term, three without.
 
-        A fix that the arrival state contains already does not count.
+        A fix that the arrival state already includes does not count.
         """
         used = list(self.fixes)[1 if self.mhe.uses_filter(self.fix_number) else 0 :]
         return sum(fix is not None for fix in used) >= (1 if self.mhe.arrival else 3)
@@ -67,12 +67,12 @@ class MovingHorizonEstimator:
         self.inputs.append(force if self.mhe.inputs == "all" else self.held)
 
     def take_state(self, filtered: FilterStep) -> None:
-        """Register 3: take the filter's state, at a node."""
+        """Register 3: take the filter's state at a node."""
         self.states[self.fix_number] = filtered
         self.states.pop(self.fix_number - self.mhe.length - 1, None)
 
     def position(self, since_fix: int) -> Array:
-        """The MHE's position at the present of delayed time, `since_fix` steps after a node."""
+        """The MHE's position at the present delayed time, `since_fix` steps after a node."""
         filled = self.mhe.uses_filter(self.fix_number)
         effects = [*self.effects] + ([self._effect()] if since_fix else [])
         M = self.sensors.fix_interval

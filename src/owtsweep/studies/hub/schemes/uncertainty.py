@@ -1,8 +1,8 @@
 """Computes the covariance of a smoothed and predicted estimate from the filter's covariances.
 
-While gains follow their schedule, `chain` has this covariance in advance. Once a fix is missing, it
-must be computed from the filter's past, which is done here. The compiled form shares no code with
-this file, so that each can test the other.
+As long as gains follow their schedule, `chain` has this covariance in advance. Once a fix is
+missing, it is computed here from the filter's past. The compiled form shares no code with this
+file, so that each can test the other.
 """
 
 from __future__ import annotations
