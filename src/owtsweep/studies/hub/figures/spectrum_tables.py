@@ -34,7 +34,10 @@ def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple
 
 
 def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
-    """Table: scheme, frequency (Hz), position and velocity (s^-2) per m^2 of displacement."""
+    """The error spectra as a table.
+
+    Columns scheme, frequency (Hz), position (m^2/m^2) and velocity (s^-2), per m^2 of displacement.
+    """
     import pandas as pd
 
     parts = [
