@@ -32,7 +32,9 @@ def scatter(
         Columns scheme, measure, published, and those of `verdicts.numbers.compare_number`; numbers
         that the run lacks are left out.
     schemes
-        All that are drawn, in the order of the legend. panels Title of a panel -> its measures.
+        The schemes to draw, in the order of the legend.
+    panels
+        Title of a panel -> its measures.
     """
     figure = style.new_figure(10.0, 4.7)
     present = numbers.dropna(subset="reproduced")
@@ -95,7 +97,7 @@ def ratios(
     numbers
         As for `scatter`, and the column table.
     schemes
-        All that are drawn, in the order of the legend.
+        The schemes to draw, in the order of the legend.
     measures
         Measure -> its label.
     tables
