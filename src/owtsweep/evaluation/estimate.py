@@ -38,9 +38,9 @@ class Estimate:
     """The estimate of the present state.
 
     A study defines which quantities it judges, their dimensions and units. The hub study, for
-    example, judges position and velocity, (2,) each, in NED, in m and m/s: `Estimate(position,
-    velocity)`. Other quantities are given by name, `Estimate(angle=..., strain=...)`, and become
-    attributes of that name.
+    example, judges position and velocity, (2,) each, in NED, in m and m/s:
+    `Estimate(position, velocity)`. Other quantities are given by name,
+    `Estimate(angle=..., strain=...)`, and become attributes of that name.
 
     Parameters
     ----------

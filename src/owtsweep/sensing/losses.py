@@ -64,7 +64,7 @@ class Losses:
 
 
 def compute_begin_probability(share: float, length: int) -> float:
-    """The probability of an outage's begin at which the given share of samples is lost.
+    """The probability that an outage begins at a sample, for a given share of lost samples.
 
     Raises
     ------
