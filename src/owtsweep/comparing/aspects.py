@@ -1,4 +1,4 @@
-"""What a study says about a run so that it can be compared with others."""
+"""A study's description of a run, used to compare the run with others."""
 
 from __future__ import annotations
 
@@ -11,30 +11,31 @@ from owtsweep.results.conditions import Condition, Grid
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Rows, common values of the conditions, schemes, criterion -> the best-scheme table.
+#: Function of rows, common values of the conditions, schemes and criterion that returns the
+#: best-scheme table.
 BestOf = Callable[["pd.DataFrame", Grid, Sequence[str], str], "pd.DataFrame"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Aspects:
-    """A run as a comparison sees it.
+    """The properties of a run that a comparison needs.
 
     Attributes
     ----------
     conditions, grid
-        The study's conditions and the run's values of them.
+        The study's conditions, and the run's values of each.
     schemes
-        Names in their order.
+        Names of the schemes, in order.
     criterion, window
-        What the run judges by.
+        The measure and the window by which the run judges.
     pairing
-        Key -> its value, for the keys that decide the records beside conditions and replicate.
-        If they are equal in two runs, equal replicates are compared in pairs.
+        Key -> its value, for the keys that determine the records together with conditions and
+        replicate. If they are equal in two runs, equal replicates are compared in pairs.
     boundary
         Two schemes: the first is better below and the second above a boundary along the condition
         that expands. None if no boundary is of interest.
     best_of
-        Makes the best-scheme table of a run whose rows are not samples; None where they are.
+        Makes the best-scheme table of a run whose rows are not samples; None if they are samples.
     """
 
     conditions: tuple[Condition, ...]

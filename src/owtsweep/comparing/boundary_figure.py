@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARKERS = "osD^vP*X"
-#: The axis reaches beyond the condition's values by this factor; farther out a boundary would be
-#: extrapolated.
+#: The axis extends beyond the condition's values by this factor. A boundary farther out would be an
+#: extrapolation.
 BEYOND = 4.0
 
 
@@ -36,15 +36,15 @@ def draw(
     Parameters
     ----------
     boundaries
-        The table of boundaries with the run's `index`; at least one exists. A cell is one value
-        of each condition but the one that expands.
+        The table of boundaries with the run's `index`; at least one exists. A cell is one value of
+        each condition except the one that expands.
     comparison
         The runs, told apart by one or two keys.
     shared
         What the runs have in common. Boundaries far outside the values of the condition that
         expands are drawn hollow, at the edge.
     subtitle
-        What is judged.
+        Says what is judged.
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
@@ -100,7 +100,7 @@ def draw(
 
 
 def _list_cells(boundaries: pd.DataFrame, outer: Sequence[Condition]) -> dict[str, pd.DataFrame]:
-    """Cell as the legend names it -> its boundaries in all runs."""
+    """Name of a cell in the legend -> its boundaries in all runs."""
     names = [condition.name for condition in outer]
     groups: Any = boundaries.groupby(names) if names else [((), boundaries)]
     return {
@@ -126,7 +126,7 @@ def _draw_panel(
         exists = rows[rows["wins"] == ""].set_index("index")
         ends = exists[["boundary", "ci_low", "ci_high"]].reindex(order)
         line, lows, highs = ends.to_numpy(dtype=float).T
-        # Side by side, or the intervals would hide each other.
+        # Shifted sideways, so that the intervals do not hide each other.
         x = [places[index] + (number - 0.5 * (len(cells) - 1)) * width for index in order]
         look: dict[str, Any] = {"color": colors[number], "zorder": 3}
         for place, low, high in zip(x, lows, highs, strict=True):
@@ -142,7 +142,7 @@ def _draw_panel(
 def _say_why_empty(
     axes: Axes, boundaries: pd.DataFrame, places: dict[int, int], expanded: Condition
 ) -> None:
-    """Where no cell has a boundary, say so; one message if that is the whole panel."""
+    """Write where no cell has a boundary; one message if no run of the panel has any."""
     if not (boundaries["wins"] == "").any():
         text = f"no boundary:\n{_explain_absence(boundaries, expanded)}"
         axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", fontsize=9)

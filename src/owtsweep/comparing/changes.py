@@ -1,4 +1,4 @@
-"""What changes from one run to another: best schemes per cell, and each scheme's MSE."""
+"""Changes from one run to another: best schemes per cell, and each scheme's MSE."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from owtsweep.statistics.holm import holm
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What stands before the conditions, and what after them.
+#: The columns before the conditions, and the columns after them.
 PAIR_COLUMNS = ("from_run", "to_run", "along", "paired")
 CHANGED_COLUMNS = (
     "criterion", "best_from", "best_to", "gap_from", "gap_from_low", "gap_from_high", "gap_to",
@@ -26,12 +26,12 @@ SCHEME_COLUMNS = (
     "ratio_low", "ratio_high", "n_from", "n_to", "verdict",
 )  # fmt: skip
 
-#: One value of each condition -> name of the best scheme.
+#: Cell (one value of each condition) -> name of the best scheme.
 Winners = Mapping[tuple[Value, ...], str]
 
 
 def list_winners(best: pd.DataFrame, names: Sequence[str]) -> dict[tuple[Value, ...], str]:
-    """The best scheme per cell of one run's table over conditions of these names."""
+    """The best scheme per cell, from one run's table with these conditions."""
     cells = zip(*(best[name].tolist() for name in names), strict=True)
     return dict(zip(cells, best["best"].tolist(), strict=True))
 
@@ -53,7 +53,7 @@ def compare_cells(
     Parameters
     ----------
     first, second
-        `common.arrange_samples` of both runs, with the same rows and columns.
+        The results of `common.arrange_samples` for both runs, with the same rows and columns.
     best_first, best_second
         Their best schemes.
     paired
@@ -62,8 +62,8 @@ def compare_cells(
     Returns
     -------
     list of dict
-        The conditions and `CHANGED_COLUMNS` but the criterion. `change` is the gap of the second
-        run less that of the first, with its own (paired) interval.
+        The conditions and `CHANGED_COLUMNS` except the criterion. `change` is the gap of the second
+        run minus that of the first, with its (paired) interval.
     """
     cells = [cell for cell in best_first if cell in best_second]
     names = list(map(str, first.index.names[1:]))
@@ -99,9 +99,9 @@ def compare_schemes(
     Returns
     -------
     list of dict
-        scheme, conditions and `SCHEME_COLUMNS` but the criterion. `verdict` is "better" or "worse"
-        (the second run's MSE is smaller or larger) under Holm's correction over all rows of the
-        pair, else "".
+        scheme, conditions and `SCHEME_COLUMNS` except the criterion. `verdict` is "better" or
+        "worse" (the second run's MSE is smaller or larger) under Holm's correction over all rows of
+        the pair, else "".
     """
     a, b = first.to_numpy(), second.to_numpy()
     if paired:

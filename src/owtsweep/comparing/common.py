@@ -1,4 +1,4 @@
-"""What the compared runs have in common: cells, schemes, criterion, and whether they are paired."""
+"""What compared runs have in common: cells, schemes and criterion, and whether they are paired."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Common:
-    """The compared runs, and what all of them have.
+    """The compared runs and their common properties.
 
     Attributes
     ----------
     runs, aspects
-        The runs, and what the study says of each.
+        The runs, and the study's description of each.
     conditions, grid
-        The conditions and those of their values that all runs have.
+        The conditions, and the values of them that all runs have.
     schemes, criterion
-        The schemes that all runs have, and what all are judged by.
+        The schemes that all runs have, and the measure by which all are judged.
     boundary
-        The two schemes whose boundary is told, or None.
+        The two schemes whose boundary is reported, or None.
     samples
-        Whether rows are samples, which have intervals.
+        Whether rows are samples, so that intervals exist.
     notes
-        What was left out.
+        Sentences on what was left out.
     """
 
     runs: Sequence[Candidate]
@@ -69,13 +69,13 @@ class Common:
 
 
 def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> Common:
-    """What the runs have in common.
+    """Find what the runs have in common.
 
     Raises
     ------
     InputError
-        If they share no cell or no scheme, have other conditions, are judged by different criteria,
-        or if the rows of some of them are samples and those of others are not.
+        If the runs share no cell or no scheme, have different conditions, are judged by different
+        criteria, or if the rows of some runs are samples and those of others are not.
     """
     first = aspects[0]
     without = sorted(
@@ -132,7 +132,7 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> Common
 
 
 def find_best(shared: Common, index: int) -> pd.DataFrame:
-    """The best scheme of every common cell, as the run's own best_scheme.csv has it."""
+    """The best scheme of every common cell, as in the run's best_scheme.csv."""
     rows, aspects = shared.choose_rows(index), shared.aspects[index]
     if aspects.best_of is not None:
         return aspects.best_of(rows, shared.grid, shared.schemes, shared.criterion)

@@ -1,4 +1,4 @@
-"""Compare runs of one study: tables, figures and words."""
+"""Compares runs of one study: tables, figures and text."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ def compare(
     *,
     metadata: Mapping[str, str],
 ) -> Findings:
-    """Tables, figures and words on how best scheme, boundary and errors move between runs.
+    """Make tables, figures and text on how best scheme, boundary and errors change between runs.
 
     Parameters
     ----------
     comparison
-        The runs and which of them are held against each other.
+        The runs, and the pairs of them to compare.
     folder
-        Where figures go.
+        Folder for the figures.
     describe
-        What the study says of a run.
+        Function that returns the study's description of a run.
     metadata
-        What figures carry.
+        Stored inside the figures.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def _identify(run: Candidate) -> dict[str, str]:
 
 
 def _find_boundaries(shared: Common) -> tuple[pd.DataFrame, list[str]]:
-    """The boundary of every run, with the run's `index`, and why some have none."""
+    """The boundary of every run, with the run's `index`, and notes on why some have none."""
     import pandas as pd
 
     from owtsweep.results.boundary import COLUMNS, find_boundary
@@ -99,7 +99,7 @@ def _find_boundaries(shared: Common) -> tuple[pd.DataFrame, list[str]]:
             table = find_boundary(
                 rows, shared.conditions, shared.boundary, shared.criterion, aspects.window
             )
-        except InputError as error:  # no such schemes, or amplitudes run one by one
+        except InputError as error:  # a scheme is missing, or amplitudes were run one by one
             notes.append(f"{run.label}: no {'/'.join(shared.boundary)} boundary ({error})")
             continue
         parts.append(table.assign(index=index))
@@ -117,7 +117,7 @@ def _compare_pairs(
     names, criterion = shared.names, {"criterion": shared.criterion}
     samples = arrange_samples(shared)
     winners = [changes.list_winners(table, names) for table in best]
-    # an expectation stands where replicate 0 would, but it is no sample
+    # expected values are stored as replicate 0, but they are not samples
     counts = {} if shared.samples else {"n_from": 0, "n_to": 0}
     changed: list[dict[str, Any]] = []
     schemes: list[dict[str, Any]] = []
@@ -145,7 +145,7 @@ def _compare_pairs(
                 (shared.aspects[a].window, shared.aspects[b].window),
                 paired=paired,
             )
-        except InputError:  # the notes on boundaries say why
+        except InputError:  # the notes on boundaries give the reason
             continue
         shifts += [head | line for line in lines]
     notes = []
@@ -173,7 +173,7 @@ def _draw(
     folder: Path,
     metadata: Mapping[str, str],
 ) -> tuple[list[Path], list[str]]:
-    """The files drawn, and why others were not."""
+    """Draw the figures; return the files, and notes on figures that were not drawn."""
     from owtsweep.comparing import boundary_figure, maps
     from owtsweep.comparing.panels import MOST_PANELS, arrange
     from owtsweep.figures import style

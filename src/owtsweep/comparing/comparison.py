@@ -1,4 +1,4 @@
-"""The types by which the sweep room and the studies agree on what a comparison of runs is.
+"""The types that the sweep package and the studies share to compare runs.
 
 `owtsweep.sweep.compare` finds runs, keys and pairs without knowing what they mean. A study that is
 `Comparable` turns them into findings.
@@ -24,13 +24,13 @@ class Candidate:
     Attributes
     ----------
     name
-        Its folder's name.
+        The name of the run's folder.
     hash
         The run's hash.
     config
         The resolved configuration.
     rows
-        The rows of its stored cases, failed ones included, sorted.
+        The rows of its stored cases, including failed ones, sorted.
     values
         Swept key -> this run's value, in the order of `Comparison.keys`.
     """
@@ -43,16 +43,16 @@ class Candidate:
 
     @property
     def label(self) -> str:
-        """The run by its swept values."""
+        """The name of the run, made from its swept values."""
         return " ".join(f"{key}={show(value)}" for key, value in self.values.items())
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two runs to compare, by their index; `along` says why these two.
+    """Two runs to compare, by their indices; `along` says why they form a pair.
 
-    `along` is the swept key in which they have neighbouring values while all others are equal, or
-    "first run" if `first` is merely the first of the comparison.
+    `along` is the swept key in which they have neighbouring values while all other keys are equal,
+    or "first run" if `first` is only the first run of the comparison.
     """
 
     first: int
@@ -64,7 +64,8 @@ class Pair:
 class Comparison:
     """Runs of one study in the order of their swept values.
 
-    `keys` tell the runs apart. `following` change with them and need not be shown.
+    `keys` are the swept keys that distinguish the runs. Those in `following` change with them and
+    need not be shown.
     """
 
     keys: tuple[str, ...]
@@ -83,9 +84,9 @@ class Findings:
     tables
         Name -> table; each is written as `<name>.csv`.
     overview
-        One row per run, in their order, texts only: what the terminal shows.
+        One row of texts per run, in the order of the runs; shown in the terminal.
     notes
-        What a reader must know: what was left out, what is not paired.
+        Notes for the reader, e.g. what was left out or is not paired.
     report
         Sections of `comparison.md`, Markdown.
     figures
@@ -106,11 +107,11 @@ class Comparable(Protocol):
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
-        """Compare runs; figures go into `folder` and carry `metadata`.
+        """Compare runs; figures are saved in `folder` with `metadata`.
 
         Raises
         ------
         InputError
-            If these runs have nothing in common; nothing has been written then.
+            If these runs have nothing in common; then nothing has been written.
         """
         ...

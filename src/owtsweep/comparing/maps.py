@@ -37,9 +37,9 @@ def draw(
     Parameters
     ----------
     panels
-        Where each run stands.
+        The place of each run's panel.
     best
-        Per run the rows of its best-scheme table in the common cells.
+        For each run, the rows of its best-scheme table in the common cells.
     boundaries
         The table of boundaries, with the index of the run in `index`.
     shared
@@ -47,7 +47,7 @@ def draw(
     plane
         The axes of each map.
     subtitle
-        What the maps judge.
+        Says what the maps judge.
     """
     from matplotlib.patches import Patch
 
@@ -74,11 +74,11 @@ def draw(
                 hatched |= not all(cell["distinguishable"] for cell in cells)
                 holes |= len(cells) < shared.size
                 line |= _draw_boundary(axes, boundaries[boundaries["index"] == index], plane)
-        for row, indices in enumerate(panels.runs):  # beside an empty panel, likewise
+        for row, indices in enumerate(panels.runs):  # label the leftmost panel
             leftmost = next(c for c, index in enumerate(indices) if index is not None)
             grid[row][leftmost].tick_params(labelleft=True)
             grid[row][leftmost].set_ylabel(plane.upwards.title if plane.upwards else "")
-        for column in range(columns):  # below an empty panel the axis would have no labels
+        for column in range(columns):  # label the lowest panel
             lowest = max(row for row in range(rows) if panels.runs[row][column] is not None)
             grid[lowest][column].tick_params(labelbottom=True)
             grid[lowest][column].set_xlabel(plane.across.title)
@@ -96,11 +96,11 @@ def draw(
 
 
 def _draw_boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane) -> bool:
-    """Draw the boundary where the map has its condition upwards; whether there is any."""
+    """Draw the boundary if its condition is the upward axis; return whether there is any."""
     exists = boundaries[(boundaries["wins"] == "") & boundaries["boundary"].notna()]
     if exists.empty or plane.upwards is None or not plane.upwards.expands:
         return False
-    # A line that skips a value without a boundary would claim one there.
+    # A line across a value without a boundary would suggest a boundary there.
     line = [float("nan")] * len(plane.columns)
     heights = plane.height_of(exists["boundary"].to_numpy(dtype=float))
     for value, height in zip(exists[plane.across.name], heights, strict=True):

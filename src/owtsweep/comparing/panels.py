@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from owtsweep.comparing.comparison import Comparison
 from owtsweep.comparing.values import rank_values, show
 
-#: More panels than this cannot be read.
+#: Greatest number of panels that can be read.
 MOST_PANELS = 30
 
 
 @dataclass(frozen=True)
 class Panels:
-    """A grid of panels, the first key across, the second downwards (one key: rows of `WRAP`).
+    """A grid of panels: first key across, second key downwards (with one key: rows of `WRAP`).
 
     `runs[row][column]` is the index of a run or None.
     """

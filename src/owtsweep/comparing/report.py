@@ -1,4 +1,4 @@
-"""What a comparison says in words: one line per run, and the sections of its report."""
+"""The text of a comparison: one line per run, and the sections of its report."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def make_overview(
     boundaries: pd.DataFrame,
     changed: pd.DataFrame,
 ) -> pd.DataFrame:
-    """Per run: cells won by each scheme, the boundary, cells changed against the first run."""
+    """For each run: cells won by each scheme, the boundary, cells changed from the first run."""
     import pandas as pd
 
     first = shared.runs[0].label
@@ -52,7 +52,7 @@ def _tell_range(boundaries: pd.DataFrame, shared: Common) -> str:
 
 
 def write_sections(shared: Common, tables: Mapping[str, pd.DataFrame]) -> str:
-    """What the tables hold, and their heads."""
+    """The sections of the report: what the columns mean, what changed, and which files exist."""
     files = [
         "- `runs.csv`: run folders, hashes, swept values",
         "- `best_schemes.csv`: the maps, as each run's best_scheme.csv, on the common cells",
@@ -111,7 +111,7 @@ def _tell_shifts(moved: pd.DataFrame, outer: Sequence[Condition]) -> str:
 
 
 def _tell_interval(low: float, high: float) -> str:
-    """An end is not known if the two schemes did not cross in some draws."""
+    """Format an interval; an end is unknown if the two schemes did not cross in some draws."""
     if low == low and high == high:
         return f"{low:.3g} to {high:.3g}"
     return "not known"

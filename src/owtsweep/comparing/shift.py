@@ -28,10 +28,10 @@ def compare_boundaries(
     *,
     paired: bool,
 ) -> list[dict[str, Any]]:
-    """The boundary in the second run over that in the first, per cell of the other conditions.
+    """The boundary in the second run divided by that in the first, per cell of other conditions.
 
     The interval consists of percentiles of a bootstrap over the records. Paired runs share their
-    draws; otherwise each run has its own.
+    draws; otherwise each run has different draws.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def compare_boundaries(
     schemes
         The one that wins below the boundary and the one above it.
     measure, windows
-        What is judged; the window of each run.
+        The measure that is judged, and the window of each run.
 
     Returns
     -------

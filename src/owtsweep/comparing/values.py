@@ -1,4 +1,4 @@
-"""The values of swept keys: how they are shown, and their order."""
+"""The display and the order of the values of swept keys."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def show(value: Any) -> str:
 
 
 def identify(value: Any) -> str:
-    """The same text for equal values."""
+    """A text that identifies a value: equal values have equal texts."""
     return json.dumps(value, sort_keys=True, default=str)
 
 

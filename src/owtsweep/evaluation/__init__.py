@@ -1,4 +1,5 @@
-"""Running an estimator over measurements, and measuring what it gives."""
+"""Runs an estimator over measurements and evaluates its estimates."""
 
-#: Raised whenever a change of this room alters a number that a study stores.
+#: Version of this package's numbers. Raise it whenever a change alters a number that a study
+#: stores.
 NUMERICS_VERSION = 0

@@ -1,4 +1,4 @@
-"""Estimates one after another, gathered into a trajectory of the quantities that a study judges."""
+"""Collects successive estimates into a trajectory of the quantities that a study judges."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from owtsweep.evaluation.trajectory import Trajectory
 def collect(
     estimates: Iterable[Any], judged: Sequence[Quantity], steps: int, first: int = 0
 ) -> Trajectory:
-    """Gather the estimates of some steps.
+    """Collect the estimates of some steps into a trajectory.
 
     Parameters
     ----------
     estimates
         One `Estimate` per step.
     judged
-        The quantities, in the order in which their components make up the state.
+        The judged quantities, in the order of their components in the state.
     steps
-        How many estimates there are.
+        Number of estimates.
     first
-        Number of the first of these steps, for messages.
+        Number of the first of these steps, for error messages.
 
     Raises
     ------
     TypeError
-        If something is no `Estimate`.
+        If an item is not an `Estimate`.
     ValueError
-        If an estimate lacks a quantity, or one has the wrong shape, naming the step.
+        If an estimate lacks a quantity, or one has the wrong shape. The message names the step.
     """
     size = sum(len(quantity.components) for quantity in judged)
     state = np.empty((steps, size))

@@ -1,4 +1,4 @@
-"""What an estimator gives at one step: named quantities of any dimension."""
+"""The output of an estimator at one step: named quantities of any dimension."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ class Quantity(NamedTuple):
     Attributes
     ----------
     name
-        As estimates and tables call it.
+        Its name in estimates and tables.
     components
-        What tables call its components; an estimate of it has as many numbers.
+        Names of its components in tables; an estimate of it has this many numbers.
     """
 
     name: str
     components: tuple[str, ...]
 
 
-#: Position and velocity in the plane: what is judged if a study says nothing else.
+#: Position and velocity in the plane: the quantities judged by default.
 PLANAR_MOTION = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "vy")))
 
 
@@ -37,10 +37,10 @@ class Innovation(NamedTuple):
 class Estimate:
     """The estimate of the present state.
 
-    A study says which quantities it judges, their dimensions and units. The hub study, for
+    A study defines which quantities it judges, their dimensions and units. The hub study, for
     example, judges position and velocity, (2,) each, in NED, in m and m/s:
-    `Estimate(position, velocity)`. Others are given by name, `Estimate(angle=..., strain=...)`, and
-    are attributes of that name.
+    `Estimate(position, velocity)`. Other quantities are given by name,
+    `Estimate(angle=..., strain=...)`, and become attributes of that name.
 
     Parameters
     ----------
@@ -80,7 +80,8 @@ class Estimate:
         self.innovation = innovation
 
     def __getattr__(self, name: str) -> Array:
-        if name != "quantities" and name in self.quantities:  # the first while it is unpickled
+        # during unpickling `quantities` does not exist yet
+        if name != "quantities" and name in self.quantities:
             return self.quantities[name]
         raise AttributeError(f"the estimate has no {name}")
 

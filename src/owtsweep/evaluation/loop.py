@@ -1,7 +1,7 @@
-"""Run an estimator as it would run on board: one `update` per step.
+"""Runs an estimator as on board: one `update` per step.
 
-Some quantities, the inputs, are measured at every step. Others are measured only now and then; such
-a measurement is called a fix, as a position from GNSS beside the accelerations of an IMU.
+Some quantities, the inputs, are measured at every step, such as the accelerations of an IMU. Others
+are measured less often; such a measurement is called a fix, for example a position from GNSS.
 """
 
 from __future__ import annotations
@@ -18,10 +18,11 @@ from owtsweep.evaluation.trajectory import Trajectory
 
 
 class Updating(Protocol):
-    """What can be run.
+    """An estimator that can be run step by step.
 
     An estimator may also offer `run_record(inputs, fixes) -> Trajectory`. It takes many steps in
-    one call and gives what `update` would give step by step; a fix that did not arrive is NaN.
+    one call and returns the same estimates as `update` step by step; a fix that did not arrive is
+    NaN.
     """
 
     def update(self, inputs: Array, fix: Array | None = None, /) -> Any:
@@ -41,9 +42,9 @@ def run_estimator(
     Parameters
     ----------
     inputs
-        (steps, i) what is measured at every step.
+        (steps, i): the measurements of every step.
     fixes
-        (fixes, m) what is measured at steps 0, M, 2 M, ...; NaN if it did not arrive.
+        (fixes, m): the fixes at steps 0, M, 2 M, ...; NaN if a fix did not arrive.
     fix_interval
         M, in steps.
     judged
@@ -72,18 +73,19 @@ def run_steps(
     Parameters
     ----------
     inputs, fixes
-        (steps, i) and (steps, m), a row per step; a fix that did not arrive is NaN.
+        (steps, i) and (steps, m), one row per step; a fix that did not arrive is NaN.
     first
-        Number of the first of these steps, for messages.
+        Number of the first of these steps, for error messages.
     judged
-        The quantities to take from the estimates, in the order in which the state has them.
+        The quantities to take from the estimates, in their order in the state.
 
     Raises
     ------
     TypeError
-        If `update` gives something else than an `Estimate`.
+        If `update` does not return an `Estimate`.
     ValueError
-        If an estimate lacks a quantity, has the wrong shape or is not finite, naming the step.
+        If an estimate lacks a quantity, has the wrong shape or is not finite. The message names the
+        step.
     """
     run_record = getattr(estimator, "run_record", None)
     if run_record is not None:

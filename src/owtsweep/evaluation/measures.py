@@ -1,8 +1,8 @@
-"""From errors to numbers: MSE, NEES and NIS of quantities of any dimension.
+"""Measures computed from errors: MSE, NEES and NIS of quantities of any dimension.
 
-A linear estimator's error is the sum of two parts, one from the motion and one from all else. Every
-measure here is a mean of squares, so it splits into three products of the parts. Their means tell
-the measure at any amplitude N of the motion: N^2 motion + 2 N cross + noise.
+A linear estimator's error is the sum of two parts, one from the motion and one from everything else
+(noise). Every measure here is a mean of squares, so it splits into three products of the parts.
+Their means give the measure at any amplitude N of the motion: N^2 motion + 2 N cross + noise.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ class Errors(NamedTuple):
     Attributes
     ----------
     state
-        (steps, n) errors of all judged quantities: those of the whole series, or two parts of it,
-        motion and noise.
+        (steps, n) errors of all judged quantities: either one array of the total error, or two
+        arrays of its parts, motion and noise.
     covariance
-        (steps, n, n) that the estimator gave, NaN at steps without one; None if it gave none.
+        (steps, n, n): the estimator's covariance, NaN at steps without one; None if it gave none.
     innovation
-        (steps, m) innovations, as many arrays as `state` has, NaN at steps without one; or none.
+        (steps, m) innovations, as many arrays as in `state`, NaN at steps without one; or none.
     innovation_covariance
         (steps, m, m), or None.
     """
@@ -39,9 +39,10 @@ class Errors(NamedTuple):
 
 
 class Mean(NamedTuple):
-    """products (3,): means of motion x motion, motion x noise, noise x noise; samples: how many.
+    """The mean of a measure over the steps of a record.
 
-    The whole series counts as noise.
+    products (3,): means of motion x motion, motion x noise, noise x noise; samples: number of steps
+    in the means. If errors are not split into parts, they count as noise.
     """
 
     products: Array
@@ -49,17 +50,17 @@ class Mean(NamedTuple):
 
 
 def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[str, Mean]:
-    """The measures of a record from step `first` on, by name.
+    """Compute the measures of a record from step `first` on, by name.
 
-    The mean squared error of every component, and of every quantity as the sum of its components;
-    NEES and NIS where the estimator gave covariances and innovations. NEES is the error squared in
-    the metric of its covariance, NIS the same of the innovation (Bar-Shalom, Li and Kirubarajan
-    2001, section 5.4).
+    They are the mean squared error of every component, that of every quantity as the sum over its
+    components, and NEES and NIS if the estimator gave covariances and innovations. NEES is the
+    squared error weighted with the inverse of its covariance, NIS the same for the innovation
+    (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
 
     Parameters
     ----------
     judged
-        The quantities, in the order in which their components stand in the errors.
+        The quantities, in the order of their components in the errors.
     """
     state = [part[first:] for part in errors.state]
     components = [name for quantity in judged for name in quantity.components]
@@ -83,7 +84,7 @@ def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[
 def _add_weighted(
     means: dict[str, Mean], name: str, parts: Sequence[Array], covariance: Array
 ) -> None:
-    """Add the mean in the metric of the inverse covariance, over the steps that have both."""
+    """Add the mean square weighted with the inverse covariance, over the steps that have both."""
     there = np.isfinite(covariance[:, 0, 0]) & np.isfinite(parts[-1][:, 0])
     if there.any():  # after the settling time there may be no measurement
         weights = np.linalg.inv(covariance[there])

@@ -11,7 +11,7 @@ from owtsweep.arrays import Array
 
 
 class Trajectory(NamedTuple):
-    """What an estimator gave over some steps.
+    """The output of an estimator over some steps.
 
     Attributes
     ----------
@@ -58,12 +58,12 @@ class Trajectory(NamedTuple):
         return Trajectory(*(None if a is None else a[steps] for a in self))  # type: ignore[arg-type]
 
     def copy(self) -> Trajectory:
-        """A copy; a part of a trajectory would keep the whole in memory."""
+        """A copy. Unlike a part made by `part`, it does not keep the whole trajectory in memory."""
         return Trajectory(*(None if a is None else np.array(a) for a in self))  # type: ignore[arg-type]
 
 
 def join(pieces: Sequence[Trajectory]) -> Trajectory:
-    """Join pieces that follow each other. What only some of them have is NaN in the others."""
+    """Join successive pieces. Arrays that only some pieces have are NaN in the others."""
     state = np.concatenate([piece.state for piece in pieces])
     return Trajectory(state, *(_join([piece[i] for piece in pieces], pieces) for i in (1, 2, 3)))
 

@@ -1,1 +1,1 @@
-"""Figures that serve every study: style, palette, the best-scheme map, the terminal's map."""
+"""Figures for every study: style, palette, the best-scheme map, the map in the terminal."""

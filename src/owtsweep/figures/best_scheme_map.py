@@ -1,7 +1,7 @@
 """The best scheme over two conditions, as in figure 18 of Ren et al. (2019).
 
-Unlike the print, the map says where the data do not tell the best scheme from the next (hatched)
-and by how much the next is worse.
+Unlike figure 18, the map shows where the data do not distinguish the best scheme from the next
+(hatched), and by how much the next is worse.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ if TYPE_CHECKING:
 HATCH = "////"
 HATCH_COLOR = (1.0, 1.0, 1.0, 0.6)
 NO_RESULT = "#E4E4E4"
-#: Inches. A cell lower than `ONE_LINE` has its labels on one line. A map of more than `MOST_LABELS`
-#: cells has no labels, and its cells are pixels: as shapes they would bloat the SVG.
+#: Lengths are in inches. A cell lower than `ONE_LINE` has its labels on one line. A map of more
+#: than `MOST_LABELS` cells has no labels, and its cells are drawn as pixels, because shapes would
+#: make the SVG too large.
 CELL_WIDTH = (0.95, 1.6)
 CELL_HEIGHT = (0.3, 0.55)
 ONE_LINE = 0.42
@@ -55,19 +56,21 @@ def draw(
     schemes
         All schemes compared, in the order of the legend.
     conditions
-        The study's; two of them at most may have several values.
+        The study's conditions; at most two of them may have several values.
     criterion, window
-        They select the rows and are named in the title.
+        Both select the rows and are named in the title.
     tuning
         Named in the title.
     quantity
         What the title calls the criterion; "<criterion> MSE" if empty.
     coinciding
-        Groups of schemes with the same numbers (`best_scheme.find_coinciding`), the name used last.
+        Groups of schemes with the same numbers (`best_scheme.find_coinciding`); the map shows the
+        last name of each.
     replicates
-        Records per cell as planned, named in the title if given.
+        Planned number of records per cell, named in the title if given.
     failures
-        Failed cases; if there are any, title and footnote say that cells may hold fewer records.
+        Number of failed cases. If there are any, title and footnote say that cells may hold fewer
+        records.
 
     Raises
     ------
@@ -128,8 +131,7 @@ def draw_cells(
     plane
         The axes of the map.
     labels
-        What stands in a cell: best and next best on "two lines" or "one line", the "best" alone,
-        or "none".
+        Text in a cell: best and next best on "two lines" or "one line", only the "best", or "none".
     """
     for row in rows:
         place, look = plane.place(row), style_of(row["best"], schemes)
@@ -161,12 +163,12 @@ def _colour(
 def _label(
     axes: Axes, look: SchemeStyle, place: tuple[int, int], names: tuple[str, str], *, tall: bool
 ) -> None:
-    """Write the best scheme, and the next best if it has a text, into a cell."""
+    """Write the best scheme, and the next best if its text is not empty, into a cell."""
     column, line = place
     best, runner_up = names
     text: dict[str, Any] = {
         "color": look.text_color,
-        # behind letters the hatch gives way
+        # hide the hatch behind the letters
         "bbox": {"facecolor": look.color, "edgecolor": "none", "pad": 1.0},
         "horizontalalignment": "center",
         "verticalalignment": "center",
@@ -216,7 +218,7 @@ def _make_legend(
 
 
 def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
-    """The entries of a legend for what a map holds besides the schemes' colours."""
+    """The legend's entries for everything on a map except the schemes' colours."""
     marks = []
     if hatched:
         look: dict[str, Any] = {"facecolor": "0.6", "edgecolor": "white", "hatch": HATCH}

@@ -1,4 +1,4 @@
-"""A measure over one condition: a curve with its band for every scheme."""
+"""A measure over one condition: a curve with its interval as a band for every scheme."""
 
 from __future__ import annotations
 
@@ -20,11 +20,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Every value has its tick unless two would be closer than this part of a logarithmic axis.
+#: Every value has a tick unless two ticks would be closer than this fraction of a logarithmic axis.
 CLOSEST_TICKS = 0.045
-#: A logarithmic axis has no place for zero: intervals end at this part of their mean at the latest.
+#: A logarithmic axis cannot show zero, so the lower end of an interval is at least this fraction of
+#: its mean.
 LOWEST = 0.1
-#: How points from elsewhere look beside the curves.
+#: The look of points from other sources, drawn beside the curves.
 HOLLOW: dict[str, Any] = {
     "markerfacecolor": "none", "markersize": 10, "markeredgewidth": 1.6, "linestyle": "none",
 }  # fmt: skip
@@ -41,7 +42,7 @@ def choose(
     Raises
     ------
     InputError
-        If there is none.
+        If there are no such rows.
     """
     shown = in_window = summary[summary["window"] == window]
     for condition, value in fixed.items():
@@ -79,20 +80,21 @@ def draw(
     Parameters
     ----------
     shown
-        Rows of a summary, with one value of every condition but `along` (`choose`).
+        Rows of a summary with one value of every condition except `along`, as `choose` returns
+        them.
     schemes
         Schemes to draw, in the order of the legend.
     along
-        The condition; its axis is linear or logarithmic as it says.
+        The condition; its `scale` makes the axis linear or logarithmic.
     panels
         Measure -> label of its axis, which is logarithmic.
     title
         Of the figure.
     points
-        Points from elsewhere, e.g. published ones, drawn hollow: scheme, measure, a column with the
+        Points from other sources, e.g. published ones, drawn hollow. Columns scheme, measure, the
         name of the condition, value; may be empty.
     points_label
-        Their entry in the legend; "" for none.
+        The legend's entry for the points; "" for none.
     coinciding
         Groups of schemes with the same numbers (`best_scheme.find_coinciding`), for the footnote.
     notes
@@ -121,7 +123,7 @@ def draw(
 
 
 def _place(column: pd.Series[Any], levels: Sequence[Value]) -> Any:
-    """Where values stand on the axis: numbers as they are, texts one after the other."""
+    """Positions of values on the axis: numbers as they are, texts at 0, 1, 2, ..."""
     if isinstance(levels[0], str):
         return column.map(levels.index).to_numpy()
     return column.to_numpy()

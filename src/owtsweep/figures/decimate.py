@@ -1,4 +1,4 @@
-"""Fewer points for long series, without a visible change of the figure."""
+"""Reduces long series to fewer points without a visible change of the figure."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
-#: Points of a series over the width of a figure: more than it has pixels.
+#: Points of a series over the width of a figure: more than the figure's pixels.
 POINTS = 4000
 
 
 def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:
     """Keep the least and the greatest value in each of points / 2 equal spans, in order of time.
 
-    So every extreme and the visible envelope of the series stay. The first and the last sample
-    stay too.
+    So all extremes and the visible envelope of the series are kept. The first and the last sample
+    are kept too.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, A
         return time, values
     spans = max(points // 2, 1)
     edges = np.linspace(0, n, spans + 1).astype(int)
-    # a span that is shorter than the longest repeats its last sample
+    # spans shorter than the longest are padded with their last sample
     width = int(np.max(np.diff(edges)))
     samples = np.minimum(edges[:-1, None] + np.arange(width), edges[1:, None] - 1)
     table, span = values[samples], np.arange(spans)

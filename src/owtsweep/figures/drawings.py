@@ -1,4 +1,4 @@
-"""Draws the figures of a run: all that it has the data for, or one by name."""
+"""Draws the figures of a run: all for which it has data, or one by name."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: Draws into a folder under a name, and returns the files.
+#: A function that draws into a folder under a name and returns the files.
 Drawing = Callable[[Path, str], list[Path]]
 
 
@@ -31,12 +31,12 @@ def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) 
 
 
 def draw_each(drawings: Mapping[str, Drawing], folder: Path, only: str | None) -> list[Path]:
-    """Draw all, or the one called `only`. Of all, those that the run cannot have are left out.
+    """Draw all figures for which the run has data, or only the one called `only`.
 
     Raises
     ------
     InputError
-        If there is no figure of that name, or the run cannot have it.
+        If there is no figure of that name, or the run lacks the data for it.
     """
     if only is not None and only not in drawings:
         raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")

@@ -1,4 +1,4 @@
-"""Panels of errors over time: the errors of one axis in a view, or what accumulates of all axes."""
+"""Panels of errors over time: the errors of one axis, or the accumulated errors of all axes."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ def show_errors(
     bound: float | None = None,
     note: str = "",
 ) -> Panel:
-    """The errors of x in a view.
+    """A panel with the errors of x during a view (a span of time).
 
     Parameters
     ----------
     errors
         Scheme -> its errors.
     names
-        All schemes of the study, which decide the looks.
+        All schemes of the study, which determine the looks.
     quantity
         One of `UNITS`.
     view
         First and last time shown, s.
     bound
-        Marked to both sides of zero.
+        A bound on the error, marked on both sides of zero.
     """
     marks: list[Curve | Level] = [
         show_estimate(name, names, make_line(*clip(time, error[:, 0], view)))
@@ -50,18 +50,18 @@ def show_errors(
 def show_accumulated(
     errors: Mapping[str, Errors], names: Sequence[str], quantity: str, end: float
 ) -> Panel:
-    """The absolute error of all axes together, summed over time from the start of the record.
+    """A panel with the absolute error of all axes, integrated over time from the record's start.
 
     Parameters
     ----------
     errors
         Scheme -> its errors over the whole record, in equal steps from 0 s.
     names
-        All schemes of the study, which decide the looks.
+        All schemes of the study, which determine the looks.
     quantity
         One of `UNITS`.
     end
-        Of the record, s.
+        End of the record, s.
     """
     marks, ends = [], []
     for name, (time, error) in errors.items():

@@ -1,4 +1,4 @@
-"""Lines over time, with few enough points to draw; gaps stay gaps."""
+"""Lines over time, reduced to a moderate number of points; gaps are kept."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from owtsweep.figures.decimate import decimate
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Points of one line: four lines in two panels make an SVG of some 400 KiB.
+#: Points of one line. With this number, four lines in two panels make an SVG of about 400 KiB.
 POINTS = 1200
 
-#: Pieces without a gap: times (s) and values, (n,) each.
+#: A line as pieces without a gap: times (s) and values, (n,) each.
 Line = list[tuple[Array, Array]]
-#: The lines of x and of y.
+#: The lines of x and y.
 Pair = tuple[Line, Line]
 
 
 def make_line(time: Array, values: Array) -> Line:
-    """Make a line of about `POINTS` points, in as many pieces as its gaps leave.
+    """Make a line of about `POINTS` points, divided into pieces at its gaps.
 
     Parameters
     ----------

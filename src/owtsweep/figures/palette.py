@@ -1,7 +1,7 @@
-"""One look per scheme, the same in every figure, table and terminal.
+"""The look of each scheme, the same in every figure, table and terminal.
 
-Colours are those of Okabe and Ito (2008), made for colour-blind readers too; a marker and a line
-style tell schemes apart in black and white.
+Colours are those of Okabe and Ito (2008), which colour-blind readers can distinguish. A marker and
+a line style distinguish schemes in black and white.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ class SchemeStyle:
 
     @property
     def text_color(self) -> str:
-        """Black or white, whichever reads better on `color` (contrast ratio of WCAG 2)."""
+        """Black or white, whichever is easier to read on `color` (contrast ratio of WCAG 2)."""
         luminance = relative_luminance(self.color)
         return "#000000" if (luminance + 0.05) ** 2 > 0.05 * 1.05 else "#ffffff"
 
 
 #: Scheme -> the look that a study has reserved for it.
 _reserved: dict[str, SchemeStyle] = {}
-#: Okabe and Ito's other colours, for schemes without a look of their own.
+#: Okabe and Ito's other colours, for schemes without a reserved look.
 SPARE_COLORS = ("#56B4E9", "#D55E00", "#F0E442")
 SPARE_MARKERS = ("v", "P", "X", "<", ">", "p", "h")
 SPARE_LINES: tuple[LineStyle, ...] = (
@@ -55,7 +55,8 @@ SPARE_LINES: tuple[LineStyle, ...] = (
 def reserve(looks: Mapping[str, SchemeStyle]) -> None:
     """Give schemes their looks; a study does so once, where it is defined.
 
-    A name that already has a look keeps it: in the figures of all studies it means one scheme.
+    A name that already has a look keeps it, so a name has the same look in the figures of all
+    studies.
     """
     for name, look in looks.items():
         _reserved.setdefault(name, look)
@@ -70,7 +71,7 @@ def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
     Raises
     ------
     InputError
-        If `name` is none of `all_names`.
+        If `name` is not one of `all_names`.
     """
     if name in _reserved:
         return _reserved[name]
@@ -95,7 +96,7 @@ def relative_luminance(color: str) -> float:
 def _spare_color(index: int) -> str:
     if index < len(SPARE_COLORS):
         return SPARE_COLORS[index]
-    # steps of the golden section never come back to a hue; the lightness alternates
+    # steps of the golden section never repeat a hue; the lightness alternates
     step = index - len(SPARE_COLORS)
     channels = colorsys.hls_to_rgb((0.08 + 0.618034 * step) % 1.0, (0.3, 0.55, 0.75)[step % 3], 0.5)
     return "#" + "".join(f"{round(255 * channel):02X}" for channel in channels)

@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-#: What lies beyond the map is drawn this many cells outside the centres of its edge.
+#: A value beyond the map is drawn this many cells outside the centres of the edge cells.
 EDGE = 0.5
 
 
 @dataclass(frozen=True)
 class Plane:
-    """The cells of a map: cell (i, j) has its centre at column number i, line number j.
+    """The cells of a map: cell (i, j) has its centre at x = i (column) and y = j (line).
 
     Attributes
     ----------
     across, upwards
-        The conditions; a single one leaves a map of one line.
+        The conditions of the two axes; with a single condition the map has one line.
     columns, lines
         Their values, in order.
     """
@@ -39,7 +39,7 @@ class Plane:
 
     @classmethod
     def of(cls, table: pd.DataFrame, conditions: Sequence[Condition]) -> Plane:
-        """The plane of a table with a column per condition; raises as `over`."""
+        """The plane of a table with a column per condition; raises the same errors as `over`."""
         columns = {condition.name: table[condition.name] for condition in conditions}
         return cls.over(
             conditions, {name: order_values(c, c.unique()) for name, c in columns.items()}
@@ -82,9 +82,9 @@ class Plane:
         return self.columns.index(row[self.across.name]), line
 
     def height_of(self, values: Array) -> Array:
-        """Where values of `upwards` lie between the lines, at the map's edge if beyond it.
+        """Heights of values of `upwards` on the map; values beyond the map are put at its edge.
 
-        Between two lines by the condition's scale, linear or logarithmic.
+        Heights between two lines are interpolated on the condition's scale, linear or logarithmic.
         """
         lines = np.asarray(self.lines, dtype=float)
         numbers = np.arange(len(lines), dtype=float)
@@ -99,7 +99,7 @@ class Plane:
         return np.asarray(np.interp(values, padded, heights))
 
     def label_axes(self, axes: Axes) -> None:
-        """Limits, ticks and labels."""
+        """Set limits, ticks and labels of the axes."""
         axes.set_xlim(-0.5, len(self.columns) - 0.5)
         axes.set_ylim(-0.5, len(self.lines) - 0.5)
         axes.set_xticks(range(len(self.columns)), [show_value(value) for value in self.columns])

@@ -18,32 +18,32 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: How much worse the runner-up is, per cent: levels that are drawn.
+#: Contour levels: by how many per cent the runner-up is worse.
 MARGINS = (10, 50, 200, 1000)
-#: A region smaller than this part of the map has no room for its name.
+#: A region smaller than this fraction of the map has no room for its name.
 LEAST_REGION = 0.008
 
 
 @dataclass(frozen=True)
 class Field:
-    """What a smooth map shows; arrays are (columns, lines).
+    """The data of a smooth map; arrays are (columns, lines).
 
     Attributes
     ----------
     across, upwards
         The two conditions.
     columns, lines
-        Their values, increasing, two or more of each.
+        Their values, increasing, at least two of each.
     values
         (schemes, columns, lines): the expected MSE.
     best
-        The scheme of least value, by its number.
+        The number of the scheme of least value.
     excess
-        By how many per cent the runner-up's value is larger; NaN without one.
+        By how many per cent the runner-up's value is larger; NaN without a runner-up.
     distinguishable
-        Whether the two differ by more than `resolution`, relative.
+        Whether best and runner-up differ by more than `resolution` (relative).
     resolution
-        How accurate the values are, relative.
+        The relative accuracy of the values.
     """
 
     across: Condition
@@ -70,15 +70,15 @@ def draw(
     Parameters
     ----------
     field
-        What it shows.
+        The data.
     schemes
-        Those compared.
+        The schemes compared.
     title
         Of the figure.
     origin
-        A sentence for the footnote: where the values come from.
+        A sentence for the footnote on the origin of the values.
     coinciding
-        Groups of schemes with the same values, the name used last.
+        Groups of schemes with the same values; the map shows the last name of each.
     """
     with style.context():
         figure = style.new_figure(7.6, 5.8)
@@ -129,7 +129,7 @@ def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
 
 
 def _draw_boundaries(axes: Axes, field: Field) -> None:
-    """Lines where a scheme is as good as the best of the others (coinciding ones aside)."""
+    """Draw lines where a scheme equals the best of the schemes that do not coincide with it."""
     values = field.values
     for number in range(len(values)):
         others = np.delete(values, number, axis=0)
@@ -143,7 +143,7 @@ def _draw_boundaries(axes: Axes, field: Field) -> None:
 
 
 def _draw_margins(axes: Axes, field: Field) -> None:
-    """Contours of how much worse the runner-up is."""
+    """Draw contours of how much worse the runner-up is."""
     excess = field.excess
     if not np.all(np.isfinite(excess)):
         return

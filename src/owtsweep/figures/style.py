@@ -1,4 +1,4 @@
-"""How figures look, and how they are saved: the same figure gives the same bytes."""
+"""The style and the saving of figures: the same figure gives the same bytes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ RESOLUTION = 160  # dots per inch of PNG files
 SVG_LIMIT = 500 * 1024  # bytes
 
 RC: Any = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib, so every machine draws the same
+    "font.family": "DejaVu Sans",  # part of matplotlib, so every machine draws the same
     "font.size": 10,
     "axes.titlesize": 11,
     "axes.labelsize": 10,
@@ -37,7 +37,7 @@ WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 @contextmanager
 def context() -> Iterator[None]:
-    """Draw under the package's settings; the user's own come back afterwards."""
+    """Draw with the package's settings; the user's settings are restored afterwards."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(RC)
@@ -45,14 +45,14 @@ def context() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure (inches) outside pyplot: it opens no window and stands in no global list."""
+    """An empty figure (size in inches) outside pyplot: it opens no window."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def footnote(figure: Figure, text: str) -> None:
-    """Put a paragraph below everything else, broken to the width of the figure."""
+    """Put a paragraph below everything else, with lines broken to the width of the figure."""
     letters = int(13 * figure.get_figwidth())
     figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
 
@@ -79,7 +79,7 @@ def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
 
 
 def describe_window(window: str) -> str:
-    """A window in the words of a reader."""
+    """Describe a window in words."""
     return WINDOWS.get(window, window)
 
 

@@ -1,4 +1,4 @@
-"""The best-scheme map in the terminal: what `sweep` shows at its end."""
+"""The best-scheme map in the terminal, shown at the end of `sweep`."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
 
-    #: Best scheme and whether it is distinguishable, by column and line number.
+    #: Column and line number -> best scheme, and whether it is distinguishable.
     Winners = dict[tuple[int, int], tuple[str, bool]]
 
-#: Stands behind a name where the data do not tell the best scheme from the next.
+#: Mark after a name where the data do not distinguish the best scheme from the next.
 MARK = "~"
 NO_RESULT = "-"
-#: Characters for the columns of one table; a wider grid continues below.
+#: Width of one table in characters; a wider grid continues below.
 WIDTH = 64
 
 
@@ -41,7 +41,8 @@ def grid(
     schemes
         All schemes compared.
     conditions
-        The study's. Beyond two, there is one grid for each combination of the others' values.
+        The study's conditions. With more than two, there is one grid for each combination of the
+        values of the others.
     criterion, window
         The rows to show.
     """

@@ -1,6 +1,6 @@
 """Quantities of a record over time: one panel per axis, and below them a panel of errors.
 
-A study says what each panel shows (`Panel`); layout, legend and looks are decided here.
+A study defines what each panel shows (`Panel`). This module defines layout, legend and looks.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: Inches, and the heights of the panels relative to each other.
+#: Lengths in inches, and the relative heights of the panels.
 WIDTH, HEIGHT = 10.0, {2: 5.4, 3: 7.2}
 RATIOS = (1.0, 1.0, 0.8)
 UNITS = {"position": "m", "velocity": "m/s", "acceleration": "m/s²", "bias": "m/s²"}
@@ -27,7 +27,7 @@ NAMES = {"bias": "Accelerometer bias"}
 
 @dataclass(frozen=True)
 class Curve:
-    """A line and how matplotlib draws it; a `label` in its look makes an entry of the legend."""
+    """A line and its matplotlib properties; a `label` among them makes an entry in the legend."""
 
     line: Line
     look: Mapping[str, Any]
@@ -39,7 +39,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Level:
-    """A horizontal line at a value, dotted where it bounds something."""
+    """A horizontal line at a value, dotted if it is a bound."""
 
     value: float
     bound: bool = False
@@ -66,20 +66,20 @@ class Band:
 
 @dataclass(frozen=True)
 class Panel:
-    """One of the panels that stand below each other.
+    """One panel of a column of panels.
 
     Attributes
     ----------
     label
         Of the vertical axis.
     marks
-        What is drawn, in this order.
+        The things to draw, in this order.
     view
         First and last time shown, s.
     limits
-        Of the vertical axis, None for an end that the values decide.
+        Limits of the vertical axis; None for an end that follows from the values.
     note
-        What stands above it.
+        The text above the panel.
     note_color
         The note's colour.
     """
@@ -105,9 +105,9 @@ def draw(
     Parameters
     ----------
     time_label
-        Of the lowest panel's horizontal axis.
+        Label of the lowest panel's horizontal axis.
     shared
-        Whether all panels show the same time, which is then written once.
+        Whether all panels show the same span of time; then the axis is labelled once.
     """
     with style.context():
         figure = style.new_figure(WIDTH, HEIGHT[len(panels)])
@@ -136,7 +136,7 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
 
 
 def describe(quantity: str) -> str:
-    """A quantity as it begins a title."""
+    """The name of a quantity as the beginning of a title."""
     return NAMES.get(quantity, quantity.capitalize())
 
 
@@ -146,7 +146,7 @@ def show_truth(line: Line, label: str = "truth") -> Curve:
 
 
 def show_measurement(line: Line) -> Curve:
-    """What the IMU measured at every step."""
+    """The IMU's measurements at every step."""
     return Curve(line, {"color": "0.75", "linewidth": 0.6, "label": "IMU"})
 
 
@@ -162,7 +162,7 @@ def show_scheme(name: str, names: Sequence[str], line: Line, **look: Any) -> Cur
     Parameters
     ----------
     names
-        All schemes of the study, which decide the look of those that are not the study's own.
+        All schemes of the study, which determine the look of schemes without a reserved look.
     """
     scheme = style_of(name, names)
     return Curve(line, {"color": scheme.color, "linestyle": scheme.line, **look})

@@ -1,1 +1,1 @@
-"""What the rows of a run amount to: a cube over its conditions, tables, boundaries."""
+"""Summaries of the rows of a run: a cube over its conditions, tables, boundaries."""

@@ -1,4 +1,4 @@
-"""The best scheme of every cell, and whether the data tell it from the next: best_scheme.csv.
+"""The table best_scheme.csv: the best scheme of every cell, and whether the data show it.
 
 A cell is one value of each condition. Schemes are compared in pairs, replicate by replicate:
 all of them saw the same motion and the same noise.
@@ -33,7 +33,7 @@ def name_columns(conditions: Sequence[str]) -> list[str]:
 
 
 def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.DataFrame:
-    """The scheme of least mean in every cell, and whether the data tell it from the next.
+    """Find the scheme of least mean in every cell, and whether it is distinguishable from the next.
 
     Means are over the replicates that all schemes finished; a scheme that finished none in a cell
     takes no part there, and a cell without a common replicate has no row. Schemes that agree to
@@ -43,7 +43,7 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
     Parameters
     ----------
     cube
-        The values.
+        The values of the run.
     window
         E.g. "full" or "settled".
     criteria
@@ -68,7 +68,7 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
     columns = name_columns(cube.names)
     last = cube.names[-1]
     schemes = range(len(cube.schemes))
-    names = np.array([*cube.schemes, ""], dtype=object)  # place -1: no runner-up
+    names = np.array([*cube.schemes, ""], dtype=object)  # index -1: no runner-up
     tables: list[pd.DataFrame] = []
     for criterion in criteria if not cube.empty else ():
         measure = _find_place(cube.measures, criterion, "criteria")
@@ -99,7 +99,7 @@ def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]
     judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
 
     def coincide(i: int, j: int) -> bool:
-        """Whether two schemes agree wherever both have a value, and there is any."""
+        """Whether two schemes have common values and agree in all of them."""
         compared = False
         for place in cube.outer_places():
             one, other = cube.values(i, place, judged), cube.values(j, place, judged)

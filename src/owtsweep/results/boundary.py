@@ -1,9 +1,9 @@
-"""Where two schemes are equally good along the condition that expands, with its interval.
+"""The boundary of two schemes: where, along the condition that expands, they are equally good.
 
 Per record MSE(N) = N^2 motion + 2 N cross + noise (`superposition`), so the mean difference of two
-schemes is a parabola in the amplitude N, and the boundary is its root: it depends on no grid of
-amplitudes. Intervals are percentiles of a bootstrap over the records (both schemes saw the same
-ones, so a record is drawn with both of its differences and its noise).
+schemes is a parabola in the amplitude N, and the boundary is its root. So it does not depend on a
+grid of amplitudes. Intervals are percentiles of a bootstrap over the records. Both schemes saw the
+same records, so the three products of a record are drawn together.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from owtsweep.streams import encode_value
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What a table of boundaries says, after the conditions over which it says it.
+#: The columns of a table of boundaries, after those of the conditions.
 COLUMNS = ("boundary", "ci_low", "ci_high", "n", "wins")
-#: One value of every condition but the one that expands.
+#: A cell: one value of every condition except the one that expands.
 Cell = tuple[Value, ...]
 
 
@@ -37,29 +37,29 @@ def find_boundary(
     measure: str,
     window: str,
 ) -> pd.DataFrame:
-    """Where the second scheme becomes better than the first, in every cell of other conditions.
+    """Find where the second scheme becomes better than the first, per cell of other conditions.
 
     Parameters
     ----------
     rows
-        The rows of a run's cases; superposed ones are used.
+        The rows of a run's cases; only superposed ones are used.
     conditions
         The study's; the last expands.
     schemes
         The one that is expected to win below the boundary, and the one above it.
     measure, window
-        What is compared.
+        The measure and the window to compare.
 
     Returns
     -------
     DataFrame
-        The other conditions and `COLUMNS`, by condition. `boundary` (in the unit of the condition
-        that expands) and its 95 % interval; `n`, the records that both schemes finished. Without a
-        boundary it is NaN and `wins` names the scheme that is better at every amplitude; where the
-        means cross the other way round, or twice, it is NaN and `wins` is "neither". Otherwise
-        `wins` is empty. An end of an interval is 0 or infinite where a resampled mean has the
-        second or the first scheme better throughout; the interval is NaN for one record, for means
-        without a boundary, and for resamples without order.
+        The other conditions and `COLUMNS`, sorted by condition. `boundary` (in the unit of the
+        condition that expands) and its 95 % interval; `n`, the records that both schemes finished.
+        Without a boundary it is NaN and `wins` names the scheme that is better at every amplitude;
+        where the means cross the other way round, or twice, it is NaN and `wins` is "neither".
+        Otherwise `wins` is empty. An end of an interval is 0 (infinite) if it falls on a resample
+        in which the second (first) scheme is better throughout. The interval is NaN for one record,
+        for means without a boundary, and where resamples cannot be ordered.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def find_boundary_ratio(
     measure: str,
     window: str,
 ) -> tuple[float, float, float]:
-    """The boundary in the first cell over that in the second, with its 95 % interval.
+    """The boundary in the first cell divided by that in the second, with its 95 % interval.
 
     The records of two cells are independent, so they are resampled independently. Other parameters
     are those of `find_boundary`.
@@ -96,7 +96,7 @@ def find_boundary_ratio(
     Returns
     -------
     tuple of float
-        As `divide_crossings`.
+        As `divide_crossings` returns it.
 
     Raises
     ------
@@ -126,9 +126,9 @@ def subtract_schemes(
     measure: str,
     window: str,
 ) -> dict[Cell, Array]:
-    """Cell -> (records, 3): products of the first scheme less those of the second.
+    """Cell -> (records, 3): products of the first scheme minus those of the second.
 
-    Parameters and errors are those of `find_boundary`; cells are sorted, and so are records by
+    Parameters and errors are those of `find_boundary`. Cells are sorted, and records are sorted by
     replicate.
     """
     *outer, last = [condition.name for condition in conditions]
@@ -157,20 +157,21 @@ def subtract_schemes(
 def divide_crossings(
     above: tuple[Cell, Array], below: tuple[Cell, Array], *, apart: bool = False
 ) -> tuple[float, float, float]:
-    """The boundary in one cell over that in another, with its 95 % interval.
+    """The boundary in one cell divided by that in another, with its 95 % interval.
 
     Parameters
     ----------
     above, below
-        The cell and its (records, 3) differences of products. Equal cells draw the same records.
+        Each a cell and its (records, 3) differences of products. Equal cells draw the same records.
     apart
-        Draw other records for the cell above although the two are equal.
+        Draw different records for the cell `above` even if the two cells are equal.
 
     Returns
     -------
     tuple of float
-        Ratio and the ends of its interval; NaN where one of the two has no boundary. An end is 0
-        or infinite as in `find_boundary`; resamples with 0 / 0 or inf / inf count against both.
+        Ratio and the ends of its interval; NaN where one of the two has no boundary. An end is 0 or
+        infinite as in `find_boundary`. Resamples with 0 / 0 or inf / inf are NaN and count beyond
+        both ends.
     """
     a, b = _find_mean_crossing(above[1]), _find_mean_crossing(below[1])
     if not (0.0 < a < np.inf and 0.0 < b < np.inf):
@@ -191,7 +192,7 @@ def _find_mean_crossing(products: Array) -> float:
 def _resample_crossings(cell: Cell, products: Array, *, apart: bool = False) -> Array:
     """Roots of the means of resampled records."""
     key = [encode_value(value) for value in cell] or [0]
-    if apart:  # as if the first condition lay 1e4 away
+    if apart:  # a different key draws different records: the first condition is shifted by 1e4
         key[0] += 10**10
     return find_crossing(resample_means(products, key))
 

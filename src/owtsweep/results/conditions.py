@@ -28,17 +28,17 @@ class Condition:
     name
         The column of tables and the key below `grid`.
     label, unit
-        How figures name it, e.g. "motion amplitude" and "m"; "" for what has no unit.
+        Its name and unit in figures, e.g. "motion amplitude" and "m"; "" if it has no unit.
     scale
         How its numbers are spaced: "linear" or "log".
     in_streams
-        Whether its value enters the keys of random streams, so that each value sees draws of its
-        own.
+        Whether its value is part of the keys of random streams, so that each value has different
+        draws.
     expands
         Whether results are expanded over it without running: a row whose value of it is NaN
         stands for all values (`results.superposition`). Only the last condition may.
     plural
-        How sentences name several of its values; by default the label with an s.
+        The plural used in sentences; by default the label with an s.
     """
 
     name: str
@@ -51,17 +51,17 @@ class Condition:
 
     @property
     def title(self) -> str:
-        """What stands at an axis or above a column, e.g. "motion amplitude (m)"."""
+        """The label of an axis or a column, e.g. "motion amplitude (m)"."""
         return f"{self.label} ({self.unit})" if self.unit else self.label
 
     @property
     def word(self) -> str:
-        """The name as a word of a sentence."""
+        """The name as used in a sentence."""
         return self.name.replace("_", " ")
 
     @property
     def values_word(self) -> str:
-        """How sentences name several of its values."""
+        """The plural as used in a sentence."""
         return self.plural or f"{self.label}s"
 
     def show(self, value: Value) -> str:
@@ -76,12 +76,12 @@ def show_value(value: Value) -> str:
 
 
 def require_usable(conditions: Sequence[Condition]) -> None:
-    """Refuse conditions of which no table can be made.
+    """Raise an error for conditions from which no table can be made.
 
     Raises
     ------
     InputError
-        If there is none, if two have one name, or if one expands that is not the last.
+        If there is none, if two have the same name, or if one that is not the last expands.
     """
     names = [condition.name for condition in conditions]
     if not names or len(set(names)) < len(names):
@@ -104,7 +104,7 @@ def order_values(column: Any, listed: Iterable[Value] = ()) -> list[Value]:
 
 
 def sort_lines(table: pd.DataFrame, order: Mapping[str, Sequence[Any]]) -> pd.DataFrame:
-    """A table sorted by columns, each in the order of its values that is given."""
+    """A table sorted by columns, each in the given order of its values."""
     return table.sort_values(
         list(order), kind="stable", ignore_index=True,
         key=lambda column: column.map({v: i for i, v in enumerate(order[str(column.name)])}),

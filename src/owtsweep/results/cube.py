@@ -1,4 +1,4 @@
-"""Values of a run on their product grid: schemes, conditions, measures, windows, replicates."""
+"""Values of a run as arrays over schemes, conditions, measures, windows and replicates."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Cube:
-    """Values on their product grid, NaN where there is none.
+    """The values of a run as arrays over all combinations of labels, NaN where there is no value.
 
-    Below, `outer` means all conditions but the last, one axis each. Superposed values are made when
-    they are asked for: for all amplitudes of a large study they would not fit into memory.
+    Below, `outer` means all conditions except the last, one axis each. Superposed values are
+    computed on request, because for all amplitudes of a large study they would not fit into memory.
 
     Attributes
     ----------
     schemes, measures, windows
         The labels of these axes.
     conditions, levels
-        The study's conditions, and for each its values.
+        The study's conditions, and the values of each.
     products
         (3, scheme, *outer, measure, window, replicate): `PRODUCTS`; None without superposed rows.
     direct
-        (scheme, *conditions, measure, window, replicate): values of rows at one value of the last
-        condition; None without such rows.
+        (scheme, *conditions, measure, window, replicate): values of rows that have a value of the
+        last condition; None without such rows.
     unable
-        Which schemes left which cells, and why: scheme, conditions, reason.
+        Schemes that were unable to work in a cell: scheme, conditions, reason.
     """
 
     schemes: tuple[str, ...]
@@ -62,16 +62,16 @@ class Cube:
         return [condition.name for condition in self.conditions]
 
     def outer_places(self) -> Iterator[tuple[int, ...]]:
-        """Every combination of the outer conditions as indices; the last of them runs fastest."""
+        """Every combination of the outer conditions as indices; the last index changes fastest."""
         return np.ndindex(*(len(levels) for levels in self.levels[:-1]))
 
     def name_outer(self, place: tuple[int, ...]) -> dict[str, Value]:
-        """The values of the outer conditions at a place."""
-        outer = zip(self.names, self.levels, place, strict=False)  # the last has no index
+        """The values of the outer conditions at these indices."""
+        outer = zip(self.names, self.levels, place, strict=False)  # the last condition has no index
         return {name: levels[index] for name, levels, index in outer}
 
     def values(self, scheme: int, place: tuple[int, ...], measures: Any = slice(None)) -> Array:
-        """(last condition, measure, window, replicate): one scheme at one place.
+        """(last condition, measure, window, replicate): values of one scheme at one place.
 
         Parameters
         ----------
@@ -80,7 +80,7 @@ class Cube:
         place
             Indices of the outer conditions.
         measures
-            Which measures: a slice or a list of indices.
+            The measures as a slice or a list of indices.
         """
         here: Any = (scheme, *place)
         result: Array | None = None
@@ -104,7 +104,7 @@ class Cube:
         *,
         measures: Sequence[str] = (),
     ) -> Cube:
-        """Make the cube of a run's rows; it takes a tenth of the memory of `expand`.
+        """Make the cube from a run's rows; it takes a tenth of the memory of `expand`.
 
         Parameters
         ----------
@@ -162,7 +162,7 @@ class Cube:
 def _choose(
     rows: pd.DataFrame, schemes: Sequence[str], last: Condition, grid: Grid
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which rows are superposed ones that count, and which are others that do."""
+    """Masks of the rows to use: superposed rows, and rows with a value of the last condition."""
     finished = ((rows["status"] == OK) & rows["scheme"].isin(list(schemes))).to_numpy()
     direct = finished & np.isfinite(rows["value"].to_numpy(dtype=float))
     if not last.expands:
@@ -175,9 +175,10 @@ def _choose(
 
 
 def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
-    """(amplitude, measure, window, replicate) of products (3, measure, window, replicate).
+    """(amplitude, measure, window, replicate) from products (3, measure, window, replicate).
 
-    The longer of the outer axes lies innermost in memory, where loops and sums are fastest.
+    The longer of the axes amplitude and replicate is innermost in memory, where loops and sums are
+    fastest.
     """
     N = np.asarray(amplitudes)
     if len(N) <= products.shape[-1]:
@@ -194,7 +195,7 @@ def _places(
     labels: Mapping[str, Sequence[Any]],
     names: Sequence[str],
 ) -> tuple[NDArray[np.intp], tuple[int, ...]]:
-    """Where the chosen rows stand in an array over these axes, and its shape."""
+    """The indices of the chosen rows in a flat array over these axes, and the array's shape."""
     import pandas as pd
 
     place = np.zeros(int(chosen.sum()), dtype=np.intp)
@@ -203,7 +204,7 @@ def _places(
         if pd.api.types.is_numeric_dtype(column):
             codes = np.searchsorted(np.asarray(labels[name]), column)
         else:
-            texts = pd.Categorical(column)  # of its own categories, which may be more than ours
+            texts = pd.Categorical(column)  # it may have more categories than `labels`
             codes = pd.Index(labels[name]).get_indexer(texts.categories)[texts.codes]
         place *= len(labels[name])
         place += codes
@@ -215,7 +216,7 @@ def _places(
 
 
 def _of(rows: pd.DataFrame, name: str, chosen: NDArray[np.bool_]) -> Any:
-    """A column of the chosen rows; no copy where that is all of them."""
+    """A column of the chosen rows, without a copy if all rows are chosen."""
     column = rows[name].array
     return column if chosen.all() else column[chosen]
 

@@ -23,8 +23,8 @@ def expand(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid) -> p
     ----------
     rows
         The rows of a run's cases. If the last condition expands, a row without a value of it is
-        superposed and stands for every one of them (`superposition.superpose`); any other row holds
-        its own `value`.
+        superposed and stands for all values (`superposition.superpose`); any other row holds a
+        single `value`.
     conditions, grid
         The study's conditions and their values; direct rows at other values of the condition that
         expands are left out.
@@ -56,7 +56,7 @@ def expand(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid) -> p
             **{last: np.tile(factors, len(superposed))},
             value=superpose(motion, cross, noise, factors).ravel(),
         )
-        # concat would warn of, and take its dtypes from, a part without rows
+        # with an empty part, concat would warn and take its dtypes from that part
         parts = [part for part in (expanded, direct) if len(part)] or [expanded]
         values = pd.concat(parts, ignore_index=True)
     finite = np.isfinite(values["value"].to_numpy(dtype=float))

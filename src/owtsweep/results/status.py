@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-#: It has a result.
+#: The case has a result.
 OK = "ok"
-#: Something went wrong; it is run again when the sweep is resumed.
+#: The case failed; it is run again when the sweep is resumed.
 FAILED = "failed"
 #: The scheme cannot work under these conditions, for the reason given; this is its result.
 UNABLE = "unable"

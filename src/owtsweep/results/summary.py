@@ -1,4 +1,4 @@
-"""Means over the replicates with their intervals: summary.csv."""
+"""The table summary.csv: means over the replicates with their intervals."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def summarise(cube: Cube) -> pd.DataFrame:
     -------
     DataFrame
         `name_columns`, sorted by scheme, conditions, measure, window; `n` is the number of
-        replicates that the scheme finished. If a scheme was unable to work in a cell, `status` and
-        `reason` too, and a line without measure that says so.
+        replicates that the scheme finished. If a scheme was unable to work in a cell, there are
+        also `status` and `reason`, and a line without measure for that scheme and cell.
     """
     import pandas as pd
 
@@ -40,7 +40,7 @@ def summarise(cube: Cube) -> pd.DataFrame:
     parts: list[pd.DataFrame] = []
     for i, scheme in enumerate(cube.schemes if not cube.empty else ()):
         for place in cube.outer_places():
-            with np.errstate(invalid="ignore"):  # cells without any value: 0 / 0
+            with np.errstate(invalid="ignore"):  # 0 / 0 in cells without values
                 mean, error, n = mean_and_error(cube.values(i, place))
             cells = np.nonzero(n)
             mean, error, n = mean[cells], error[cells], n[cells]
@@ -56,7 +56,7 @@ def summarise(cube: Cube) -> pd.DataFrame:
 
 
 def _sort(table: pd.DataFrame, cube: Cube) -> pd.DataFrame:
-    """Lines of cells without results among the others, in the order of schemes and conditions."""
+    """Sort all lines, with those of cells without results, by scheme and condition."""
     order: dict[str, list[Any]] = {"scheme": list(cube.schemes)}
     for name, levels in zip(cube.names, cube.levels, strict=True):
         order[name] = order_values([*levels, *cube.unable[name]], levels)

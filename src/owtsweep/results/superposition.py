@@ -1,7 +1,7 @@
-"""Results of a linear scheme at any amplitude, from those of motion alone and noise alone.
+"""Computes results of a linear scheme at any amplitude from runs with only motion or only noise.
 
-The error of a linear scheme is N times that of the motion at amplitude 1 plus that of the noise, so
-its mean square is a parabola in the amplitude N.
+The error of a linear scheme at amplitude N is N times the error from motion of amplitude 1, plus
+the error from noise. So its mean square is a parabola in N.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ def superpose(motion: Any, cross: Any, noise: Any, amplitude: Any) -> Any:
     Parameters
     ----------
     motion, cross, noise
-        Numbers, arrays or columns, at amplitude 1: mean square of the error that the motion makes,
-        mean product of it and the error that the noise makes, mean square of the latter.
+        Numbers, arrays or columns, at amplitude 1: mean square of the error from motion, mean
+        product of the errors from motion and noise, mean square of the error from noise.
     amplitude
         A number, or an array that can be broadcast against them.
     """
@@ -42,12 +42,12 @@ def find_crossing(products: Array) -> Array:
     -------
     array
         (n,). 0 where it is positive throughout, infinite where it is negative throughout, NaN where
-        it turns the other way or twice.
+        it changes from positive to negative or changes twice.
     """
     a, c, f = np.asarray(products, dtype=float).T
     discriminant = c * c - a * f
     with np.errstate(divide="ignore", invalid="ignore"):
-        # for c > 0 this form of (-c + sqrt(...)) / a cancels nothing and allows a = 0
+        # for c > 0 this form of (-c + sqrt(...)) / a avoids cancellation and allows a = 0
         root = np.where(
             c > 0.0,
             -f / (c + np.sqrt(discriminant)),

@@ -1,4 +1,4 @@
-"""Schemes that cannot work in a cell and leave it, and how tables say so."""
+"""Schemes that cannot work in a cell (they leave it), and how tables show this."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid)
 
 
 def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.DataFrame:
-    """The rows without those of a scheme in a cell that it left, in whichever replicate."""
+    """The rows, except those of a scheme in a cell that it left in any replicate."""
     import pandas as pd
 
     unable = rows["status"] == UNABLE

@@ -1,4 +1,5 @@
-"""What sensors do to what they measure: noise, bias, rate, delay, losses, a clock of their own."""
+"""Models of sensor errors: noise, bias, rate, delay, losses, and a wrong clock."""
 
-#: Raised whenever a change of this room alters a number that a study stores.
+#: Version of this package's numbers. Raise it whenever a change alters a number that a study
+#: stores.
 NUMERICS_VERSION = 0

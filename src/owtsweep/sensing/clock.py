@@ -1,4 +1,4 @@
-"""A sensor with a wrong clock: it measured at another instant than its time stamp says."""
+"""A sensor with a wrong clock: its time stamps differ from the true times of measurement."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from owtsweep.errors import InputError
 
 @dataclass(frozen=True)
 class Clock:
-    """A clock with an offset and a drift against the truth's.
+    """A clock with an offset and a drift relative to true time.
 
     A sample that carries the time t was taken at the true time t + offset + drift t.
 
     Attributes
     ----------
     offset
-        At t = 0, s; negative if samples are older than their time says.
+        At t = 0, s; negative if samples are older than their time stamps.
     drift
         Seconds per second.
 
@@ -37,11 +37,11 @@ class Clock:
             raise InputError(f"drift: {self.drift:g} s/s stops the clock; give more than -1")
 
     def true_time(self, stamped: Array) -> Array:
-        """When samples with these times were taken, s."""
+        """The true times of samples with these time stamps, s."""
         return stamped + self.offset + self.drift * stamped
 
     def read(self, values: Array, *, start: float, step: float, stamped: Array) -> Array:
-        """What the sensor reports at the times that it believes in.
+        """The values that the sensor reports at given times on its clock.
 
         Values between samples come from a spline of degree 5. Its error falls with the sixth power
         of the step: it is below 1e-9 of an oscillation that has 100 samples per period.
@@ -63,7 +63,7 @@ class Clock:
         Raises
         ------
         InputError
-            If an instant lies outside the samples, saying by how much.
+            If an instant lies outside the samples. The message says by how much.
         """
         from scipy.interpolate import make_interp_spline
 

@@ -16,24 +16,24 @@ class Losses:
 
     At each sample an outage begins with the same probability, independently of all others, also
     inside another outage. With a length of 1 the losses are independent. No outage begins before
-    the first sample. The same stream with a higher probability or a greater length loses all that
-    it lost before, and more.
+    the first sample. With the same stream and a higher probability or a greater length, all samples
+    that were lost before are lost again, and more.
 
     Attributes
     ----------
     generator
         The stream: one uniform number per sample.
     probability
-        That an outage begins at a sample.
+        Probability that an outage begins at a sample.
     length
-        Samples that an outage lasts.
+        Length of an outage in samples.
     remaining
-        Samples for which an outage that has begun goes on.
+        Number of samples for which the present outage continues.
 
     Raises
     ------
     InputError
-        If the probability is none, or the length is less than 1.
+        If the probability is not from 0 to 1, or the length is less than 1.
     """
 
     generator: np.random.Generator
@@ -64,12 +64,12 @@ class Losses:
 
 
 def compute_begin_probability(share: float, length: int) -> float:
-    """The probability with which outages of a length begin, so that a share of samples is lost.
+    """The probability that an outage begins at a sample, for a given share of lost samples.
 
     Raises
     ------
     InputError
-        If the share is not from 0 to below 1.
+        If the share is negative, or 1 or more.
     """
     if not 0.0 <= share < 1.0:
         raise InputError(f"share: {share:g} is not from 0 to below 1")

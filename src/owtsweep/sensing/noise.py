@@ -1,7 +1,8 @@
 """White noise and a wandering bias, drawn piece by piece.
 
-Both take unit normals from a stream in order and scale them afterwards. So the pieces are those of
-one draw, bit for bit, and the same stream gives the same noise whatever its intensity is.
+Both take unit normals from a stream in order and scale them afterwards. So drawing in pieces gives
+the same numbers, bit for bit, as a single draw, and the same stream gives the same noise for every
+intensity, up to its scale.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ class WhiteNoise:
     generator
         The stream of the unit normals.
     sigma
-        Standard deviation of each sample, in the unit of what is measured.
+        Standard deviation of each sample, in the unit of the measured quantity.
 
     Raises
     ------
@@ -47,17 +48,17 @@ class WhiteNoise:
 
 @dataclass
 class WienerBias:
-    """A bias that begins at a given value and wanders: a Wiener process, sampled.
+    """A bias that starts at a given value and wanders: a sampled Wiener process.
 
     Its variance after the time t is walk^2 t.
 
     Attributes
     ----------
     generator
-        The stream of the unit normals. The first of them is drawn and not used, so that a step has
-        the same normal whatever the record began with.
+        The stream of the unit normals. The first normal is drawn but not used, so that each step
+        has the same normal regardless of the initial value.
     walk
-        Intensity, in the unit of what is measured per sqrt(s).
+        Intensity, in the unit of the measured quantity per sqrt(s).
     step
         Sampling interval, s.
     initial

@@ -1,4 +1,4 @@
-"""When a slow sensor reports: its rate and its delay, in steps of the fastest sensor."""
+"""The reports of a slow sensor: their interval and delay, in steps of the fastest sensor."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from owtsweep.errors import InputError
 
-#: How far a ratio may be from a whole number and still count as one: round-off of the division.
+#: Greatest distance from a whole number at which a ratio counts as whole, to allow for rounding.
 WHOLE = 1e-6
 
 
@@ -22,7 +22,7 @@ class Sampling:
     interval
         Steps between its reports.
     delay
-        Steps from the instant that a report is about to its arrival.
+        Steps from the time of measurement of a report to its arrival.
 
     Raises
     ------
@@ -40,15 +40,15 @@ class Sampling:
             raise InputError(f"delay: {self.delay} steps; give 0 or more")
 
     def count(self, steps: int) -> int:
-        """How many reports arrive in a record of so many steps."""
+        """The number of reports that arrive in a record of `steps` steps."""
         return -(-steps // self.interval)
 
     def arrivals(self, steps: int) -> NDArray[np.int64]:
-        """(count,): at which steps they arrive."""
+        """(count,): the steps at which reports arrive."""
         return self.interval * np.arange(self.count(steps))
 
     def instants(self, steps: int) -> NDArray[np.int64]:
-        """(count,): which steps they are about; negative before the record begins."""
+        """(count,): the steps at which reports were measured; negative before the record begins."""
         return self.arrivals(steps) - self.delay
 
 

@@ -1,1 +1,1 @@
-"""Statistics over replicates: means, intervals, paired differences, tests, and who is best."""
+"""Statistics over replicates: means, intervals, paired differences, tests, the best scheme."""

@@ -1,4 +1,4 @@
-"""Bootstrap intervals: from records that are drawn again, with replacement.
+"""Bootstrap intervals: from records resampled with replacement.
 
 Source: Efron and Tibshirani (1993), An introduction to the bootstrap, chapters 10 and 13.
 """
@@ -13,19 +13,19 @@ from owtsweep.arrays import Array
 from owtsweep.statistics.student import CONFIDENCE
 
 RESAMPLES = 4000
-#: Draws of records are the same whenever the same records are compared.
+#: Seed of the draws: the same records always give the same draws.
 SEED = 20190601
 
 
 def resample_means(records: Array, key: Sequence[int]) -> Array:
-    """(`RESAMPLES`, quantities): means over records that were drawn with replacement.
+    """(`RESAMPLES`, quantities): means over records resampled with replacement.
 
     Parameters
     ----------
     records
-        (records, quantities). With fewer than two there is no resample.
+        (records, quantities). With fewer than two records there is no resample.
     key
-        Different keys give different draws, for independent sets of records; not negative.
+        Not negative. Different keys give different draws, for independent sets of records.
     """
     n = len(records)
     if n < 2:
@@ -38,8 +38,8 @@ def resample_means(records: Array, key: Sequence[int]) -> Array:
 def percentile_interval(samples: Array) -> tuple[float, float]:
     """The central 95 % of the samples.
 
-    A sample that is NaN counts below the lower end and above the upper one; an end among such
-    samples is NaN.
+    A NaN sample counts below the lower end and above the upper end. An end that falls on such a
+    sample is NaN.
     """
     tail = 0.5 * (1.0 - CONFIDENCE)
     worst_low = np.sort(np.where(np.isnan(samples), -np.inf, samples))

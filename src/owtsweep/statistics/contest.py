@@ -1,6 +1,6 @@
-"""Which scheme is best, which coincide with it, which is next, and whether that one is worse.
+"""Finds the best scheme, those that coincide with it, the next one, and whether that is worse.
 
-Decided here for all: tables of records and of expectations, advice, published statements.
+All users share these rules: tables of records and of expectations, advice, published statements.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from owtsweep.arrays import Array
 from owtsweep.statistics.student import p_value, t_quantile
 from owtsweep.statistics.sums import mean_and_error, ordered_sum
 
-#: Schemes whose values differ by less than this, relative, count as the same estimator.
+#: Schemes whose values differ by less than this (relative) count as the same estimator.
 COINCIDENCE = 1e-9
 
 Flags = NDArray[np.bool_]
@@ -28,11 +28,11 @@ class Ranking(NamedTuple):
     Attributes
     ----------
     best, runner_up
-        (cells,) places among the schemes. Of those that coincide it is the last. The runner-up is
-        the best that does not coincide with the best; where all coincide it is one of them, and -1
-        where only one took part.
+        (cells,) indices of schemes. Of schemes that coincide, the last is named. The runner-up is
+        the best scheme that does not coincide with the winner. Where all coincide it is one of
+        them; where only one took part it is -1.
     like_best
-        (schemes, cells): those that coincide with the best, itself included.
+        (schemes, cells): whether a scheme coincides with the best; true for the best itself.
     told_apart
         (cells,) whether any other scheme does not coincide with the best.
     """
@@ -44,12 +44,12 @@ class Ranking(NamedTuple):
 
 
 class Contest(NamedTuple):
-    """The outcome in each cell, (cells,) each; meaningless in cells that are not judged.
+    """The outcome in each cell, (cells,) each; without meaning in cells that are not judged.
 
     Attributes
     ----------
     judged
-        Whether there is a replicate that all schemes which took part have finished.
+        Whether all schemes that took part have finished a common replicate.
     best, runner_up
         As in `Ranking`.
     mse_best, mse_runner_up, difference, ci_low, ci_high
@@ -76,7 +76,8 @@ def contest(values: Array) -> Contest:
     ----------
     values
         (schemes, cells, replicates), NaN where a case has no value. A scheme without any value in
-        a cell takes no part there. Schemes coincide that agree to `COINCIDENCE` in every replicate.
+        a cell takes no part there. Schemes coincide if they agree to `COINCIDENCE` in every
+        replicate.
     """
     finite = np.isfinite(values)
     took_part: Flags = np.asarray(finite.any(axis=-1))
@@ -112,9 +113,9 @@ def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
     Parameters
     ----------
     means
-        (schemes, cells) what is compared; the least is the best.
+        (schemes, cells): the values to compare; the least is the best.
     alike
-        (schemes, schemes, cells) whether two coincide, as `find_alike` says.
+        (schemes, schemes, cells): whether two coincide, from `find_alike`.
     took_part
         (schemes, cells).
     """
@@ -138,7 +139,7 @@ def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, F
 
 
 def find_alike(values: Array, took_part: Flags, common: Flags) -> Flags:
-    """Find which schemes coincide in a cell, that is in every common replicate. Symmetric.
+    """Find which schemes coincide in a cell, that is, in every common replicate.
 
     Parameters
     ----------
@@ -147,12 +148,12 @@ def find_alike(values: Array, took_part: Flags, common: Flags) -> Flags:
     took_part
         (schemes, cells).
     common
-        (cells, replicates): those that count.
+        (cells, replicates): whether a replicate counts.
 
     Returns
     -------
     array
-        (schemes, schemes, cells).
+        (schemes, schemes, cells), symmetric in the schemes.
     """
     schemes = len(values)
     alike = np.zeros((schemes, *took_part.shape), dtype=bool)
@@ -168,8 +169,8 @@ def group_coinciding(
 ) -> list[tuple[str, ...]]:
     """Groups of two or more schemes that coincide, each in the order of `names`.
 
-    `coincide` says whether two schemes do, by their places. A scheme joins the first group whose
-    first member it coincides with.
+    `coincide` says whether two schemes coincide, given their indices. A scheme joins the first
+    group whose first member coincides with it.
     """
     groups: list[list[int]] = []
     for place in range(len(names)):
@@ -183,6 +184,6 @@ def group_coinciding(
 
 
 def agree(one: Array, other: Array) -> Flags:
-    """Say where two values are the same up to rounding."""
+    """Whether two values are equal up to rounding, elementwise."""
     scale = np.maximum(np.abs(one), np.abs(other))
     return np.asarray(np.abs(one - other) <= COINCIDENCE * scale)

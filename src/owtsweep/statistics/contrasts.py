@@ -1,4 +1,4 @@
-"""Differences and ratios of two runs' MSE: paired by replicate, or Welch's where they are not.
+"""Differences and ratios of two runs' MSE: paired by replicate, or unpaired by Welch's method.
 
 Sources: Welch (1947), The generalization of 'Student's' problem; the ratio's interval is the delta
 method on its logarithm: log(b/a) has the influence b_r/mean(b) - a_r/mean(a) of replicate r.
@@ -29,16 +29,16 @@ class Contrast:
 
 
 def gap(samples: Array) -> Contrast:
-    """The mean over the last axis against zero."""
+    """Compare the mean over the last axis with zero."""
     with np.errstate(divide="ignore", invalid="ignore"):
         mean, error, n = mean_and_error(samples)
     return _student(mean, error, n - 1.0, n, n)
 
 
 def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
-    """Mean of `second` less mean of `first` over the replicates, the last axis.
+    """Mean of `second` minus mean of `first` over the replicates, the last axis.
 
-    NaN marks what did not finish. If `paired`, only replicates that both have count.
+    NaN marks replicates that did not finish. If `paired`, only replicates that both have count.
     """
     if paired:
         return gap(second - first)
@@ -49,7 +49,7 @@ def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
 
 
 def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
-    """Mean of `second` over mean of `first`, as `difference`; both must be positive."""
+    """Mean of `second` divided by mean of `first`, else as `difference`; both must be positive."""
     with np.errstate(divide="ignore", invalid="ignore"):
         if paired:
             both = np.isfinite(first) & np.isfinite(second)

@@ -18,7 +18,7 @@ def fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
     a, b
         (n,) paired samples, not negative.
     quantile
-        Of Student's t with n - 1 degrees of freedom.
+        Quantile of Student's t with n - 1 degrees of freedom.
 
     Returns
     -------

@@ -11,12 +11,12 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
-#: Intervals cover 95 %, tests reject at 5 %.
+#: Confidence level: intervals cover 95 %, tests reject at 5 %.
 CONFIDENCE = 0.95
 
 
 def t_quantile(freedom: Any) -> Array:
-    """How many standard errors the 95 % interval reaches to either side.
+    """Half-width of the 95 % interval in standard errors.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def t_quantile(freedom: Any) -> Array:
     """
     from scipy.special import stdtrit
 
-    # A quantile takes long to compute, and a large table has few different counts.
+    # Quantiles are slow to compute, and a large table has few different counts.
     distinct, place = np.unique(np.maximum(freedom, 1), return_inverse=True)
     quantile = stdtrit(distinct, 0.5 + CONFIDENCE / 2.0)[place]
     return np.asarray(quantile.reshape(np.shape(freedom)))
@@ -39,7 +39,7 @@ def p_value(value: Any, error: Any, freedom: Any) -> Array:
     value, error
         The estimate and its standard error. Without any error, p is 0 unless the value is 0.
     freedom
-        Degrees of freedom; no test with fewer than 1.
+        Degrees of freedom; with fewer than 1 there is no test.
     """
     from scipy.special import stdtr
 

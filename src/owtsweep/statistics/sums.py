@@ -1,4 +1,4 @@
-"""Sums and means that are the same to the last bit for the same terms in the same order."""
+"""Sums and means that are equal bit for bit for the same terms in the same order."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def ordered_sum(samples: Array) -> Array:
     `np.sum` groups its terms by the shape of the array; a running sum does not.
     """
     if samples.ndim > 1 and samples.strides[-1] > min(samples.strides[:-1]):
-        # The samples of all cells lie side by side: the same sums, all cells at once.
+        # The sums of all cells at once, in the same order of terms.
         total = samples[..., 0].copy(order="K")
         for place in range(1, samples.shape[-1]):
             total += samples[..., place]
@@ -23,7 +23,7 @@ def ordered_sum(samples: Array) -> Array:
 
 
 def mean_and_error(samples: Array) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Mean, its standard error (NaN for one sample) and count over the last axis without NaN."""
+    """Mean, its standard error (NaN for one sample) and count over the last axis, ignoring NaN."""
     present = np.isfinite(samples)
     n = present.sum(axis=-1)
     whole = bool(present.all())
@@ -31,7 +31,7 @@ def mean_and_error(samples: Array) -> tuple[Array, Array, NDArray[np.intp]]:
     deviation = samples - mean[..., np.newaxis]
     if not whole:
         deviation = np.where(present, deviation, 0.0)
-    with np.errstate(over="ignore"):  # a scheme that diverges: its interval has no known end
+    with np.errstate(over="ignore"):  # a scheme that diverges has no finite interval
         spread = ordered_sum(np.square(deviation, out=deviation))
     error = np.sqrt(spread / np.where(n > 1, n * (n - 1.0), np.nan))
     return mean, error, n

@@ -1,1 +1,1 @@
-"""Published numbers and statements held against a run: intervals, decisions, the page."""
+"""Compares published numbers and statements with a run: intervals, decisions, the report page."""

@@ -1,4 +1,4 @@
-"""Claims that many studies make: how large the errors of one scheme are beside another's."""
+"""Claims that many studies make: the errors of one scheme compared with those of another."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ class PairedErrors(Protocol[Cell]):
     def paired(
         self, schemes: Sequence[str], cell: Cell, measure: str = ...
     ) -> dict[str, Array] | None:
-        """Scheme -> (replicates,) over the replicates that all finished; None without any."""
+        """Scheme -> (replicates,) over the replicates that all finished; None if there are none."""
         ...
 
     def best_other(self, scheme: str, cell: Cell) -> tuple[str, Array, Array] | None:
-        """The best other scheme, (replicates,) of `scheme`, (replicates,) of the other."""
+        """The best other scheme's name, and (replicates,) of `scheme` and of the other."""
         ...
 
 
 def gather(text: str, parts: Iterable[tuple[str, Sequence[Decision] | None]]) -> Claim:
-    """One claim about many places.
+    """Combine decisions in many places into one claim.
 
     Parameters
     ----------
     text
         What is asserted, in words.
     parts
-        Name of a place, and what the run decides there; None where it lacks the data.
+        Name of a place, and the run's decisions there; None where it lacks the data.
     """
     decisions: list[Decision] = []
     missing: list[str] = []
@@ -49,7 +49,7 @@ def gather(text: str, parts: Iterable[tuple[str, Sequence[Decision] | None]]) ->
 def claim_against_best(
     text: str, errors: PairedErrors[Cell], scheme: str, cells: Sequence[Cell], side: Side
 ) -> Claim:
-    """A scheme's mean error over that of the best other scheme, against 1 in all the cells."""
+    """Compare the ratio of a scheme's mean error to the best other scheme's with 1 in all cells."""
 
     def decide(cell: Cell) -> list[Decision] | None:
         rivals = errors.best_other(scheme, cell)
@@ -70,7 +70,7 @@ def claim_ratio(
     *,
     measure: str = "position",
 ) -> Claim:
-    """The first scheme's mean error over the second's, against 1 in all the cells."""
+    """Compare the ratio of the first scheme's mean error to the second's with 1 in all cells."""
     first, second = schemes
 
     def decide(cell: Cell) -> list[Decision] | None:

@@ -1,8 +1,8 @@
-"""Whether schemes know their own errors: NEES and NIS of every scheme and cell.
+"""Whether schemes estimate their errors correctly: NEES and NIS of every scheme and cell.
 
-A consistent filter has a mean NEES as large as the number of states that it judges, and a mean NIS
-as large as the number of quantities that it measures. More means that its covariance is too small
-(optimistic), less that it is too large (pessimistic).
+A consistent filter has a mean NEES equal to the number of judged states, and a mean NIS equal to
+the number of measured quantities. A larger mean shows that the filter's covariance is too small
+(optimistic), a smaller one that it is too large (pessimistic).
 Source: Bar-Shalom, Li and Kirubarajan (2001), Estimation with applications, section 5.4.
 """
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 OPTIMISTIC, CONSISTENT, PESSIMISTIC = "optimistic", "consistent", "pessimistic"
-#: An interval that reaches beyond this factor says nothing about consistency.
+#: An interval that extends beyond this factor is too wide for a verdict on consistency.
 WIDEST = 2.0
 MIXED, UNKNOWN = "mixed", "unknown"
 
@@ -37,12 +37,12 @@ def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.Da
     Returns
     -------
     DataFrame
-        scheme, the conditions, of each measure its mean over the records with its 95 % t interval
+        scheme, the conditions, the mean of each measure over the records with its 95 % t interval
         (1 for a consistent filter, NaN where the scheme reports no covariance or no innovation),
         and `verdict`: optimistic where an interval lies above 1 and none below, pessimistic the
-        other way round, mixed where one lies above and one below, consistent where all hold 1,
-        undecided where one of these is wider than a factor of 2 to either side, unknown without an
-        interval.
+        other way round, mixed where one lies above and one below, consistent where all intervals
+        contain 1, undecided where all contain 1 but one extends beyond a factor of 2 on either
+        side, unknown without an interval.
     """
     import pandas as pd
 
@@ -65,7 +65,7 @@ def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.Da
 
 
 def judge_intervals(intervals: list[tuple[float, float]]) -> str:
-    """The verdict on the intervals of one cell, NaN for unknown ones."""
+    """The verdict on the intervals of one cell; unknown ends are NaN."""
     finite = [(low, high) for low, high in intervals if np.isfinite(low)]
     above = any(low > 1.0 for low, _ in finite)
     below = any(high < 1.0 for _, high in finite)

@@ -1,4 +1,4 @@
-"""What a run has to say about what is published: the values of its cells, looked up by name."""
+"""A run's evidence on published results: the values of its cells, looked up by name."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from owtsweep.statistics.contest import find_alike, find_least
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Digits to which a published condition and one of the run are the same.
+#: A published condition and one of the run are the same if they agree to this many decimal places.
 DIGITS = 9
-#: One number per condition, in the order of the conditions.
+#: A cell: one number per condition, in the order of the conditions.
 Cell = tuple[float, ...]
 
 
@@ -34,7 +34,7 @@ class Evidence:
     rows
         The run's cases, as `Run.cases` returns them.
     conditions, grid, schemes
-        What the run was planned for; all values of the conditions are numbers.
+        The conditions, their values and the schemes of the run as planned; all values are numbers.
     rivals
         The schemes that the publication compares.
     window
@@ -70,9 +70,9 @@ class Evidence:
         return {case: (replicate[index], value[index]) for case, index in groups.items()}
 
     def common(self, keys: Sequence[tuple[str, Cell, str]]) -> list[Array] | None:
-        """(replicates,) for each (scheme, cell, measure), over the replicates that all have.
+        """(replicates,) for each (scheme, cell, measure), over the replicates that all share.
 
-        Returns None if one has nothing or no replicate is common to all.
+        Returns None if one has no values or if no replicate is common to all.
         """
         cases = []
         for scheme, cell, measure in keys:
@@ -95,15 +95,15 @@ class Evidence:
         return None if values is None else dict(zip(schemes, values, strict=True))
 
     def samples(self, scheme: str, cell: Cell, measure: str) -> Array | None:
-        """(replicates,) of one scheme, or None."""
+        """(replicates,) values of one scheme, or None."""
         values = self.common([(scheme, cell, measure)])
         return None if values is None else values[0]
 
     def best_other(self, scheme: str, cell: Cell) -> tuple[str, Array, Array] | None:
-        """The best other rival by mean position MSE, beside `scheme`.
+        """The best other rival by mean position MSE, with its values and those of `scheme`.
 
         As in the map, a scheme that coincides with `scheme` does not count as another one, and
-        others that coincide go by the last name.
+        other schemes that coincide appear under the last of their names.
 
         Returns
         -------
@@ -122,13 +122,13 @@ class Evidence:
 
 
 def find_best(paired: Mapping[str, Array]) -> str:
-    """The scheme of least mean; of coinciding ones the last, as in the map."""
+    """The scheme of least mean; of coinciding schemes the last, as in the map."""
     means, alike = _one_cell(paired)
     return list(paired)[int(find_least(means, np.ones(means.shape, dtype=bool), alike)[0][0])]
 
 
 def _one_cell(paired: Mapping[str, Array]) -> tuple[Array, NDArray[np.bool_]]:
-    """Means (schemes, 1) and who coincides with whom (schemes, schemes, 1)."""
+    """Means (schemes, 1) and whether two schemes coincide (schemes, schemes, 1)."""
     values = np.array(list(paired.values()))[:, np.newaxis]
     means = np.array([[np.mean(samples)] for samples in paired.values()])
     everywhere = np.ones(values.shape[1:], dtype=bool)

@@ -1,7 +1,7 @@
-"""On which side of a threshold a quantity lies, and whether the data can tell.
+"""Decides on which side of a threshold a quantity lies, and whether the data show it.
 
-One rule for every statement: "reproduced" where the 95 % interval lies wholly on the claimed side,
-"not reproduced" where it lies wholly on the other, else "undecided".
+All statements follow one rule: "reproduced" if the 95 % interval lies wholly on the claimed side,
+"not reproduced" if it lies wholly on the other side, otherwise "undecided".
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Decision:
 
 
 def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: Side) -> Decision:
-    """The ratio of two means against a threshold, paired over the replicates.
+    """Compare the ratio of two means, paired over the replicates, with a threshold.
 
     "mean(a) / mean(b) < threshold" is "mean(a - threshold b) < 0", so the test is the paired t
     test of a - threshold b, and the interval is the set of thresholds that it does not reject
@@ -68,8 +68,8 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
         Where it is compared.
     a, b
         (replicates,) each, in the same order, not negative; `b` may be a number that is known
-        exactly. The interval starts at 0 at the least and is NaN where `b` is too scattered for a
-        bounded one.
+        exactly. The interval starts at 0 or above. It is NaN if `b` scatters too much for a bounded
+        interval.
     threshold, side
         The claim.
     """
@@ -92,7 +92,7 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
 def interval(
     label: str, value: float, low: float, high: float, threshold: float, side: Side
 ) -> Decision:
-    """A quantity whose interval is known from elsewhere (a bootstrap) against a threshold."""
+    """Compare a quantity with a threshold; its interval is given, for example from a bootstrap."""
     wholly_above, wholly_below = low > threshold, high < threshold
     t = 0.0
     if wholly_above or wholly_below:
@@ -109,9 +109,9 @@ class Claim:
     text
         What is asserted, in words.
     decisions
-        What the run has for it.
+        The run's decisions on it.
     missing
-        What the run would need besides; a claim that lacks something can fall, never stand.
+        Data that the run lacks. A claim with missing data can be refuted, but not confirmed.
     """
 
     text: str
@@ -120,10 +120,10 @@ class Claim:
 
     @property
     def verdict(self) -> str:
-        """By Holm's step-down test over the decisions at a family-wise error of 5 %.
+        """The verdict, by Holm's step-down test over the decisions at a family-wise error of 5 %.
 
-        Reproduced where every one is told to hold, not reproduced where at least one is
-        told to fail.
+        Reproduced if every decision is shown to hold, not reproduced if at least one is shown to
+        fail.
         """
         told = holm([c.p for c in self.decisions])
         held = np.array([c.t > 0.0 for c in self.decisions], dtype=bool)
@@ -135,7 +135,7 @@ class Claim:
 
     @property
     def deciding(self) -> Decision | None:
-        """The decision that is furthest from holding."""
+        """The decision that supports the claim least (smallest `t`)."""
         return min(self.decisions, key=lambda c: c.t, default=None)
 
 

@@ -1,4 +1,4 @@
-"""A published number beside the single records of a run: the print has one record."""
+"""A published number compared with the single records of a run: a paper shows one record."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from owtsweep.arrays import Array
 from owtsweep.statistics.student import CONFIDENCE
 from owtsweep.verdicts.inference import MISSING, UNDECIDED, mean_ratio
 
-#: What `compare_number` gives.
+#: The keys of the result of `compare_number`.
 COLUMNS = (
     "reproduced", "ci_low", "ci_high", "record_low", "record_high", "quantile", "ratio", "log2",
     "missed_by_factor_2",
 )  # fmt: skip
-#: The central part of single records.
+#: Percentiles that bound the central 95 % of single records.
 TAILS = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
 
 
 def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
-    """What a run gives for a published number.
+    """A run's result for a published number.
 
     Parameters
     ----------
     samples
-        (records,) of the run; None if it has none, which makes all numbers NaN.
+        (records,) values of the run; None if it has none, and then all numbers are NaN.
     published
         Not negative.
 
@@ -56,7 +56,7 @@ def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
 
 
 def lies_within_records(row: Any) -> str:
-    """Whether the published number could be one of the run's records: yes, no or undecided.
+    """Whether the published number could be one of the run's records.
 
     "yes" inside the central 95 % of single records, "no" outside, "undecided" for a single record,
     "missing" for none.
@@ -64,7 +64,7 @@ def lies_within_records(row: Any) -> str:
     Parameters
     ----------
     row
-        What `compare_number` gives, and `published`, as attributes.
+        The result of `compare_number`, and `published`, as attributes.
     """
     if np.isnan(row.reproduced):
         return MISSING

@@ -1,4 +1,4 @@
-"""One document, two renderings: Markdown with links to its figures, HTML that holds them."""
+"""A document and its two renderings: Markdown that links to figures, HTML that embeds them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 
 from owtsweep.io import markdown
 
-#: Plain and readable, printable, no font or file from elsewhere.
+#: The style of the HTML page: plain and printable, without external fonts or files.
 CSS = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto;
   padding: 0 1rem; }
@@ -26,7 +26,7 @@ td.good { background: #e3f2e6; } td.bad { background: #fbe5dd; } td.open { backg
 figure { margin: 1rem 0; } img { max-width: 100%; height: auto; }
 figcaption { font-size: .85rem; color: #555; }
 """
-#: How a cell that is one of these words is coloured.
+#: Text of a table's cell -> its colour.
 CLASSES = {
     "yes": "good", "reproduced": "good", "consistent": "good", "no": "bad", "not reproduced": "bad",
     "undecided": "open", "missing": "open",
@@ -57,7 +57,7 @@ class Bullets:
 
 @dataclass(frozen=True)
 class TextTable:
-    """Text in columns; columns named in `numbers` are set to the right."""
+    """A table of texts; the columns named in `numbers` are aligned to the right."""
 
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
@@ -95,7 +95,7 @@ def _markdown(block: Block, folder: Path) -> str:
 
 
 def to_html(blocks: Sequence[Block], title: str) -> str:
-    """The document as one HTML file without anything from outside."""
+    """The document as one HTML file that needs no other file."""
     body = "\n".join(_html(block) for block in blocks)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'

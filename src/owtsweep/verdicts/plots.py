@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-#: How an area of agreement is drawn.
+#: The look of an area of agreement.
 BAND: dict[str, Any] = {"color": "0.5", "alpha": 0.15, "linewidth": 0.0}
 
 
@@ -32,7 +32,7 @@ def scatter(
         Columns scheme, measure, published, and those of `verdicts.numbers.compare_number`; numbers
         that the run lacks are left out.
     schemes
-        All that are drawn, in the order of the legend.
+        The schemes to draw, in the order of the legend.
     panels
         Title of a panel -> its measures.
     """
@@ -97,11 +97,11 @@ def ratios(
     numbers
         As for `scatter`, and the column table.
     schemes
-        All that are drawn, in the order of the legend.
+        The schemes to draw, in the order of the legend.
     measures
         Measure -> its label.
     tables
-        Number of a table -> the conditions that it is about.
+        Number of a table -> its conditions.
     """
     figure = style.new_figure(10.0, 4.2)
     for axes, (number, cell) in zip(

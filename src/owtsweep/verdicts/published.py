@@ -1,4 +1,4 @@
-"""Reading what a paper prints from the data files of a study."""
+"""Reads published results from the data files of a study."""
 
 from __future__ import annotations
 

@@ -26,18 +26,18 @@ def write_report(
     contents: Callable[[Mapping[str, Path]], Sequence[Block]],
     metadata: Mapping[str, str] | None = None,
 ) -> list[Path]:
-    """Write everything about a run and what is published.
+    """Write all files of the report that compares a run with published results.
 
     Parameters
     ----------
     folder
-        Made if it does not exist: the tables, `<name>.md`, `<name>.html` and figures/.
+        Made if it does not exist. It gets the tables, `<name>.md`, `<name>.html` and figures/.
     title
-        Of the HTML file.
+        Title of the HTML file.
     tables, figures
-        By the names of their files.
+        File name -> table or figure.
     contents
-        From the figures' PNG files by name to the blocks of the page.
+        Function that makes the blocks of the page from the figures' PNG files by name.
     metadata
         Stored inside the figures.
 

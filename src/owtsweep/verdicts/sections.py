@@ -18,7 +18,7 @@ NUMBER_COLUMNS = ("published", "this run", "95 % of records", "quantile", "ratio
 
 
 def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
-    """How many statements have which verdict, in words."""
+    """The number of statements with each verdict, in words."""
     verdicts = [statement.verdict for statement in judged]
     return ", ".join(
         f"{verdicts.count(verdict)} {verdict}"
@@ -33,7 +33,7 @@ def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Bloc
     Parameters
     ----------
     note
-        How the definitions came about.
+        The origin of the definitions.
     """
     rows = [
         [s.name, s.text, s.verdict, " / ".join(claim.text for claim in s.claims)] for s in judged
@@ -82,7 +82,7 @@ def _cells(row: Any) -> list[str]:
 def consistency_section(
     table: pd.DataFrame, schemes: Sequence[str], freedom: Mapping[str, float]
 ) -> list[Block]:
-    """NEES and NIS of each scheme over its degrees of freedom, and the verdicts on its cells.
+    """NEES and NIS of each scheme over their degrees of freedom, and the verdicts on its cells.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def _describe_range(values: pd.Series[float]) -> str:
 
 
 def missing_section(numbers: pd.DataFrame, judged: Sequence[JudgedStatement]) -> list[Block]:
-    """What the run would need for the rest of the paper; nothing where it has all."""
+    """The data that the run lacks to judge the rest of the paper; empty if it lacks none."""
     lacking: Any = numbers[numbers["reproduced"].isna()].itertuples(index=False)
     tables = sorted({f"Table {row.table} {row.scheme}" for row in lacking})
     items = [f"Published numbers: {', '.join(tables)}."] if tables else []

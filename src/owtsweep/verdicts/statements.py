@@ -1,4 +1,4 @@
-"""Statements of a paper: each a test, its verdict, and the verdicts as a table."""
+"""Statements of a paper: their tests, their verdicts, and a table of the verdicts."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from owtsweep.verdicts.inference import Claim, Decision, all_of
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What a study's tests look a run's values up in.
+#: The object from which a study's tests read a run's values.
 Evidence = TypeVar("Evidence")
 
 
 @dataclass(frozen=True)
 class JudgedStatement:
-    """A statement of the paper and what the run says to it.
+    """A statement of the paper and the run's verdict on it.
 
     Attributes
     ----------
     name
-        What it is called, e.g. F1.
+        Its name, e.g. F1.
     text
         What the paper says.
     definition
@@ -46,7 +46,7 @@ class JudgedStatement:
 
     @property
     def settling(self) -> Claim:
-        """The claim that settles the verdict; the least certain one where all stand."""
+        """The claim that determines the verdict; if all claims hold, the least certain one."""
         chosen = [claim for claim in self.claims if claim.verdict == self.verdict]
         return min(chosen, key=lambda c: c.deciding.t if c.deciding else -np.inf)
 
@@ -68,10 +68,10 @@ def judge(
     texts
         Name of a statement -> what the paper says.
     tests
-        Name of a statement -> the claims that it makes about a run; the docstring of a test is its
-        definition.
+        Name of a statement -> its test, a function that returns the claims about a run. The
+        docstring of a test is its definition.
     evidence
-        What the tests are given.
+        The argument of the tests.
     """
     judged = []
     for name, text in texts.items():
@@ -103,14 +103,14 @@ def describe(decision: Decision) -> str:
 
 
 def name_missing(missing: tuple[str, ...], most: int = 4) -> str:
-    """What is missing, not all of it when that is much."""
+    """Name what is missing; a long list is shortened."""
     named = [f"({item})" if "," in item else item for item in missing[:most]]
     more = f" and {len(missing) - most} more" if len(missing) > most else ""
     return ", ".join(named) + more
 
 
 def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
-    """One row per claim, with the decision that is furthest from holding."""
+    """One row per claim, with the decision that supports the claim least."""
     import pandas as pd
 
     rows = []
@@ -137,7 +137,7 @@ def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
 
 
 def _count_holding(claim: Claim) -> int:
-    """How many decisions lie on the claimed side, whatever their intervals say."""
+    """The number of decisions whose value is on the claimed side, regardless of their intervals."""
     return sum(
         c.value < c.threshold if c.side == "below" else c.value > c.threshold
         for c in claim.decisions

@@ -1,4 +1,4 @@
-"""One table of everything that a paper prints, with what a run says to it, one row each."""
+"""A table with one row per published item and the run's result for it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class Item:
-    """One item: `kind` is number, statement, boundary, winner or summary.
+    """A published item: `kind` is number, statement, boundary, winner or summary.
 
     `reproduced` has its 95 % interval, NaN where there is none; `agrees` is yes, no, undecided,
     missing, a verdict, or empty where nothing is published.
@@ -39,7 +39,7 @@ class Item:
     why: str = ""
 
     def decided(self, decision: Decision | None, agrees: str) -> Item:
-        """The same item with what a run decides; without a decision only `agrees` changes."""
+        """The same item with a run's decision; without a decision only `agrees` changes."""
         row = replace(self, agrees=agrees)
         if decision is None:
             return row
@@ -47,7 +47,7 @@ class Item:
 
 
 def make_table(rows: Sequence[Item]) -> pd.DataFrame:
-    """`COLUMNS`, with ratio = reproduced / published."""
+    """Make the table with `COLUMNS`; ratio = reproduced / published."""
     import pandas as pd
 
     table = pd.DataFrame([asdict(row) for row in rows], columns=list(COLUMNS))
@@ -55,19 +55,22 @@ def make_table(rows: Sequence[Item]) -> pd.DataFrame:
 
 
 def agreement(verdict: str) -> str:
-    """A verdict as the column `agrees` has it: yes, no, undecided or missing."""
+    """Translate a verdict for the column `agrees`: yes, no, undecided or missing."""
     return {REPRODUCED: "yes", NOT_REPRODUCED: "no"}.get(verdict, verdict)
 
 
 def statement_row(judged: JudgedStatement) -> Item:
-    """A statement; `published` is the threshold of the decision that settles its verdict."""
+    """The row of a statement; `published` is the threshold of the decision behind its verdict."""
     worst = judged.settling.deciding
     row = Item(judged.name, "statement", worst.threshold if worst else NAN, why=judged.why)
     return row.decided(worst, judged.verdict)
 
 
 def number_rows(numbers: pd.DataFrame) -> Iterator[Item]:
-    """The published numbers: columns table, scheme, measure, published, why, and those of a run."""
+    """One row per published number.
+
+    `numbers` has the columns table, scheme, measure, published, why, and those of a run.
+    """
     rows: Any = numbers.itertuples(index=False)
     for row in rows:
         yield Item(
@@ -99,7 +102,7 @@ def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float])
             value = float(distances.quantile(quantile)) if len(distances) else NAN
             agrees = ""
             if np.isfinite(limit):
-                # With numbers missing this is the distance of another set of numbers.
+                # If numbers are missing, the distance is that of a different set of numbers.
                 complete = len(distances) == len(chosen)
                 agrees = ("yes" if value <= limit else "no") if complete else MISSING
             yield Item(

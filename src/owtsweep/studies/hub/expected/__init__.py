@@ -1,1 +1,1 @@
-"""The expected engine: what the mean over infinitely many records would be, without a record."""
+"""The expected engine: it computes the mean over infinitely many records without any record."""

@@ -1,4 +1,4 @@
-"""The tables of an expected study: the same columns as those of records, without intervals."""
+"""The tables of an expected study. Columns are those of a study of records, without intervals."""
 
 from __future__ import annotations
 
@@ -26,10 +26,11 @@ if TYPE_CHECKING:
 NAMES = [condition.name for condition in CONDITIONS]
 #: Mean square errors in the order of tables.
 MSE = ("x", "y", "vx", "vy", "position", "velocity")
-#: Relative differences below this are within the accuracy of the curves: not distinguishable.
+#: Two schemes are distinguishable if they differ by more than this (relative), which is the
+#: accuracy of the curves.
 RESOLUTION = 1e-3
-#: In grids of more cells summary.csv holds only what the map judges: all of it would be millions
-#: of rows.
+#: In grids of more cells than this, summary.csv holds only the measures that the map judges. All
+#: measures would make millions of rows.
 MOST_CELLS = 2000
 
 
@@ -40,11 +41,12 @@ class Expected:
     Attributes
     ----------
     schemes
-        (s,) those with results, in the study's order.
+        (s,) schemes with results, in the study's order.
     periods
         (p,) natural periods, s, increasing.
     motion, noise
-        (s, p) at 1 m, and (s, p), of one measure in one window.
+        (s, p) each: mean square errors from motion of 1 m and from noise, of one measure in one
+        window.
     """
 
     schemes: tuple[str, ...]
@@ -59,7 +61,7 @@ class Expected:
 
 
 def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
-    """One measure and window out of the rows of a study."""
+    """Select one measure and one window from the rows of a study."""
     rows = _plain(rows)
     used = rows[(rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)]
     present = tuple(name for name in schemes if (used["scheme"] == name).any())
@@ -72,16 +74,16 @@ def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: s
 
 
 def _plain(rows: pd.DataFrame) -> pd.DataFrame:
-    """Rows whose text is text: the store reads it as categories, which sort and map otherwise."""
+    """Convert the store's categories to plain text, because categories sort and map differently."""
     return rows.astype(dict.fromkeys(("scheme", "measure", "window"), object))
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """The best scheme of every cell; arrays (periods, amplitudes), schemes by their number.
+    """The best scheme of every cell: arrays (periods, amplitudes) of scheme numbers.
 
-    `runner_up` is -1 where there is but one scheme. `distinguishable`: the two differ by more than
-    `RESOLUTION`.
+    `runner_up` is -1 where there is only one scheme. `distinguishable` says whether best and
+    runner-up differ by more than `RESOLUTION`.
     """
 
     best: NDArray[np.int64]
@@ -92,10 +94,10 @@ class Verdict:
 
 
 def judge(values: Array) -> Verdict:
-    """Least MSE and the next, of values (schemes, periods, amplitudes).
+    """Find the least MSE and the next, from values (schemes, periods, amplitudes).
 
-    Schemes that agree up to rounding count as one, under the last of their names; the runner-up is
-    the best that does not coincide with the best (`statistics.contest.rank`).
+    Schemes that agree up to rounding count as one, under the last of their names. The runner-up is
+    the best scheme that does not coincide with the winner (`statistics.contest.rank`).
     """
     flat = values.reshape(len(values), -1)
     everybody = np.ones(flat.shape, dtype=bool)
@@ -109,7 +111,7 @@ def judge(values: Array) -> Verdict:
 
 
 def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """summary and best_scheme; intervals are NaN and n is 0, for there is no record."""
+    """The tables summary and best_scheme. There are no records: intervals are NaN and n is 0."""
     from owtsweep.studies.hub import criteria, scheme_names
 
     names = scheme_names(config)
@@ -122,7 +124,7 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def summary(config: HubConfig, rows: pd.DataFrame, schemes: Sequence[str]) -> pd.DataFrame:
-    """The summary, sorted as that of records."""
+    """The summary, sorted like that of a study of records."""
     amplitudes = np.array(sorted(config.grid.amplitude), dtype=float)
     rows = _plain(rows)
     used = rows[rows["status"] == OK]
@@ -154,7 +156,7 @@ def best_scheme(
     amplitudes: Sequence[Value],
     window: str,
 ) -> pd.DataFrame:
-    """The best scheme of every cell, sorted as for records."""
+    """The best scheme of every cell, sorted as in a study of records."""
     import pandas as pd
 
     levels = np.array(sorted(amplitudes), dtype=float)
@@ -162,7 +164,7 @@ def best_scheme(
     for number, criterion in enumerate(criteria):
         curves = expected(rows, schemes, criterion, window)
         verdict = judge(curves.at(levels))
-        names = np.array([*curves.schemes, ""], dtype=object)  # -1 is nobody
+        names = np.array([*curves.schemes, ""], dtype=object)  # -1: no runner-up
         count = verdict.best.size
         columns: dict[str, Any] = {
             "natural_period": np.repeat(curves.periods, len(levels)),

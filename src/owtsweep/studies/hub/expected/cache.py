@@ -1,4 +1,4 @@
-"""Results that take seconds to compute are kept: in memory, and in the user's cache folder.
+"""A cache, in memory and in the user's cache folder, of results that take seconds to compute.
 
 A file's name is a hash of everything that its numbers depend on, this program's source included, so
 an edited program never reads old numbers. A damaged file is computed again.
@@ -22,36 +22,36 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
-#: Entries in memory; the folder is the user's to empty.
+#: Greatest number of entries in memory. The folder has no limit; the user may empty it.
 KEPT = 64
 _MEMORY: OrderedDict[str, dict[str, Array]] = OrderedDict()
 _LOCK = threading.Lock()
 _LOCKS: dict[str, threading.Lock] = {}
-#: Files and folders of the package that hold the code which such numbers depend on.
+#: Files and folders of the package with the code that the cached numbers depend on.
 SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
 
 
 def folder() -> Path:
-    """Where the files lie."""
+    """The folder of the cached files."""
     base = os.environ.get("XDG_CACHE_HOME")
     return (Path(base) if base else Path.home() / ".cache") / "owtsweep" / "expected"
 
 
 def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
-    """Arrays by name, computed unless they are stored.
+    """Return arrays by name; compute them unless they are stored.
 
     Parameters
     ----------
     what
         Everything that the arrays depend on besides this program; JSON-serialisable.
     compute
-        Makes the arrays.
+        Computes the arrays.
     """
     text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
     with _LOCK:
         mine = _LOCKS.setdefault(key, threading.Lock())
-    with mine:  # threads that need the same arrays wait for the first of them
+    with mine:  # threads that need the same arrays wait for the first thread
         arrays = _MEMORY.get(key)
         if arrays is None:
             arrays = _read(folder() / f"{key}.npz")
@@ -67,7 +67,7 @@ def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> 
 
 
 def forget() -> None:
-    """Empty the memory; files stay."""
+    """Empty the memory; the files stay."""
     with _LOCK:
         _MEMORY.clear()
         _LOCKS.clear()
@@ -91,7 +91,7 @@ def _write(path: Path, arrays: Mapping[str, Array]) -> None:
     buffer = io.BytesIO()
     np.savez(buffer, **dict(arrays))  # type: ignore[arg-type]
     body = buffer.getvalue()
-    # a home that cannot be written must not stop anybody from computing
+    # a folder that cannot be written must not prevent the computation
     with contextlib.suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, hashlib.blake2b(body, digest_size=16).digest() + body)

@@ -1,8 +1,8 @@
-"""What a scheme makes of motion and of each noise, on the mean over all records of a length.
+"""Expected errors of a scheme from motion and from each noise, for records of a given length.
 
-Gains, initial states and windows are those of a record, so the expectation holds whether or not
-the scheme settles in it. There are two approximations: curves are interpolated between their nodes,
-and an answer that repeats is taken to go on repeating.
+Gains, initial states and windows are those of a simulated record, so the expectation holds whether
+or not the scheme settles within the record. There are two approximations: curves are interpolated
+between their nodes, and a response that has become periodic is assumed to stay periodic.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from owtsweep.studies.hub.expected.inputs import Probe
 from owtsweep.studies.hub.expected.probing import Workspace, energies
 from owtsweep.studies.hub.sensors import fix_count
 
-#: An interval is halved where interpolation misses its middle by more than this: relative to the
-#: curve for motion, to the whole sum for noise.
+#: An interval is halved where interpolation at its middle is wrong by more than this: relative to
+#: the curve for motion, and to the whole sum for noise.
 MOTION_TOLERANCE = 2e-3
 NOISE_TOLERANCE = 1e-4
-#: A bias' walk is followed up to this frequency, in units of the fix rate: its energy beyond is
-#: 1e-4 of the whole and less.
+#: The random walk of a bias is computed up to this frequency, in units of the fix rate. Its energy
+#: at higher frequencies is at most 1e-4 of the total.
 WALK_TO = 1.0
 
 
@@ -40,11 +40,11 @@ class Curves:
     frequency
         (n,) Hz.
     motion
-        (2, 2, n): mean square error over the mean square of a sinusoidal displacement of random
-        phase, along its direction; m^2 per m^2 and s^-2.
+        (2, 2, n): mean square error divided by the mean square of a sinusoidal displacement of
+        random phase, along the direction of motion; m^2 per m^2 and s^-2.
     noise
-        (3, 2, 2): variance of one axis from GNSS, IMU noise and the walk of its bias, m^2 and
-        (m/s)^2.
+        (3, 2, 2): error variance of one axis from GNSS noise, IMU noise and the walk of the IMU's
+        bias, m^2 and (m/s)^2.
     constant
         (2, 2): mean square error of one axis per squared constant force, s^4 and s^2.
     """
@@ -62,16 +62,16 @@ class Curves:
 def curves(
     chain: Chain, sensors: Sensors, *, steps: int, settled: int, band: tuple[float, float]
 ) -> Curves:
-    """Probe a chain.
+    """Compute the curves of a chain by running it on test inputs.
 
     Parameters
     ----------
     chain
-        For records of `steps` steps.
+        The compiled form of a scheme, made for records of `steps` steps.
     steps, settled
-        Steps of a record, and the first one of the settled window.
+        Number of steps of a record, and the first step of the settled window.
     band
-        Edges of the motion, Hz.
+        Lowest and highest frequency of the motion, Hz.
     """
     prober = _Prober(chain, sensors, steps, settled)
     motion = prober.motion(band)
@@ -90,7 +90,7 @@ def curves(
 
 
 class _Prober:
-    """One chain on records of one length."""
+    """Runs one chain on the test inputs of records of one length."""
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
         self.chain, self.sensors, self.steps, self.settled = chain, sensors, steps, settled
@@ -103,7 +103,7 @@ class _Prober:
         )
 
     def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
-        """Nodes over the band and the energies at each."""
+        """The nodes over the band and the error energies there."""
 
         def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
             return np.asarray(
@@ -118,18 +118,18 @@ class _Prober:
         return nodes.refined(first, answer(first), answer, _between, wrong)
 
     def fixes(self) -> Array:
-        """Energies from fixes of variance 1, (measure, window)."""
+        """Error energies from fixes of variance 1, (measure, window)."""
         count = fix_count(self.steps, self.sensors.fix_interval)
         per_number = 1.0 / (count * self.sensors.fix_step)
         return self._phasors(count, per_number, lambda n: inputs.fixes(n, count, self.sensors))
 
     def forces(self) -> Array:
-        """Energies from samples of variance 1, (measure, window)."""
+        """Error energies from IMU samples of variance 1, (measure, window)."""
         per_number = 1.0 / (self.steps * self.sensors.step)
         return self._phasors(self.steps, per_number, lambda n: inputs.forces(n, self.steps))
 
     def _phasors(self, count: int, per_number: float, probe: Callable[[Array], Probe]) -> Array:
-        """The sum over a basis of `count` phasors; numbers n and count - n answer alike."""
+        """Sum over a basis of `count` phasors; numbers n and count - n have equal energies."""
         number = np.arange(1.0, count // 2 + 1.0)
         weight = np.where(2.0 * number == count, 1.0, 2.0) / count
         return self(probe(np.zeros(1)))[..., 0] / count + self._sum(
@@ -137,9 +137,10 @@ class _Prober:
         )
 
     def walks(self) -> Array:
-        """Energies from a Wiener process with steps of variance 1, (measure, window).
+        """Error energies from a Wiener process with increments of variance 1, (measure, window).
 
-        Its covariance min(k, l) has the eigenvalues 1 / (2 - 2 cos angle) on sin(angle k).
+        Its covariance min(k, l) has the eigenvectors sin(angle k) with the eigenvalues 1 / (2 - 2
+        cos angle).
         """
         last = self.steps - 1
         per_number = 0.5 / (self.steps * self.sensors.step)
@@ -157,7 +158,7 @@ class _Prober:
         per_number: float,
         probe: Callable[[Array], Probe],
     ) -> Array:
-        """Sum of weight x energy over all numbers; most energies are interpolated."""
+        """Sum of weight x energy over all basis vectors; most energies are interpolated."""
         first = nodes.numbers(last, per_number, self.scales)
         upto = np.concatenate([[0.0], np.cumsum(weight)])
         values = self(probe(first))
@@ -181,7 +182,7 @@ class _Prober:
 
 
 def _between(x: Array, at: Array, values: Array) -> Array:
-    """Positive curves (..., n) between their nodes: cubic (monotone) in both logarithms."""
+    """Interpolate positive curves (..., n): monotone cubic in the logarithms of both axes."""
     from scipy.interpolate import PchipInterpolator
 
     logs = np.log(np.maximum(values, np.finfo(float).tiny))

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
 #: Points of a smooth map along each axis.
 FINE = 200
-#: In grids of more periods no figure per period is drawn.
+#: In grids of more periods than this, no figure per period is drawn.
 MOST_PERIODS = 12
-#: What an amplitude measures, by `normalise`.
+#: Value of `normalise` -> what an amplitude measures.
 MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
 
 
@@ -35,7 +35,7 @@ def drawings(
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """Name -> what draws it: the maps, MSE over amplitude and the error spectra."""
+    """Figure name -> function that draws it: the maps, MSE over amplitude and the error spectra."""
     from owtsweep.studies.hub.figures import error_spectra
 
     same = answers.coinciding(rows, scheme_names(config), config.measures.window, criteria(config))
@@ -53,7 +53,7 @@ def drawings(
 def draw_map(
     config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame, criterion: str
 ) -> Figure:
-    """The smooth map over the grid's range; cells where the range is a point or has gaps."""
+    """Draw a smooth map over the grid's range, or cells if the range is a point or has gaps."""
     from owtsweep.figures import smooth_map, style
 
     names, window, grid = scheme_names(config), config.measures.window, config.grid

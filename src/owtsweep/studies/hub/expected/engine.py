@@ -1,7 +1,7 @@
-"""`engine: expected`: the blocks of a study without records, and their rows.
+"""The engine `expected`: the blocks of work of a study without records, and the rows they give.
 
-One block per scheme holds all natural periods: the curves of a scheme take the time, and they do
-not depend on the period.
+There is one block per scheme, with all natural periods. Most of the time goes into the curves of a
+scheme, which do not depend on the period.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
 from owtsweep.studies.hub.schemes import resolve, resolve_all
 from owtsweep.sweep.study import Block
 
-#: Raised by hand whenever the numbers of this engine change but not the study's `numerics_version`.
+#: Version of this engine's numbers. Raise it when they change and the study's `numerics_version`
+#: stays the same.
 EXPECTED_VERSION = 2
 MEASURES = ("position", "velocity")
 AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}
@@ -42,7 +43,7 @@ def plan(config: HubConfig) -> list[Block]:
     if config.normalise == "peak":
         shared["peak_records"] = RECORDS
     else:
-        del shared["seed"]  # no record, nothing random
+        del shared["seed"]  # there is no record, so nothing is random
     periods = sorted(float(period) for period in config.grid.natural_period)
     cells = len(periods) * len(config.grid.amplitude)
     return [
@@ -64,7 +65,7 @@ def plan(config: HubConfig) -> list[Block]:
 
 
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """The rows of some schemes."""
+    """Compute the rows of some schemes."""
     for block in blocks:
         name, periods = block.content["scheme"], block.content["natural_periods"]
         yield block, rows(config, name, periods)
@@ -73,9 +74,10 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
 def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -> pd.DataFrame:
     """`rows` of several schemes; curves that are not in the cache are computed on all cores.
 
-    The kernels release the GIL, so threads share the work.
+    The kernels release the GIL, so threads run in parallel.
     """
-    # The schemes that take longest commonly stand last: begin with them, so that no core idles.
+    # The slowest schemes are usually listed last. Start with them, so that no core is idle at the
+    # end.
     work: list[Callable[[], object]] = [partial(curves_of, config, name) for name in names[::-1]]
     if config.normalise == "peak":
         work += [partial(factor_at, config, end) for end in ladder(config, periods)]
@@ -87,9 +89,10 @@ def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -
 
 
 def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame:
-    """One row per natural period, measure and window: motion at 1 m, no cross term, noise.
+    """One row per natural period, measure and window: motion at 1 m, noise, and a cross term of 0.
 
-    A further natural period costs a sum over the scheme's curves, no loop over its steps.
+    Each further natural period costs only a sum over the scheme's curves, without a loop over
+    steps.
     """
     sensors = sensing.sensors(config.sensors)
     curve = curves_of(config, name)
@@ -173,7 +176,7 @@ def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Arr
 
 
 def noise_of(config: HubConfig, curve: Curves) -> Array:
-    """Expected mean square error from all that is not motion, (axis, measure, window)."""
+    """Expected mean square error from everything except motion, (axis, measure, window)."""
     sensors = sensing.sensors(config.sensors)
     bias = np.full(2, config.sensors.imu.bias_initial)
     constant = sensors.rotation @ bias - np.array(sensors.gravity)

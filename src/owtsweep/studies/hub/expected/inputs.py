@@ -1,8 +1,8 @@
-"""The inputs that a chain is probed with, in place of records.
+"""The test inputs (probes) on which a chain is run instead of records.
 
 The mean over records of a sum of squared errors equals a sum over any orthonormal basis of the
-inputs. In the bases used here the answer changes smoothly with the number of the basis vector, so
-some dozens of them are run and the others are interpolated.
+inputs. In the bases used here the squared error changes smoothly with the number of the basis
+vector, so a few dozen of them are run and the others are interpolated.
 """
 
 from __future__ import annotations
@@ -20,19 +20,20 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class Probe:
-    """Sinusoids that all act in the same way.
+    """Sinusoids of different frequencies that enter a chain in the same way.
 
     Attributes
     ----------
     angle
-        (n,) rad per step of the IMU.
+        (n,) phase advance per step of the IMU, rad.
     force, fix
-        (n,) what a unit sinusoid gives the IMU, and the fixes.
+        (n,) amplitude in the IMU's samples, and in the fixes, of a unit sinusoid.
     truth
-        Whether the sinusoid is a displacement that the estimate should follow, with fixes that
-        come late; else the estimate should stay at zero.
+        Whether the sinusoid is a displacement that the estimate should follow; its fixes arrive
+        with their delay. If not, the estimate should stay at zero.
     phasor
-        Whether a cosine and a sine are run for each (else the sine alone, from phase `shift`).
+        Whether both a cosine and a sine are run for each sinusoid. If not, only the sine is run,
+        with the phase `shift`.
     shift
         Phase at step 0, rad.
     """
@@ -45,7 +46,7 @@ class Probe:
     shift: float = 0.0
 
     def part(self, first: int, last: int) -> Probe:
-        """Some of its sinusoids."""
+        """A probe with the sinusoids `first` to `last` - 1."""
         some = slice(first, last)
         return replace(self, angle=self.angle[some], force=self.force[some], fix=self.fix[some])
 
@@ -57,12 +58,12 @@ def motion(frequency: Array, sensors: Sensors) -> Probe:
 
 
 def forces(number: Array, steps: int) -> Probe:
-    """Specific forces e^{2 pi i number k / steps}: with 1/sqrt(steps), a basis of IMU noise."""
+    """Specific forces e^{2 pi i number k / steps}; times 1/sqrt(steps), a basis of IMU noise."""
     return Probe(2.0 * np.pi * number / steps, np.ones(len(number)), np.zeros(len(number)))
 
 
 def fixes(number: Array, count: int, sensors: Sensors) -> Probe:
-    """Fixes e^{2 pi i number q / count}: with 1/sqrt(count), a basis of the noise of fixes."""
+    """Fixes e^{2 pi i number q / count}; times 1/sqrt(count), a basis of the noise of fixes."""
     angle = 2.0 * np.pi * number / (count * sensors.fix_interval)
     return Probe(angle, np.zeros(len(number)), np.ones(len(number)))
 
@@ -74,5 +75,5 @@ def walks(number: Array, steps: int) -> Probe:
 
 
 def constant() -> Probe:
-    """A force of 1 m/s^2 throughout: sin(0 k + pi/2)."""
+    """A constant force of 1 m/s^2, written as sin(0 k + pi/2)."""
     return Probe(np.zeros(1), np.ones(1), np.zeros(1), phasor=False, shift=0.5 * np.pi)

@@ -1,8 +1,8 @@
-"""Compiled loops of the expected engine: sinusoids, the chain's answers, and the squared errors.
+"""Compiled loops of the expected engine: sinusoids, the chain's estimates, and squared errors.
 
-One call takes two groups of eight lanes through a whole stretch of the record: sinusoids are made
-just before the chain needs them, in buffers that stay in the cache, and errors are squared as soon
-as there are some. The structures are those of `expected.layout` and `kernels.layout`.
+One call runs two groups of eight lanes through a long part of the record. Sinusoids are made just
+before the chain needs them, in buffers that stay in the processor's cache, and errors are squared
+as soon as they are computed. The structures are those of `expected.layout` and `kernels.layout`.
 """
 
 from __future__ import annotations
@@ -18,14 +18,15 @@ from owtsweep.vectors.lanes import borrowed, groups, load, store
 
 @njit
 def advance(k0, stop, judged, course, waves, buffers, chain, memory):
-    """Take two groups on from step k0 until their answer repeats, or to the step `stop`.
+    """Run two groups from step k0 until their response repeats, or up to the step `stop`.
 
-    From the first whole chunk up to `judged` on it is judged every so many steps.
+    Whether it repeats is first tested after the chunk that reaches the step `judged`, and then
+    every `course.every` steps.
 
     Returns
     -------
     int, bool
-        The step that was reached, and whether the answer repeats there.
+        The step that was reached, and whether the response repeats there.
     """
     lead, filled, force = course.lead, buffers.filled, buffers.force
     while k0 < stop:
@@ -39,7 +40,7 @@ def advance(k0, stop, judged, course, waves, buffers, chain, memory):
             make_waves(k0 + count, waves, buffers)
             filled[1] = k0 + count
         else:
-            filled[0] = k0 - lead  # zeros, whichever step they belong to
+            filled[0] = k0 - lead  # the buffer holds only zeros, which fit any step
         estimates(k0, count, Fed(force, filled[0], buffers.fixes), chain, memory)
         add_squares(k0, count, course, waves, buffers, memory.output)
         k0 += count
@@ -52,9 +53,9 @@ def advance(k0, stop, judged, course, waves, buffers, chain, memory):
 
 @njit
 def repeats(newest, lanes, tolerance, ring):
-    """Whether the sums of all whole cycles in the ring are the same, in each of so many lanes.
+    """Whether the sums of all complete cycles in the ring are equal, in each of the first `lanes`.
 
-    `newest` is the number of the cycle that is not whole.
+    `newest` is the number of the cycle that is not complete.
     """
     slots = ring.shape[0] // 4
     for row in range(4):
@@ -63,7 +64,7 @@ def repeats(newest, lanes, tolerance, ring):
             for slot in range(slots):
                 if slot != newest % slots:
                     value = ring[4 * slot + row, lane]
-                    # what is no number never repeats
+                    # NaN never repeats
                     if not value >= 0.0:
                         return False
                     least, most = min(least, value), max(most, value)
@@ -74,7 +75,7 @@ def repeats(newest, lanes, tolerance, ring):
 
 @njit
 def _move(buffers, first, stop):
-    """Rows first ... stop - 1 to the beginning of each buffer."""
+    """Move the rows first ... stop - 1 to the beginning of each buffer."""
     rows = borrowed(buffers)
     for i in range(first, stop):
         store(rows, i - first, load(rows, i))
@@ -84,8 +85,8 @@ def _move(buffers, first, stop):
 def make_waves(stop, waves, buffers):
     """Fill the rows of force (and wave, if there is a truth) up to the step stop - 1.
 
-    The sinusoids are turned on from step to step, and begin anew with every block, so that rounding
-    does not add up; in between `now` keeps them.
+    The sinusoids are rotated by their angle from step to step. They start afresh from `starts` in
+    every block, so that rounding errors do not accumulate. Between calls `now` holds them.
     """
     base, k = buffers.filled[0], buffers.filled[1]
     phasor, keep = waves.phasor, waves.truth
@@ -94,7 +95,7 @@ def make_waves(stop, waves, buffers):
     starts, now = borrowed((waves.starts,)), borrowed((waves.now,))
     fixed = borrowed((waves.turn_gain,))
     turn0, turn1 = load(fixed, 0), load(fixed, 1)  # cosine and sine of group 0's angle
-    turn2, turn3 = load(fixed, 2), load(fixed, 3)  # those of group 1's
+    turn2, turn3 = load(fixed, 2), load(fixed, 3)  # of group 1's
     gain0, gain1 = load(fixed, 4), load(fixed, 5)
     while k < stop:
         block = k // waves.block
@@ -129,8 +130,8 @@ def make_waves(stop, waves, buffers):
 def add_squares(k0, count, course, waves, buffers, output):
     """Add the squared errors of a chunk to the sums of the record and of the cycle.
 
-    Where there is a truth the wave is what the position should be, and its rate the velocity. A
-    phasor's squares are added in group 0.
+    If there is a truth, the wave is the true position and its time derivative the true velocity.
+    For phasors, the squares of cosine and sine are added together in group 0.
     """
     settled, cycle, base, ring = course.settled, course.cycle, buffers.filled[0], buffers.ring
     phasor, truth = waves.phasor, waves.truth

@@ -1,9 +1,9 @@
-"""Where a curve is computed: at first nodes, then between them where interpolation is wrong.
+"""The nodes at which a curve is computed: first a coarse set, then more where needed.
 
 A curve may ripple (a memory that ends abruptly), peak (a poorly damped mode), or change over a
 frequency as small as one over the record's length (a slow mode, seen at multiples of the fix rate).
-The first nodes are dense enough to meet each of these. Intervals are then halved until the curve
-between two nodes is what interpolation gives.
+The first nodes are dense enough to show each of these. Intervals are then halved until
+interpolation between two nodes is accurate enough.
 """
 
 from __future__ import annotations
@@ -17,21 +17,23 @@ from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 
-#: Nodes per ripple, before any interval is halved.
+#: First nodes per ripple, before any interval is halved.
 PER_RIPPLE = 2.5
-#: Widest spacing of first nodes up to the fix rate, in units of it, and nodes per decade beyond.
+#: Widest spacing of the first nodes below the fix rate, in units of it, and first nodes per decade
+#: above the fix rate.
 WIDEST = 0.02
 PER_DECADE = 8
-#: Halvings of an interval at most.
+#: Greatest number of times that an interval is halved.
 HALVINGS = 7
 
 
 @dataclass(frozen=True)
 class Scales:
-    """Finest structures (Hz) of a chain's curves, and its fix rate (Hz).
+    """The widths (Hz) of the finest structures of a chain's curves, and its fix rate (Hz).
 
-    `window`: of its longest memory; it shows below the fix rate. `lag`: of its smoother and
-    predictor; it shows at higher frequencies, which only the IMU sees.
+    `window`: the structure from its longest memory, visible below the fix rate. `lag`: the
+    structure from its smoother and predictor, visible at higher frequencies, which only the IMU
+    measures.
     """
 
     window: float
@@ -63,7 +65,7 @@ def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Arr
 
 
 def numbers(last: int, per_number: float, scales: Scales) -> Array:
-    """First numbers 1 ... last of basis vectors of the frequencies number x per_number (Hz)."""
+    """First nodes among the basis vectors 1 ... last, with frequencies number x per_number (Hz)."""
     decades = np.log10(max(last, 2))
     nodes = [np.arange(1.0, min(last, 3) + 1.0), np.geomspace(1, last, int(PER_DECADE * decades))]
     for spacing, top in ((scales.window, scales.rate), (scales.lag, 6.0 * scales.lag)):
@@ -88,22 +90,22 @@ def refined(
     matters: Callable[[Array, Array, Array], Array] | None = None,
     whole: bool = False,
 ) -> tuple[Array, Array]:
-    """Nodes and values of a curve, intervals halved until interpolation is right.
+    """Halve intervals until interpolation is accurate; return the nodes and values of the curve.
 
     Parameters
     ----------
     nodes, values
-        First nodes, increasing, and the curve (..., n) there.
+        The first nodes, increasing, and the curve (..., n) there.
     answer
-        The curve at other nodes.
+        Function that computes the curve at other nodes.
     between
-        (x, nodes, values) -> values at x.
+        (x, nodes, values) -> interpolated values at x.
     wrong
-        (left, right, predicted, computed) -> (n,): where interpolation misses the middle.
+        (left, right, predicted, computed) -> (n,): whether interpolation is wrong at the middle.
     matters
-        (left, right, predicted) -> (n,): which middles to compute at all.
+        (left, right, predicted) -> (n,): whether to compute the middle at all.
     whole
-        Whether nodes are whole numbers.
+        Whether nodes must be whole numbers.
     """
     left, right = nodes[:-1], nodes[1:]
     for _ in range(HALVINGS):

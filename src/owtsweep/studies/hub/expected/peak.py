@@ -1,8 +1,8 @@
-"""The mean square of records that are scaled to a largest displacement of 1 m.
+"""The mean square of records that are scaled to a greatest displacement of 1 m.
 
 It is (standard deviation / peak)^2, which needs synthesised records but no scheme. Its mean over
-records changes slowly with the natural period, so it is computed on a fixed ladder of periods and
-interpolated: no result depends on which other periods a grid holds.
+records changes slowly with the natural period. So it is computed at a fixed ladder of periods and
+interpolated, and a result does not depend on which other periods a grid holds.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ STREAM = "phase of a peak factor"
 
 def peak_factors(config: HubConfig, periods: list[float]) -> Array:
     """Mean of (standard deviation / peak)^2 over the records of each natural period, (periods,)."""
-    if config.spectrum.kind != "translated":  # defined at single periods only
+    if config.spectrum.kind != "translated":  # other spectra exist only at single periods
         return np.array([factor_at(config, period) for period in periods])
     shortest, longest = 1.0 / config.band[1], 1.0 / config.band[0]
     result = []
@@ -44,7 +44,7 @@ def peak_factors(config: HubConfig, periods: list[float]) -> Array:
 
 
 def ladder(config: HubConfig, periods: Sequence[float]) -> list[float]:
-    """The periods at which records are synthesised for these."""
+    """The fixed periods (rungs) from which the given periods are interpolated."""
     if config.spectrum.kind != "translated":
         return sorted(set(periods))
     edges = 1.0 / config.band[1], 1.0 / config.band[0]
@@ -58,7 +58,7 @@ def _rungs(period: float, shortest: float, longest: float) -> Array:
 
 
 def factor_at(config: HubConfig, period: float) -> float:
-    """Mean of (standard deviation / peak)^2 over records of this very period, cached."""
+    """Mean of (standard deviation / peak)^2 over records of exactly this period, cached."""
     what: dict[str, Any] = {
         "what": "peak factor",
         "seed": config.seed,

@@ -1,4 +1,4 @@
-"""Running a chain on the sinusoids of a probe: energies of its errors over a record's windows."""
+"""Runs a chain on the sinusoids of a probe and sums its squared errors over a record's windows."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from owtsweep.studies.hub.kernels.layout import Memory, Registers, new_registers
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 
-#: Lanes that run until all of them have settled; fewer of long records, so that their inputs would
-#: hold at most so many numbers.
+#: Greatest number of lanes that run together until all have settled. Long records use fewer lanes,
+#: so that their inputs would have at most `MOST_INPUTS` numbers.
 WIDTH = 32
 MOST_INPUTS = 16_000_000
-#: Greatest relative change of a cycle's energy over `JUDGED` cycles that counts as none.
+#: A response repeats if a cycle's energy changes by at most this (relative) over `JUDGED` cycles.
 TOLERANCE = 1e-7
 JUDGED = 32
-#: Steps after which sinusoids begin anew.
+#: Steps after which sinusoids start afresh, so that rounding errors do not accumulate.
 BLOCK = 2048
 
 
 class Workspace:
-    """Memory for the runs of one chain, used again by each: new memory takes time to get."""
+    """Memory for the runs of one chain, reused by each run because allocation takes time."""
 
     def __init__(self, chain: Chain, steps: int, sensors: Sensors) -> None:
         self.chain, self.arrays = chain, batch.arrays_of(chain)
@@ -39,7 +39,7 @@ class Workspace:
         self.pairs: list[PairMemory] = []
 
     def pair(self, number: int) -> PairMemory:
-        """Zeros for one of the pairs that run at the same time."""
+        """The memory, set to zero, of one of the pairs that run at the same time."""
         if number == len(self.pairs):
             rows = self.lead + 2 * self.chunk
             self.pairs.append(
@@ -56,7 +56,7 @@ class Workspace:
 
 
 class PairMemory(NamedTuple):
-    """What a chain carries for two groups of lanes; rows of force and truth, (rows, 8) each."""
+    """The state of a chain for two groups of lanes, and rows of force and truth, (rows, 8) each."""
 
     registers: Registers
     force: tuple[Array, Array]
@@ -73,8 +73,8 @@ def energies(
 ) -> Array:
     """Sums of squared errors over the windows of a record, (measure, window, n).
 
-    Measures are position and velocity, windows full and settled; for phasors cosine and sine count
-    together. A `workspace` of that chain may serve many calls, one at a time.
+    Measures are position and velocity, windows full and settled; for phasors the sums of cosine and
+    sine are added. Many calls may use one `workspace` of the chain, but not at the same time.
     """
     space = workspace or Workspace(chain, steps, sensors)
     lanes_each = 2 if probe.phasor else 1
@@ -87,14 +87,14 @@ def energies(
 
 
 def _run(space: Workspace, sensors: Sensors, probe: Probe, steps: int, settled: int) -> Array:
-    """Phasors are run until their answer repeats; the rest of the record is more of the same."""
+    """Energies of a part of a probe; a periodic response is extrapolated to the record's end."""
     n, cycle = len(probe.angle), cycle_of(space.chain)
     each = LANES if probe.phasor else 2 * LANES
     pairs = [
         _Pair(space, number, sensors, probe.part(first, first + each), steps, settled)
         for number, first in enumerate(range(0, n, each))
     ]
-    # too early, or never: a sine alone swings
+    # the first test for repetition; never for single sines, whose energy oscillates
     earliest = max(filling(space.chain), settled) + (JUDGED + 1) * cycle
     done = _together(pairs, steps, earliest if probe.phasor else steps + 1)
     sums = np.concatenate([pair.sums for pair in pairs], axis=-1)
@@ -106,11 +106,11 @@ def _run(space: Workspace, sensors: Sensors, probe: Probe, steps: int, settled: 
 
 
 def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
-    """Run pairs to the first step at which the answers of all repeat, or to the end."""
+    """Run pairs to the first step at which the responses of all repeat, or to the end."""
     done = place = agreeing = 0
     while agreeing < len(pairs):
         pair = pairs[place]
-        if pair.done < done:  # the others are ahead
+        if pair.done < done:  # catch up with the others
             pair.advance(done, done)
         if pair.done < steps and not pair.repeats:
             pair.advance(steps, done + JUDGED * pair.cycle if done > 0 else earliest)
@@ -122,9 +122,9 @@ def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
 
 
 class _Pair:
-    """Two groups of lanes: what the chain carries for them, and the sums of their squared errors.
+    """Two groups of lanes: the chain's state for them and the sums of their squared errors.
 
-    They hold eight cosines and their sines, or sixteen sines, filled up with nothing.
+    They hold eight cosines and their sines, or sixteen sines. Unused lanes are zero.
     """
 
     def __init__(
@@ -156,7 +156,7 @@ class _Pair:
         self.done, self.repeats = 0, False
 
     def advance(self, stop: int, judged: int) -> None:
-        """Go on until the answer repeats, from the step `judged` on, or up to the step `stop`."""
+        """Run until the response repeats (tested from step `judged` on) or up to step `stop`."""
         from owtsweep.studies.hub.expected.kernels import advance
 
         self.done, self.repeats = advance(
@@ -166,12 +166,12 @@ class _Pair:
 
     @property
     def sums(self) -> Array:
-        """(part of the record, measure, n) squared errors."""
+        """(part of the record, measure, n): sums of squared errors."""
         return self._of_lanes(self.buffers.sums)
 
     @property
     def ring(self) -> Array:
-        """(slot, measure, n) those of the newest cycles."""
+        """(slot, measure, n): sums of squared errors of the newest cycles."""
         return self._of_lanes(self.buffers.ring)
 
     def _of_lanes(self, rows: Array) -> Array:
@@ -212,7 +212,7 @@ def _fixes(probe: Probe, sensors: Sensors, steps: int) -> tuple[Array, Array]:
 
 
 def _in_groups(values: Array, phasor: bool) -> Array:
-    """(..., n) as (..., 2 groups, 8), filled up with zeros; phasors are in both."""
+    """Arrange (..., n) as (..., 2 groups, 8), padded with zeros; phasors are in both groups."""
     missing = (1 if phasor else 2) * LANES - values.shape[-1]
     filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, missing)])
     if phasor:
@@ -221,7 +221,7 @@ def _in_groups(values: Array, phasor: bool) -> Array:
 
 
 def _rows(values: Array) -> Array:
-    """(..., 8) as rows that begin where cache lines do."""
+    """Copy (..., 8) to rows that are aligned to cache lines."""
     rows = aligned(values.size // LANES, LANES)
     rows[:] = values.reshape(-1, LANES)
     return rows

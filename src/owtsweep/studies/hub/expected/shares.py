@@ -1,8 +1,9 @@
-"""From a curve over frequency to the expectation over the records of a spectrum.
+"""Computes the expectation over the records of a spectrum from a curve over frequency.
 
-A record is a sum of lines of fixed amplitudes and independent random phases, so the expectation of
-its squared error is the sum over its lines. Normalised to a standard deviation of 1 m, the record's
-error is a ratio of two sums that vary together: in a finite record neighbouring lines beat.
+A record is a sum of sinusoids (lines) of fixed amplitudes and independent random phases, so the
+expectation of its squared error is the sum over its lines. Normalised to a standard deviation of 1
+m, the record's error is a ratio of two sums that vary together: in a finite record neighbouring
+lines beat.
 """
 
 from __future__ import annotations
@@ -18,15 +19,15 @@ from owtsweep.motion.synthesis import lines
 
 @dataclass(frozen=True)
 class Lines:
-    """The lines of records of one length.
+    """The spectral lines of records of one length.
 
     Attributes
     ----------
     frequency
         (n,) Hz, evenly spaced.
     beat
-        Fourier transform of the mean square beat of two lines over the record, by the difference
-        of their numbers.
+        Fourier transform of the mean square beat of two lines over the record, as a function of the
+        difference of their numbers.
     size
         Length of that transform.
     """
@@ -39,8 +40,8 @@ class Lines:
 def lines_of(band: tuple[float, float], duration: float) -> Lines:
     """The lines inside the band.
 
-    Two lines m and n of a record as long as half their common period average to
-    sin(pi (m - n) / 2) / (pi (m - n) / 2) over it.
+    The record is half as long as the common period of its lines. So the beat of two lines m and n
+    has the mean sin(pi (m - n) / 2) / (pi (m - n) / 2) over the record.
     """
     from scipy.fft import next_fast_len, rfft
 
@@ -58,10 +59,10 @@ def lines_of(band: tuple[float, float], duration: float) -> Lines:
 def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
     """Expected mean square error of records of standard deviation 1 m, (...).
 
-    E[n / d] = E n / E d (1 + var d / (E d)^2 - cov(n, d) / (E n E d)), right to second order in the
-    records' scatter (0.6 % for the default records, and more for narrower spectra and shorter
-    records). The beats of the error are taken for those of the motion times the geometric mean of
-    the curve at both lines.
+    E[n / d] = E n / E d (1 + var d / (E d)^2 - cov(n, d) / (E n E d)), accurate to second order in
+    the records' scatter (0.6 % for the default records, more for narrower spectra and shorter
+    records). The beats of the error are approximated by those of the motion times the geometric
+    mean of the curve at both lines.
 
     Parameters
     ----------
@@ -75,7 +76,8 @@ def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
     mean = np.sum(share * curves, axis=-1)
     shapes = np.concatenate([np.ones((1, len(share))), _rows(curves)]) ** 0.5 * share
     transformed = np.abs(rfft(shapes, n=drawn.size, axis=-1)) ** 2 * drawn.beat
-    # Parseval for real sequences: all but the first and, of an even length, the last count twice
+    # Parseval for real sequences: all terms count twice except the first and, for an even length,
+    # the last
     twice = np.full(transformed.shape[-1], 2.0)
     twice[0] = 1.0
     if drawn.size % 2 == 0:

@@ -1,1 +1,1 @@
-"""How well the published results are reproduced: score, calibration, statements, report."""
+"""Judges how well the published results are reproduced: score, statements and report."""

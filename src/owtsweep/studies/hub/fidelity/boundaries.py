@@ -1,4 +1,4 @@
-"""The HME1/HME2 boundary of a run, and what the paper claims of it."""
+"""The HME1/HME2 boundary of a run, and the paper's claims about it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from owtsweep.verdicts.inference import Claim, Decision, Side, interval
 if TYPE_CHECKING:
     import pandas as pd
 
-#: HME2 has the lesser position MSE below the boundary, HME1 above it.
+#: HME2 has the smaller position MSE below the boundary, HME1 above it.
 LOWER, UPPER = BOUNDARY
 MEASURE = "position"
 #: Published boundaries: natural period (s) -> amplitude (m), section 5.3.
@@ -41,7 +41,7 @@ class Boundary:
     wins: str = ""
 
     def against(self, threshold: float, side: Side) -> Decision:
-        """Against a threshold; undecided where there is no boundary."""
+        """Compare the boundary with a threshold; undecided where there is no boundary."""
         return interval(self.label, self.value, self.low, self.high, threshold, side)
 
 
@@ -54,7 +54,7 @@ def boundary_at(evidence: Evidence, natural_period: float) -> Boundary | None:
         return None
     try:
         row = find_boundary(rows, CONDITIONS, BOUNDARY, MEASURE, evidence.window).iloc[0]
-    except InputError:  # cases run directly have no products to find a root of
+    except InputError:  # cases run directly have no products, so a boundary cannot be computed
         return None
     label = f"boundary at {natural_period:g} s"
     if row.wins == "neither":
@@ -87,7 +87,7 @@ def all_boundaries(evidence: Evidence) -> dict[float, Boundary]:
 
 
 def tolerated(period: float) -> tuple[float, float]:
-    """The least and the largest amplitude (m) that agree with a published boundary."""
+    """The smallest and the largest amplitude (m) that agree with a published boundary."""
     return PUBLISHED[period] / TOLERANCE, PUBLISHED[period] * TOLERANCE
 
 
@@ -100,7 +100,7 @@ def claim_within(text: str, boundary: Boundary | None, period: float) -> Claim:
 
 
 def boundary_claims(evidence: Evidence, period: float) -> list[Claim]:
-    """The boundary at a period (s) within the tolerance, and the better scheme outside of it."""
+    """Claims at a period (s): the boundary within the tolerance, the better scheme outside it."""
     low, high = tolerated(period)
     below = cells([period], [a for a in AMPLITUDES if a < low])
     above = cells([period], [a for a in AMPLITUDES if a > high])
@@ -114,7 +114,7 @@ def boundary_claims(evidence: Evidence, period: float) -> list[Claim]:
 
 
 def _rows(evidence: Evidence, *periods: float) -> pd.DataFrame | None:
-    """The cases of both schemes at these periods, or None if there are none of one of them."""
+    """The cases of both schemes at these periods, or None if one scheme has none."""
     finished = evidence.finished
     exact = finished["natural_period"].astype(float).round(DIGITS)
     chosen = finished["scheme"].isin(BOUNDARY) & exact.isin(periods)

@@ -1,4 +1,4 @@
-"""What the fidelity report says, in the order in which a reader asks for it."""
+"""The contents of the fidelity report, in the order of a reader's questions."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from owtsweep.verdicts.statements import JudgedStatement
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Degrees of freedom: x, y, v_x and v_y; and the two axes of a fix.
+#: Degrees of freedom of NEES (x, y, v_x and v_y) and of NIS (the two axes of a fix).
 FREEDOM = {"nees": 4.0, "nis": 2.0}
-#: How the tests of the statements came about.
+#: The origin of the tests of the statements.
 DEFINITIONS = (
     "Definitions and thresholds were written down before any run was judged by them; winners and "
     "boundaries of earlier prototypes were known."
@@ -47,13 +47,13 @@ def document(
     Parameters
     ----------
     name
-        What to call the run.
+        Name of the run in the report.
     tables
-        By the names of their files.
+        File name -> table.
     judged
-        F1 to F11.
+        The judged statements F1 to F11.
     pictures
-        Files by the names of the figures.
+        Figure name -> file.
     """
     numbers = tables["fidelity_numbers"]
     return [
@@ -118,5 +118,5 @@ def _summary(
 
 
 def _rows(table: pd.DataFrame) -> Iterator[Any]:
-    """Rows with their columns as attributes."""
+    """The rows of a table, with their columns as attributes."""
     yield from table.itertuples(index=False)

@@ -1,4 +1,4 @@
-"""The cells that the paper speaks of, and what a run has to say about them."""
+"""The cells that the paper discusses, and a run's results for them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ class Evidence(evidence.Evidence):
     Attributes
     ----------
     history_errors
-        Of the time histories at 3.8 s; None where the run's schemes or spectrum do not allow them.
+        Errors of the time histories at 3.8 s; None if the run's schemes or spectrum do not allow
+        them.
     """
 
     history_errors: HistoryErrors | None = None
@@ -43,5 +44,5 @@ class Evidence(evidence.Evidence):
 def cells(
     periods: Sequence[float] = PERIODS, amplitudes: Sequence[float] = AMPLITUDES
 ) -> list[Cell]:
-    """The cells of a grid, by period, then amplitude."""
+    """The cells of a grid, sorted by period, then by amplitude."""
     return [Cell(period, amplitude) for period in periods for amplitude in amplitudes]

@@ -1,6 +1,7 @@
-"""Errors of the time histories at 3.8 s (section 5.2), which no cell of the map holds.
+"""Errors of the time histories at 3.8 s (section 5.2), a period that is not on the map.
 
-They are simulated for the report. Everything but natural period and amplitude is the run's own.
+They are simulated for the report, with the run's configuration except for natural period and
+amplitude.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ from owtsweep.studies.hub.true_bias import simulate_bias
 
 #: Natural period of the case of section 5.2, s.
 NATURAL_PERIOD = 3.8
-#: Section 5.2 does not print its amplitude (m). It finds HME1 better in position, so by Fig. 15 it
-#: lies above .3 m; .5 m is the smallest amplitude of section 5.3 that does.
+#: Amplitude, m. Section 5.2 does not state it. There HME1 is better in position, so by Fig. 15 the
+#: amplitude is above 0.3 m; 0.5 m is the next larger amplitude in section 5.3.
 AMPLITUDE = 0.5
 #: The bound of F9 on the velocity error, m/s.
 VELOCITY_BOUND = 0.05
@@ -33,7 +34,7 @@ MOST_REPLICATES = 20
 
 @dataclass(frozen=True)
 class HistoryErrors:
-    """Measures of time histories, (replicates,) each.
+    """Error measures of the time histories, (replicates,) each.
 
     Attributes
     ----------
@@ -52,15 +53,15 @@ class HistoryErrors:
 def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
     """Simulate HME1 and HME2 at 3.8 s on the run's replicates, at most 20.
 
-    Returns None where the run has not both schemes with a batch kernel, or its spectrum does not
-    exist at 3.8 s.
+    Returns None if the run lacks one of the schemes, if one of them has no batch kernel, or if the
+    run's spectrum does not exist at 3.8 s.
     """
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     if not all(name in schemes and hasattr(schemes[name], "kernel") for name in SCHEMES):
         return None
     inside: dict[str, list[float]] = {name: [] for name in SCHEMES}
     accumulated: dict[tuple[str, str], list[float]] = {}
-    # One record at a time: 2000 s of one already take tens of megabytes.
+    # One record at a time: 2000 s of one record take tens of megabytes.
     for replicate in range(min(config.grid.replicates, MOST_REPLICATES)):
         try:
             records = make_records(config, NATURAL_PERIOD, [replicate])
@@ -88,12 +89,12 @@ def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Ar
     Parameters
     ----------
     bias
-        (steps, 2): the true R b^b, as `simulate_bias` gives it.
+        (steps, 2): the true R b^b, as returned by `simulate_bias`.
     """
     lanes = batch.Lanes(records)
     force, fixes = lanes.at(AMPLITUDE)
     position, velocity, _ = batch.trajectories(chain, records.sensors, force, fixes)
-    # The predictor holds the bias, so the filter's newest estimate is that of now.
+    # The predictor keeps the bias constant, so the filter's newest estimate is the present one.
     estimated_bias = bias_of(batch.states(chain, force, fixes), records.sensors)
     along = AMPLITUDE * records.direction
     return {

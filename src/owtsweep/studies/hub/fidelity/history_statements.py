@@ -1,4 +1,4 @@
-"""F9 and F11: what the text says about the time histories at 3.8 s, as numeric tests.
+"""F9 and F11: numeric tests of the paper's statements about the time histories at 3.8 s.
 
 As in `fidelity.statements`, the docstrings are the definitions and were written before judging.
 """
@@ -11,7 +11,7 @@ from owtsweep.studies.hub.fidelity.evidence import Evidence
 from owtsweep.studies.hub.fidelity.history_errors import SCHEMES
 from owtsweep.verdicts.inference import Claim, mean_ratio
 
-#: "Within" as a statement about 95 % of the samples, not about the largest.
+#: The share of samples that must be within a bound: "within" is read as 95 % of them, not all.
 SHARE_INSIDE = 0.95
 LACKING = ("time histories of HME1 and HME2 at 3.8 s",)
 

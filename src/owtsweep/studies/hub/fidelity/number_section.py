@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 def number_section(
     evidence: Evidence, numbers: pd.DataFrame, pictures: Mapping[str, Path]
 ) -> list[Block]:
-    """Figures, four tables, and why numbers are missed.
+    """The blocks of the section: figures, four tables, and the reasons for missed numbers.
 
     Parameters
     ----------
     numbers
-        As `compare_numbers` returns them.
+        The result of `compare_numbers`.
     pictures
-        Files by stem: published_against_reproduced and ratios.
+        File name without suffix -> file: published_against_reproduced and ratios.
     """
     return [
         Heading("Numbers of tables 6-9"),

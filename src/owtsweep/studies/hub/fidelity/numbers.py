@@ -1,4 +1,4 @@
-"""The 64 numbers of tables 6-9 beside what a run gives for them."""
+"""The 64 numbers of tables 6-9 beside those of a run."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ NOT_IN_RUN = "not in this run"
 
 
 def compare_numbers(evidence: Evidence) -> pd.DataFrame:
-    """Published and reproduced numbers, one a row, in the order of the print.
+    """Published and reproduced numbers, one per row, in the order of the paper.
 
     Returns
     -------
     DataFrame
-        `COLUMNS`, those of a run as `compare_number` gives them. `why` says where the print lies
-        among the records, and for a number missed by more than a factor of 2 what makes the
-        difference. MSE of x and y in m^2, of vx and vy in m^2/s^2. Table 7's v_x of EKF is judged
-        at 1.98e-3, not at the print's 1.98e-2. A number whose condition or scheme the run lacks is
+        `COLUMNS`; those about the run are as in `compare_number`. `why` says where the published
+        number lies among the records, and for a number missed by more than a factor of 2, the
+        cause. MSE of x and y in m^2, of vx and vy in m^2/s^2. Table 7's v_x of EKF is judged at
+        1.98e-3, not at the print's 1.98e-2. A number whose condition or scheme the run lacks is
         NaN, "not in this run".
     """
     import pandas as pd

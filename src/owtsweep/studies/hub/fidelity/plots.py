@@ -19,11 +19,11 @@ if TYPE_CHECKING:
 
 
 def draw_boundaries(boundaries: Mapping[float, Boundary], amplitudes: Sequence[float]) -> Figure:
-    """The HME1/HME2 boundary over natural period, with its interval and the published two."""
+    """Draw the HME1/HME2 boundary over natural period with intervals, and the two published."""
     figure = style.new_figure(7.0, 4.2)
     axes = figure.subplots()
     axes.set_yscale("log")
-    # room for the published boundaries, whatever the run's own amplitudes
+    # room for the published boundaries, whatever the run's amplitudes are
     bottom, top = min(*amplitudes, 0.1), max(*amplitudes, 5.0)
     for period, printed in PUBLISHED.items():
         axes.fill_between([period - 0.25, period + 0.25], *tolerated(period), **BAND)

@@ -1,8 +1,8 @@
-"""Why a number is missed: its parts in the run against the parts that the print implies.
+"""Why a number is missed: compares its parts in the run with those that the paper implies.
 
-For a linear scheme MSE(N) = N^2 A + 2 N C + F with the amplitude N. Tables 7 and 8 are one natural
-period at two amplitudes, so (neglecting C) they give the print's own F and A; F belongs to the
-sensors and the scheme alone and holds at every period.
+For a linear scheme MSE(N) = N^2 A + 2 N C + F with the amplitude N. Tables 7 and 8 are for one
+natural period and two amplitudes, so (neglecting C) they give the paper's F and A. F depends only
+on the sensors and the scheme, so it is the same at every period.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ WEAK, STRONG = Cell(8.0, 0.2), Cell(8.0, 1.0)
 
 
 class Terms(NamedTuple):
-    """The parts of an MSE at one amplitude, all in its own unit: N^2 A, 2 N C, F."""
+    """The parts of an MSE at one amplitude, in the unit of the MSE: N^2 A, 2 N C, F."""
 
     motion: float
     cross: float
@@ -35,7 +35,7 @@ class Terms(NamedTuple):
 
 @cache
 def implied_floor(scheme: str, measure: str) -> float:
-    """F of the print, from tables 7 and 8."""
+    """The paper's F, from tables 7 and 8."""
     table = published_numbers()
     chosen = table[(table["scheme"] == scheme) & (table["measure"] == measure)]
     value = chosen.set_index(["natural_period", "amplitude"])["published"]
@@ -43,7 +43,7 @@ def implied_floor(scheme: str, measure: str) -> float:
 
 
 def floors_of_records(evidence: Evidence, scheme: str, measure: str) -> Array:
-    """F of the run's single records, by the way in which the print's is found: with C in it."""
+    """F of the run's single records, computed as for the paper, and so with a contribution of C."""
     chosen = _superposed(evidence, scheme, WEAK.natural_period, measure)
     chosen = chosen[chosen["window"] == evidence.window]
     A, C, F = (chosen[name].to_numpy(dtype=float) for name in ("motion", "cross", "noise"))
@@ -70,7 +70,7 @@ def _superposed(
 
 
 def terms(evidence: Evidence, scheme: str, cell: Cell, measure: str) -> Terms | None:
-    """The parts of the run's mean; None where the cases were run directly."""
+    """The parts of the run's mean MSE; None where the cases were run directly."""
     chosen = _superposed(evidence, scheme, cell.natural_period, measure)
     chosen = chosen[chosen["window"] == evidence.window]
     if chosen.empty:
@@ -80,7 +80,7 @@ def terms(evidence: Evidence, scheme: str, cell: Cell, measure: str) -> Terms | 
 
 
 def start_up_share(evidence: Evidence, scheme: str, cell: Cell, measure: str) -> float:
-    """The part of the full record's squared error that was made before the settling time.
+    """The share of the full record's squared error that comes from before the settling time.
 
     NaN where the cases were run directly.
     """
@@ -93,10 +93,10 @@ def start_up_share(evidence: Evidence, scheme: str, cell: Cell, measure: str) ->
 
 
 def reason(evidence: Evidence, scheme: str, cell: Cell, measure: str, published: float) -> str:
-    """What makes a missed number miss, from the run's parts and the print's.
+    """Say why a number is missed, from the parts of the run's MSE and of the paper's.
 
-    The cause named is the part (noise or motion) whose replacement by the print's own brings the
-    number closer to the print; the sentence gives both.
+    The cause is the part (noise or motion) that brings the number closer to the published one when
+    the paper's part replaces it. The sentence gives both parts.
     """
     parts = terms(evidence, scheme, cell, measure)
     if parts is None:
@@ -129,12 +129,12 @@ def reason(evidence: Evidence, scheme: str, cell: Cell, measure: str, published:
 
 
 def _distance(value: float, published: float) -> float:
-    """|log2| of the ratio; infinite where the exchanged part leaves nothing."""
+    """|log2| of the ratio; infinite if the number is not positive after the replacement."""
     return abs(float(np.log2(value / published))) if value > 0.0 else float("inf")
 
 
 def _doubt(evidence: Evidence, scheme: str, measure: str, floor: float) -> str:
-    """Whether the print's floor could be that of a single record whose C is not negligible."""
+    """A note if the paper's floor could be that of a single record with non-negligible C."""
     records = floors_of_records(evidence, scheme, measure)
     if len(records) < 2:
         return ""

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-#: Measure of the tables -> how figures write it.
+#: Measure of the tables -> its label in figures.
 MEASURES = {"x": "x", "y": "y", "vx": "v$_x$", "vy": "v$_y$"}
 #: Title of a panel -> its measures.
 PANELS = {
@@ -37,7 +37,7 @@ PANELS = {
 
 
 def collect(config: HubConfig, rows: pd.DataFrame) -> Evidence:
-    """What a run has to say about the paper; simulates its time histories at 3.8 s.
+    """Collect a run's evidence on the paper; simulates the time histories at 3.8 s.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def collect(config: HubConfig, rows: pd.DataFrame) -> Evidence:
 
 
 def judge_all(evidence: Evidence) -> list[JudgedStatement]:
-    """F1 to F11."""
+    """Judge the statements F1 to F11."""
     facts = published.facts()
     texts = dict(zip(facts["id"], facts["statement"], strict=True))
     return judge(texts, {**STATEMENTS, **HISTORY_STATEMENTS}, evidence)
@@ -79,10 +79,10 @@ def write_report(
     config, rows
         As for `collect`.
     folder
-        Made if it does not exist: fidelity.csv, fidelity_numbers.csv, fidelity_claims.csv,
+        Made if it does not exist. It gets fidelity.csv, fidelity_numbers.csv, fidelity_claims.csv,
         consistency.csv, fidelity.md, fidelity.html and figures/.
     name
-        What to call the run.
+        Name of the run in the report.
     metadata
         Stored inside the figures.
 

@@ -1,9 +1,9 @@
-"""How far a reading is from the print: one number, and what it is made of.
+"""The distance of an interpretation of the paper from its results: one number and its parts.
 
 The score, fixed before the recorded search: the mean absolute log2 ratio of reproduced to published
 over the 64 numbers of tables 6-9 (Table 7's misprint judged at 1.98e-3), plus
-`WINNER_PENALTY` for each of the four tables whose winner by position (x + y) is another one, plus
-`BOUNDARY_WEIGHT` times the absolute log2 ratio of the HME1/HME2 boundary to .3 m at 4 s and 1 m at
+`WINNER_PENALTY` for each of the four tables whose winner by position (x + y) differs, plus
+`BOUNDARY_WEIGHT` times the absolute log2 ratio of the HME1/HME2 boundary to 0.3 m at 4 s and 1 m at
 6 s.
 """
 
@@ -29,10 +29,10 @@ PERIODS = (3.0, 4.0, 6.0, 8.0)
 MEASURES = ("x", "y", "vx", "vy")
 WINNER_PENALTY = 0.5
 BOUNDARY_WEIGHT = 0.5
-#: What a boundary that does not exist counts as, in log2.
+#: The log2 ratio that is used for a boundary that does not exist.
 NO_BOUNDARY = 4.0
 
-#: scheme -> natural period -> (4 measures, 3 products) mean over the records.
+#: Scheme -> natural period -> (4 measures, 3 products), means over the records.
 Products = Mapping[str, Mapping[float, Array]]
 
 
@@ -41,7 +41,7 @@ def scheme_products(
 ) -> dict[float, Array]:
     """Means of motion, cross and noise products of one scheme, (4, 3) per period.
 
-    `measures.window` says over which window.
+    The window is `measures.window`.
     """
     resolved = resolve(scheme)
     result = {}
@@ -59,20 +59,20 @@ def scheme_products(
 def make_lanes(
     config: HubConfig, replicates: Sequence[int], periods: Sequence[float] = PERIODS
 ) -> dict[float, Lanes]:
-    """The records that a score is computed on."""
+    """Make the records from which a score is computed."""
     return {period: Lanes(make_records(config, period, replicates)) for period in periods}
 
 
 def at_amplitude(products: Array, amplitude: float) -> Array:
-    """MSE at an amplitude (m) from the three products along the last axis."""
+    """The MSE at an amplitude (m), from the three products along the last axis."""
     return np.asarray(superpose(products[..., 0], products[..., 1], products[..., 2], amplitude))
 
 
 def boundary(lower: Array, upper: Array) -> float:
-    """The amplitude (m) above which `upper` has the lesser position MSE, x + y.
+    """The amplitude (m) above which `upper` has the smaller position MSE, x + y.
 
-    Both are (4, 3) products. NaN if there is none: one scheme is better everywhere, or the other
-    way round.
+    Both are (4, 3) products. NaN if there is none: one scheme is better at every amplitude, or
+    `upper` is better below and not above.
     """
     a, c, f = np.sum(lower[:2] - upper[:2], axis=0)  # lower minus upper: < 0 below the boundary
     if f >= 0.0 or a <= 0.0:
@@ -82,12 +82,12 @@ def boundary(lower: Array, upper: Array) -> float:
 
 @dataclass(frozen=True)
 class Score:
-    """What the four schemes together add to the mean distance from the print.
+    """The parts of the score that need all four schemes: winners and boundaries.
 
     Attributes
     ----------
     penalties
-        The part of the score that winners and boundaries make up; less is better.
+        The sum of both parts of the score; less is better.
     winners
         The scheme of least position MSE in tables 6, 7, 8, 9.
     boundaries
@@ -100,7 +100,7 @@ class Score:
 
 
 def published_numbers() -> pd.DataFrame:
-    """The 64 numbers to be met, with Table 7's misprint corrected."""
+    """The 64 published numbers, with Table 7's misprint corrected."""
     table = published.mse_tables()
     misprint = (table.table == 7) & (table.scheme == "EKF") & (table.measure == "vx")
     table.loc[misprint, "published"] = 1.98e-3
@@ -108,7 +108,7 @@ def published_numbers() -> pd.DataFrame:
 
 
 def compare(products: Products) -> pd.DataFrame:
-    """Published and reproduced numbers of the schemes at hand, with the log2 of their ratio."""
+    """Published and reproduced numbers of the given schemes, with the log2 of their ratio."""
     table = published_numbers()
     table = table[table.scheme.isin(list(products))].copy()
     keys = zip(table.scheme, table.natural_period, table.amplitude, table.measure, strict=True)

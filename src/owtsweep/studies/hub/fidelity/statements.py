@@ -1,15 +1,15 @@
-"""F1-F8 and F10: what the text says about the map and the tables, as numeric tests.
+"""F1-F8 and F10: numeric tests of the paper's statements about the map and the tables.
 
 Definitions and thresholds were written down before any run was judged by them; winners and
-boundaries of earlier prototypes were known. (After the first look one edge of the inference was
-mended: a paired t test counts also where the ratio has no bounded interval.) A test's docstring is
-its definition; the report prints it. Common to all of them: the measure is the MSE in the run's
-window (`measures.window`), position = x + y, velocity = vx + vy, unless said otherwise; the
-quantity is a ratio of two means over the replicates that all schemes concerned finished; "below 1
-in all cells" is tested in each cell by a paired t test and over the cells by Holm's correction
+boundaries of earlier prototypes were known. (One detail of the inference was corrected after the
+first results: a paired t test also counts where the ratio has no bounded interval.) A test's
+docstring is its definition; the report prints it. Common to all tests: the measure is the MSE in
+the run's window (`measures.window`), position = x + y, velocity = vx + vy, unless said otherwise;
+the quantity is a ratio of two means over the replicates that all schemes concerned finished; "below
+1 in all cells" is tested in each cell by a paired t test and over the cells by Holm's correction
 (`verdicts.inference`); cells are those of the paper's grid, and a claim that lacks one of its cells
-can fall but not stand. Boundaries are bootstrapped over the replicates (`results.boundary`).
-F9 and F11 concern time histories: `fidelity.history_statements`.
+can be refuted but not confirmed. Boundaries are bootstrapped over the replicates
+(`results.boundary`). F9 and F11 concern time histories: `fidelity.history_statements`.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from owtsweep.verdicts.inference import Claim, Decision, mean_ratio
 TABLE_CELLS = {6: Cell(4.0, 0.2), 7: Cell(8.0, 0.2), 8: Cell(8.0, 1.0), 9: Cell(3.0, 2.0)}
 #: F6 calls 20-30 % an improvement, so "nearly equal" must be closer than that.
 NEARLY_EQUAL = 0.8
-#: "About 20-30 %": half the printed range to either side of it.
+#: "About 20-30 %" is read as this range: half the printed range is added on either side.
 IMPROVEMENT = (0.15, 0.35)
 
 
@@ -194,7 +194,7 @@ def f10(evidence: Evidence) -> list[Claim]:
     return [gather("every scheme's MSE grows from each amplitude to the next", parts)]
 
 
-#: Statements that the cases of a run decide.
+#: The statements that are decided by the cases of a run.
 STATEMENTS: dict[str, Callable[[Evidence], list[Claim]]] = {
     "F1": f1, "F2": f2, "F3": f3, "F4": f4, "F5": f5, "F6": f6, "F7": f7, "F8": f8, "F10": f10,
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""`fidelity.csv`: everything that the paper prints, one row each, with what the run says to it."""
+"""`fidelity.csv`: one row per published item, with the run's result for it."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ from owtsweep.verdicts.summary import (
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Median |log2(reproduced / published)| that counts as agreement, by group of schemes.
+#: Group of schemes -> greatest median |log2(reproduced / published)| that counts as agreement.
 GROUPS = {("MKF", "HME1", "HME2"): 0.45, ("EKF",): 1.2}
-#: Where the velocity/position ratio of EKF's MSE counts as the print's.
+#: The range in which the velocity/position ratio of EKF's MSE agrees with the paper.
 EKF_RATIO = (0.45, 0.65)
 NO_BOUNDARY = "period, scheme or superposed cases not in this run"
 
@@ -77,7 +77,7 @@ def _boundary(evidence: Evidence, boundaries: Mapping[float, Boundary], period: 
         return _boundary_row(f"boundary {period:g} s", NAN, at_period, "", "not published")
     low, high = tolerated(period)
     verdict = claim_within("", at_period, period).verdict
-    if at_period and at_period.wins:  # then the cells to either side decide
+    if at_period and at_period.wins:  # then the cells on either side decide
         verdict = all_of(boundary_claims(evidence, period))
     why = f"agreement: within a factor of 2, {low:g} to {high:g} m"
     item = f"boundary {period:g} s"
@@ -105,7 +105,7 @@ def _boundary_row(
 
 
 def _winner(evidence: Evidence, number: int) -> Item:
-    """The published winner's position MSE over that of the best of the others, here and there."""
+    """The published winner's position MSE over that of the best other scheme, in run and paper."""
     cell = TABLE_CELLS[number]
     table = published_numbers()
     chosen = table[(table["table"] == number) & table["measure"].isin(["x", "y"])]
@@ -123,7 +123,7 @@ def _winner(evidence: Evidence, number: int) -> Item:
 
 
 def _ekf_ratio(evidence: Evidence, number: int) -> Item:
-    """Velocity MSE over position MSE of EKF: where its loop resonates."""
+    """Velocity MSE over position MSE of EKF, which shows where in frequency its loop resonates."""
     cell, (low, high) = TABLE_CELLS[number], EKF_RATIO
     table = published_numbers()
     chosen = table[(table["table"] == number) & (table["scheme"] == "EKF")]

@@ -1,4 +1,4 @@
-"""The figures and tables of the hub study. A figure's module is imported once it is drawn."""
+"""The figures and tables of the hub study. A figure's module is imported when it is drawn."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
     from owtsweep.studies.hub.config import HubConfig
 
-#: Draws a figure.
+#: A function that draws a figure.
 Draw = Callable[[], "Figure"]
 
 #: Natural periods (s) whose MSE over amplitude the paper shows, and the figure's number.
 PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
 MAP = "figure_18_best_scheme"
-#: Figures 9-14: name -> the quantity that they show over time, and whether zoomed in.
+#: Figures 9-14: name -> the quantity shown over time, and whether the figure is zoomed in.
 TIME_HISTORIES = {
     "figure_09_position": ("position", False),
     "figure_10_position_zoom": ("position", True),
@@ -40,14 +40,14 @@ def drawings(
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """Every figure of a run of records by name, from its results and from its configuration.
+    """Every figure of a run with records, by name: from its results and from its configuration.
 
     Parameters
     ----------
     tables
         summary and best_scheme.
     rows
-        The run's cases, failed ones too.
+        The run's cases, including failed ones.
     metadata
         Stored inside the figures.
     """
@@ -75,12 +75,12 @@ def drawings(
 def save_each(
     figures: Mapping[str, Draw], metadata: Mapping[str, str] | None
 ) -> dict[str, Drawing]:
-    """Name -> what draws a figure and saves it."""
+    """Figure name -> function that draws and saves it."""
     return {name: save_figure(draw, metadata) for name, draw in figures.items()}
 
 
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
-    """The map by the run's own criterion and the one by velocity."""
+    """The map by the run's criterion and the map by velocity."""
     return {
         MAP: lambda: draw_map(config.measures.criterion),
         "best_scheme_velocity": lambda: draw_map("velocity"),
@@ -120,7 +120,7 @@ def over_amplitude(
     periods: Iterable[float],
     coinciding: Callable[[], Sequence[Sequence[str]]],
 ) -> dict[str, Draw]:
-    """MSE over amplitude, a figure per natural period."""
+    """MSE over amplitude, one figure per natural period."""
 
     def draw(period: float) -> Figure:
         from owtsweep.studies.hub.figures import mse_over_amplitude
@@ -159,7 +159,7 @@ def _published(config: HubConfig, summary: pd.DataFrame) -> Drawing:
 def _illustrations(
     config: HubConfig, coinciding: Callable[[], Sequence[Sequence[str]]]
 ) -> dict[str, Draw]:
-    """What is drawn from the configuration alone: a record, its spectrum, time histories."""
+    """The figures drawn from the configuration alone: a record, its spectrum, time histories."""
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import simulate_histories
 

@@ -1,6 +1,6 @@
-"""Error per unit of motion over the motion's frequency, and what noise alone leaves.
+"""Error per unit of motion over the motion's frequency, and the error from noise alone.
 
-The panel that says why one scheme wins: it errs less with the motion, or it errs less without.
+The panel shows why a scheme wins: its error from the motion or its error from noise is smaller.
 """
 
 from __future__ import annotations
@@ -27,18 +27,19 @@ if TYPE_CHECKING:
 
 #: Points of a curve, evenly spaced in log frequency.
 POINTS = 150
-#: A curve reaches beyond the band by these factors, and stays below the fix rate.
+#: Curves extend beyond the lower and upper edge of the band by these factors, but stay below the
+#: fix rate.
 BEYOND = (0.7, 1.4)
-#: Errors below this part of the largest are not shown: nobody needs nine decades.
+#: The axis shows errors down to this many decades below the largest.
 DECADES = 7.5
-#: The floors stand to the right of the band, on this part of the axis (in its own fraction).
+#: The noise floors are drawn to the right of the band, in this part of the axis (axis fractions).
 FLOOR_SPAN = (0.9, 1.0)
 UNITS = {"position": "m²", "velocity": "m²/s²"}
 
 
 @dataclass(frozen=True)
 class SchemeErrors:
-    """What a scheme makes of motion and of noise; `floor` is None where it does not settle."""
+    """A scheme's errors from motion and from noise; `floor` is None where it does not settle."""
 
     spectrum: ErrorSpectrum
     floor: NoiseFloor | None
@@ -47,11 +48,11 @@ class SchemeErrors:
 def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeErrors]:
     """Error spectra and noise floors of all schemes of a study that have a kernel.
 
-    A scheme whose response does not settle with this tuning is absent.
+    A scheme whose response does not settle with this tuning is left out.
     """
     sensors = sensing.sensors(config.sensors)
     low, high = config.band
-    # a motion at a multiple of the fix rate stands still for the GNSS
+    # to the GNSS, a motion at a multiple of the fix rate looks like rest
     highest = min(BEYOND[1] * high, max(high, 0.95 / sensors.fix_step))
     frequency = np.geomspace(BEYOND[0] * low, highest, points)
     phase = frequency * sensors.fix_step
@@ -87,9 +88,9 @@ def draw(
     coinciding
         Groups of schemes with the same numbers, for the footnote.
     errors
-        As `compute` returns them, if they are there already.
+        The result of `compute`, if it already exists.
     motion
-        Whether to draw the motion spectra of the grid's natural periods below.
+        Whether to draw the motion spectra of the grid's natural periods below the panels.
 
     Raises
     ------
@@ -130,12 +131,12 @@ EXPLANATION = (
 MOTION_EXPLANATION = (
     "Below: spectra of the motion at the grid's natural periods, each with its peak at 1."
 )
-#: More spectra than these would hide each other.
+#: Greatest number of motion spectra drawn; more would hide each other.
 MOST_SPECTRA = 8
 
 
 def draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
-    """Draw the motion spectra of the grid's natural periods over their band, peaks at 1."""
+    """Draw the motion spectra of the grid's natural periods over their band, with peaks of 1."""
     from owtsweep.motion.spectra import spectrum
 
     periods = sorted(config.grid.natural_period)
@@ -155,7 +156,7 @@ def draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, floa
 
 
 def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
-    """Sentences on what the panel does not show."""
+    """Sentences that say what the panel does not show."""
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     without = {
         "curve (no kernel, or it does not settle)": [n for n in names if n not in errors],
@@ -205,7 +206,7 @@ def _scales(
 ) -> None:
     frequency: Array = next(iter(errors.values())).spectrum.frequency
     left, right = np.log(frequency[0]), np.log(frequency[-1])
-    # room for the bars: the curves end where these begin
+    # room for the bars: they begin where the curves end
     end = left + (right - left) / (FLOOR_SPAN[0] - 0.02)
     axes.set_xlim(frequency[0], np.exp(end))
     least = min(float(scheme.spectrum.of(measure).min()) for scheme in errors.values())
@@ -227,7 +228,7 @@ def _frequency_ticks(axes: Axes, low: float, high: float) -> None:
 
 
 def _mark_periods(axes: Axes, periods: Sequence[float]) -> None:
-    """The natural periods as ticks of their own on the upper edge."""
+    """Mark the natural periods with extra ticks on the upper edge."""
     low, high = axes.get_xlim()
     shown = [period for period in periods if low < 1.0 / period < high]
     for period in shown:

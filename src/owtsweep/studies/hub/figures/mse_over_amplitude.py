@@ -20,7 +20,7 @@ PANELS = {
     "position": "position MSE, x + y (m²)",
     "velocity": "velocity MSE, vx + vy (m²/s²)",
 }
-#: Published measure -> the measure that it is a part of.
+#: Published measure -> the measure to which it contributes.
 PARTS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity"}
 
 
@@ -40,18 +40,18 @@ def draw(
     summary
         Columns of summary.csv.
     natural_period
-        In s; one of those in `summary`.
+        One of the natural periods in `summary`, s.
     schemes
         Schemes to draw, in the order of the legend.
     window, tuning
-        Named in the title; `window` selects the rows.
+        Both are named in the title; `window` also selects the rows.
     coinciding
         Groups of schemes with the same numbers, for the footnote.
 
     Raises
     ------
     InputError
-        If `summary` has nothing to draw at that period in that window.
+        If `summary` has no data at that period in that window.
     """
     shown = curves.choose(summary, schemes, window, {NATURAL_PERIOD: natural_period})
     printed = _choose_published(natural_period, shown["amplitude"], schemes)
@@ -80,7 +80,7 @@ def draw(
 def _choose_published(
     natural_period: float, amplitudes: pd.Series[float], schemes: Sequence[str]
 ) -> pd.DataFrame:
-    """The published numbers at that period within the range of amplitudes."""
+    """Choose the published numbers at that period within the range of amplitudes."""
     table = published.mse_tables()
     inside = table["amplitude"].between(amplitudes.min(), amplitudes.max())
     here = np.isclose(table["natural_period"], natural_period) & inside
@@ -88,7 +88,7 @@ def _choose_published(
 
 
 def _add_parts(printed: pd.DataFrame) -> pd.DataFrame:
-    """Position and velocity as the sums of what is published."""
+    """Add the published components to get position and velocity."""
     keys = ["scheme", "measure", "amplitude"]
     whole = printed.assign(measure=printed["measure"].map(PARTS), value=printed["published"])
     return whole.groupby(keys)["value"].sum().reset_index()

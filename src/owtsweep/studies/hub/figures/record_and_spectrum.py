@@ -1,6 +1,6 @@
 """Figures 3 and 4 of Ren et al. (2019): a displacement record and its spectrum.
 
-The print's record comes from HAWC2; here it is a record of the study, drawn from Eq. (1).
+The paper's record comes from HAWC2; the one here is a record of the study, drawn from Eq. (1).
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from owtsweep.studies.hub.records import Records, make_records
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: Length of a segment of Welch's estimate, s: it resolves the peak, half as wide as 1/64 Hz.
+#: Segment length of Welch's estimate, s: long enough to resolve the peak, which is half as wide as
+#: 1/64 Hz.
 SEGMENT = 200.0
-#: How long a piece of the record stands below the whole, s.
+#: Length of the detail shown below the whole record, s.
 DETAIL = 60.0
 AXES = ("x (north)", "y (east)")
 MEASURED, GIVEN, EDGE = "#0072B2", "#D55E00", "0.45"
@@ -66,7 +67,7 @@ def draw_record(config: HubConfig) -> Figure:
 
 
 def draw_spectrum(config: HubConfig) -> Figure:
-    """Draw the spectrum of that record with Eq. (1), scaled to its variance, over it."""
+    """Draw the spectrum of that record, and over it Eq. (1) scaled to the record's variance."""
     from scipy.signal import welch
 
     period = natural_period_of(config)

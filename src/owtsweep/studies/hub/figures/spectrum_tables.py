@@ -1,4 +1,4 @@
-"""The command `spectrum`: the error spectra drawn, and they and the noise floors as tables."""
+"""The command `spectrum`: draws the error spectra, and tabulates them and the noise floors."""
 
 from __future__ import annotations
 
@@ -34,7 +34,10 @@ def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple
 
 
 def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
-    """scheme, frequency (Hz), position (m^2/m^2) and velocity (s^-2) per m^2 of displacement."""
+    """The error spectra as a table.
+
+    Columns scheme, frequency (Hz), position (m^2/m^2) and velocity (s^-2), per m^2 of displacement.
+    """
     import pandas as pd
 
     parts = [
@@ -45,7 +48,7 @@ def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 
 
 def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
-    """scheme, measure, source (gnss, imu, bias or all), mse; NaN where a scheme does not settle."""
+    """Table: scheme, measure, source (gnss, imu, bias or all), mse; NaN if it does not settle."""
     import pandas as pd
 
     rows = []
@@ -70,7 +73,7 @@ def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
 
 
 def terminal(config: HubConfig, errors: Mapping[str, SchemeErrors]) -> Table:
-    """The settled noise floors, as root mean squares."""
+    """Show the settled noise floors in the terminal, as root mean squares."""
     from rich import box
     from rich.table import Table
 

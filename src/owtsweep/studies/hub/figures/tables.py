@@ -1,4 +1,4 @@
-"""Tables 6-9 of Ren et al. (2019), the published numbers beside this run's."""
+"""Tables 6-9 of Ren et al. (2019): the published numbers beside those of a run."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ COLUMNS = (
 MISSING = "not in this run"
 NO_VALUE = "–"
 UNITS = {"x": "m²", "y": "m²", "vx": "m²/s²", "vy": "m²/s²"}
-#: Digits to which a condition of the paper and one of the run are the same.
+#: A condition of the run is one of the paper's if they agree to this many decimal places.
 DIGITS = 9
 
 
 def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
-    """The 64 published numbers with what the run gives for them.
+    """The 64 published numbers beside those of the run.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
     -------
     DataFrame
         `COLUMNS`: MSE of x and y in m^2, of vx and vy in m^2/s^2, with the 95 % interval of the
-        reproduced mean; ratio = reproduced / published. Conditions that the run does not hold
-        have NaN and the note "not in this run".
+        reproduced mean; ratio = reproduced / published. Conditions that the run lacks have NaN and
+        the note "not in this run".
     """
     conditions = ["natural_period", "amplitude"]
     keys = [*conditions, "scheme", "measure"]
@@ -94,6 +94,6 @@ def _cell(row: dict[str, Any]) -> str:
 
 
 def _number(value: float) -> str:
-    """Three digits, the exponent as in the print: 1.42e-3."""
+    """Three digits, with the exponent as in the paper: 1.42e-3."""
     mantissa, exponent = f"{value:.2e}".split("e")
     return f"{mantissa}e{int(exponent)}"

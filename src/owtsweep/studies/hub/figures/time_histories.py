@@ -1,4 +1,4 @@
-"""Figures 9-14 of Ren et al. (2019): one record in time, and what accumulates of the errors."""
+"""Figures 9-14 of Ren et al. (2019): one record over time, and its accumulated errors."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from owtsweep.studies.hub.histories import Histories
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: The schemes of the paper's figures; others are drawn if the run has none of them.
+#: The schemes of the paper's figures; if the run has none of them, all its schemes are drawn.
 SHOWN = ("MKF", "HME1", "HME2")
-#: s of the record that the histories show, from its start and in the zoom.
+#: Seconds of the record that the histories show: from its start, and in the zoom.
 SPAN = 120.0
 ZOOM = 15.0
-#: The same of the acceleration, whose noise hides all else in a longer one.
+#: Seconds shown of the acceleration, whose noise would hide everything else in a longer view.
 ACCELERATION_ZOOM = 6.0
 AXES = ("x", "y")
 ALONE: dict[str, Any] = {
     "color": "#D55E00", "linewidth": 1.1, "linestyle": (0, (1, 1)), "zorder": 1.9,
     "label": "IMU alone,\nintegrated",
 }  # fmt: skip
-#: What the integrated IMU may show of its drift, in amplitudes of the motion.
+#: Height of a panel that shows the drift of the integrated IMU, in amplitudes of the motion.
 VIEW = 1.6
-#: Bound of the velocity error that section 5.2 names, m/s.
+#: The bound of the velocity error in section 5.2, m/s.
 VELOCITY_BOUND = 0.05
 
 #: First and last time that a panel shows, s.
@@ -47,12 +47,12 @@ def draw(
     tuning: str,
     schemes: Sequence[str] | None = None,
 ) -> Figure:
-    """Draw one quantity over time, x above y, and below them what accumulates of the errors.
+    """Draw one quantity over time, x above y, and the accumulated errors below them.
 
     Parameters
     ----------
     histories
-        As `owtsweep.studies.hub.histories.simulate_histories` makes them.
+        The result of `owtsweep.studies.hub.histories.simulate_histories`.
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom
@@ -60,7 +60,7 @@ def draw(
     tuning
         Named in the title.
     schemes
-        Which to draw, by default those of `SHOWN` that the histories hold, or all.
+        The schemes to draw. By default those of `SHOWN` that the histories hold, or else all.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def _view(histories: Histories, quantity: str, *, zoom: bool) -> View:
 
 
 def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Array]:
-    """Times (n,) and values (n, 2) of an estimate, each value at the moment that it is about."""
+    """Times (n,) and values (n, 2) of an estimate, each at the time to which it refers."""
     estimated = histories.estimated[name]
     values = getattr(estimated, quantity)
     if quantity in ("position", "velocity"):
@@ -117,7 +117,7 @@ def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Ar
 def _values(
     histories: Histories, quantity: str, axis: int, names: Sequence[str], view: View
 ) -> Panel:
-    """The panel of x or y: truth, what the sensors said, and the estimates."""
+    """The panel of x or y: truth, measurements and estimates."""
 
     def inside(values: Array) -> Line:
         return make_line(*clip(histories.time, values[:, axis], view))
@@ -150,9 +150,9 @@ def _values(
 def _limits(
     histories: Histories, quantity: str, axis: int, names: Sequence[str], view: View
 ) -> tuple[float | None, float | None]:
-    """What the values reach: of a bias without its start, else without the IMU's drift."""
+    """The limits of the axis: for a bias without its start, otherwise without the IMU's drift."""
     if quantity == "bias":
-        settled = len(histories.time) // 10  # the start would hide all that comes after
+        settled = len(histories.time) // 10  # the start would hide everything after it
         estimates = [_estimate(histories, name, quantity)[1][settled:, axis] for name in names]
         values = np.concatenate([histories.bias[:, axis], *estimates])
         margin = 0.3 * np.ptp(values)
@@ -164,17 +164,17 @@ def _limits(
 
 
 def _integrated(histories: Histories, quantity: str) -> Array:
-    """(steps, 2) position or velocity of the IMU alone."""
+    """(steps, 2) position or velocity from integrating the IMU alone."""
     return np.asarray(getattr(histories, f"integrated_{quantity}"))
 
 
 def _reach(histories: Histories, quantity: str, axis: int) -> float:
-    """How far from zero a panel reaches that would show the IMU's drift."""
+    """The largest absolute value on the axis of a panel that shows the IMU's drift."""
     return VIEW * float(np.max(np.abs(getattr(histories, quantity)[:, axis])))
 
 
 def _drift_in_view(histories: Histories, quantity: str, axis: int, view: View) -> bool:
-    """Whether the integrated IMU has not left the panel before the view begins."""
+    """Whether the integrated IMU is within the panel at some time of the view."""
     if quantity not in ("position", "velocity"):
         return False
     _, alone = clip(histories.time, _integrated(histories, quantity)[:, axis], view)
@@ -182,7 +182,7 @@ def _drift_in_view(histories: Histories, quantity: str, axis: int, view: View) -
 
 
 def _drift_note(histories: Histories, quantity: str, axis: int, view: View) -> str:
-    """Where the drift of the integrated IMU leaves the panel, if it does."""
+    """A note on when the drift of the integrated IMU leaves the panel; empty if it does not."""
     if quantity not in ("position", "velocity"):
         return ""
     alone = _integrated(histories, quantity)[:, axis]
@@ -199,7 +199,7 @@ def _drift_note(histories: Histories, quantity: str, axis: int, view: View) -> s
 
 
 def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
-    """The errors of x in a view, or what accumulates of x and y over the record."""
+    """The errors of x in a view, or the accumulated errors of x and y over the record."""
     truth = getattr(histories, quantity)
     estimates = {name: _estimate(histories, name, quantity) for name in names}
     errors = {name: (time, values - truth[: len(values)])
@@ -233,7 +233,7 @@ def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> 
 
 
 def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
-    """How late each scheme's filter knows its states."""
+    """A note on the delay with which each scheme's filter estimates its states."""
     lags: dict[float, list[str]] = {}
     for name in names:
         lag = histories.estimated[name].lag * float(histories.time[1])

@@ -1,7 +1,7 @@
-"""Two tunings side by side: the best-scheme maps, the HME1/HME2 boundary, and what makes it.
+"""Two tunings side by side: the best-scheme maps, the HME1/HME2 boundary, and its cause.
 
 The third panel, below the maps and split by tuning, shows each scheme's error over the frequency of
-the motion and its noise floor: the two parts that a boundary balances.
+the motion and its noise floor: at a boundary the sums of these two parts are equal.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
     Raises
     ------
     InputError
-        If one of them is a run of another study, or has nothing judged by that criterion, or the
-        criterion has no error spectrum.
+        If a run is of another study or has no results for that criterion, or if the criterion has
+        no error spectrum.
     """
     from matplotlib.patches import Patch
 
@@ -99,7 +99,7 @@ _LINE: dict[str, Any] = {
 
 
 def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
-    """One map with its boundary; returns what the footnote has to say of it."""
+    """Draw one map with its boundary; return the sentences for the footnote."""
     best, window = run.best_scheme(), config.measures.window
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -161,7 +161,7 @@ def _share_scales(panels: Sequence[Axes]) -> None:
 
 
 def _differences(configs: Sequence[HubConfig]) -> list[str]:
-    """What is not the same in both runs besides the schemes' tuning: a reader must know."""
+    """The differences between the two runs, other than the schemes' tuning, for the footnote."""
     one, other = configs
     keys = ("seed", "record", "spectrum", "normalise", "band", "wave_direction", "sensors", "grid")
     changed = [key for key in (*keys, "measures") if getattr(one, key) != getattr(other, key)]
