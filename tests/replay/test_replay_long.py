@@ -214,8 +214,8 @@ print(json.dumps({"code": code, "peak": peak}))
 """
 #: Bytes that a replay takes of a record of a minute: libraries, compiled code, figures.
 BARE = 480e6
-#: What pieces take whatever the record's length, and the gains of three schemes, which are stored for
-#: 2**18 steps at most (`hub.chain.LONGEST_TRANSIENT`).
+#: What pieces take whatever the record's length, and the gains of three schemes, which are stored
+#: for 2**18 steps at most (`hub.chain.LONGEST_TRANSIENT`).
 PIECES, GAINS = 220e6, 130e6
 
 
