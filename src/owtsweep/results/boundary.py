@@ -151,7 +151,8 @@ def subtract_schemes(
         cells.setdefault(cell, []).append(place)
     if not outer:
         cells[()] = list(range(len(products)))
-    return {cell: products[places] for cell, places in cells.items()}
+    # column by column in memory: NumPy's means group their terms by the layout
+    return {cell: np.asfortranarray(products[places]) for cell, places in cells.items()}
 
 
 def divide_crossings(
