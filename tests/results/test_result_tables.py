@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 from scipy import stats
 
+from naive_holm import naive_holm
 from owtsweep.errors import InputError
 from owtsweep.results.best_scheme import find_best_schemes, find_coinciding
 from owtsweep.results.cube import Cube
@@ -197,17 +198,6 @@ def test_tables_of_a_run_without_any_value_are_empty():
     assert make_summary(values, SCHEMES).empty
     assert find_best(values, SCHEMES, "full").empty
     assert coinciding(values, SCHEMES) == []
-
-
-def naive_holm(p_values: list[float], level: float) -> list[bool]:
-    rejected = [False] * len(p_values)
-    left = dict(enumerate(p_values))
-    while left:
-        smallest = min(left, key=left.__getitem__)
-        if left.pop(smallest) > level / (len(left) + 1):
-            break
-        rejected[smallest] = True
-    return rejected
 
 
 def test_best_scheme_is_the_paired_comparison_of_every_cell():

@@ -4,18 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from naive_holm import naive_holm
 from owtsweep.statistics.holm import holm
-
-
-def naive_holm(p_values: list[float], level: float) -> list[bool]:
-    rejected = [False] * len(p_values)
-    left = dict(enumerate(p_values))
-    while left:
-        smallest = min(left, key=left.__getitem__)
-        if left.pop(smallest) > level / (len(left) + 1):
-            break
-        rejected[smallest] = True
-    return rejected
 
 
 def test_holm_is_the_step_down_procedure():

@@ -241,7 +241,7 @@ class _Sweep:
         reasons: dict[str, int] = {}
         for key, block in self.plan.items():
             if block.anew and store.path(key).exists():
-                store.path(key).unlink()
+                store.path(key).unlink(missing_ok=True)  # another sweep may be faster
                 reasons[block.anew] = reasons.get(block.anew, 0) + block.cases
         for reason, cases in reasons.items():
             logger.warning("%d stored cases are computed anew: %s", cases, reason)
