@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep import studies
-from owtsweep.errors import InputError
-from owtsweep.sweep.runs import Run
 
 if TYPE_CHECKING:
     from owtsweep.studies.replay.result import Replay
+    from owtsweep.sweep.runs import Run
 
 __all__ = ["load", "replay", "run"]
 
@@ -44,19 +43,14 @@ def run(overrides: Sequence[str] = ()) -> Run:
 
 
 def load(path: str | PathLike[str]) -> Run:
-    """Open the run in a folder.
+    """Open the run in a folder; nothing that the folder names is imported or executed.
 
     Raises
     ------
     InputError
         If the folder holds no run, or one that this version cannot read.
     """
-    folder = Path(path)
-    file = folder / "config.yaml"
-    if not file.is_file():
-        raise InputError(f"{folder}: there is no config.yaml in it; name the folder of a run")
-    config = studies.load_config(file)
-    return Run(folder, config, studies.get_study(config.study))
+    return studies.open_run(Path(path))
 
 
 def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] = ()) -> Replay:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.cli.program import DONE
 from owtsweep.config import require
+from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
     from owtsweep.sweep.runs import Run
@@ -44,23 +45,31 @@ def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
 
 def _describe_folder(opened: Run) -> dict[str, Any]:
     """The contents of the run folder; reads all shards."""
-    from owtsweep.sweep.plan import make_plan
+    figures = opened.folder / "figures"
+    drawn = len(list(figures.glob("*.png"))) if figures.is_dir() else 0
+    return {
+        **_count_cases(opened),
+        "tables": [path.name for path in sorted(opened.folder.glob("*.csv"))] or "none yet",
+        "figures": f"{drawn} in {figures}" if drawn else "none yet",
+    }
 
+
+def _count_cases(opened: Run) -> dict[str, Any]:
     cases = dict.fromkeys(("done", "failed", "missing"), 0)
-    for key, block in make_plan(opened.study, opened.config).items():
+    try:
+        plan = opened.plan()
+    except InputError as error:  # a run of before plans were stored, with a scheme of its author's
+        return {"cases": str(error)}
+    for key, block in plan.items():
         cases[opened.store.status(key)] += block.cases
     unable: dict[str, int] = {}
     for setback in opened.unable():
         unable[setback.reason] = unable.get(setback.reason, 0) + setback.cases
-    figures = opened.folder / "figures"
-    drawn = len(list(figures.glob("*.png"))) if figures.is_dir() else 0
     return {
         "cases in finished blocks": cases["done"],
         "cases in blocks with failures": cases["failed"],
         "cases missing": cases["missing"],
         **({"cases without a number": unable} if unable else {}),
-        "tables": [path.name for path in sorted(opened.folder.glob("*.csv"))] or "none yet",
-        "figures": f"{drawn} in {figures}" if drawn else "none yet",
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from owtsweep.config.checks import require
 from owtsweep.config.section import Section, key
@@ -55,6 +55,31 @@ class Config(Section):
     engine: str = key("how results are computed", default="batch")
     config_version: int = key("version of these keys", default=CONFIG_VERSION)
     compute: Compute = key("how to compute; changes no result", default=Compute())
+
+    def describe_code(self) -> Any:
+        """What readers of a run must know of code of the user's that the keys name: JSON data.
+
+        It is stored with the run. None if the keys can name no code.
+        """
+        return None
+
+    @classmethod
+    def hide_code(cls, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+        """Stored keys in which nothing names code any more, so that it cannot be executed.
+
+        Parameters
+        ----------
+        plain
+            The keys as plain data.
+        described
+            What `describe_code` said of them; None for a run of before it was stored.
+
+        Raises
+        ------
+        InputError
+            If the description does not fit the keys.
+        """
+        return plain
 
     def check(self) -> None:
         """Raise `InputError` for values that cannot work together; studies extend it."""

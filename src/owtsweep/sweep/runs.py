@@ -13,7 +13,7 @@ from owtsweep.figures.drawings import draw_each
 from owtsweep.io.tables import read_table
 from owtsweep.sweep.gather import as_text, sort_rows
 from owtsweep.sweep.keys import run_hash
-from owtsweep.sweep.plan import make_plan
+from owtsweep.sweep.plan import Plan, make_plan
 from owtsweep.sweep.setback import Setback, collect_setbacks
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import OK, UNABLE, Engine, Study
@@ -44,11 +44,14 @@ class Run:
         The resolved configuration; it says which cases belong to the run.
     study
         The study that the configuration belongs to.
+    stored_plan
+        The plan that the folder holds beside the configuration; None if it holds none.
     """
 
     folder: Path
     config: Config
     study: Study
+    stored_plan: Plan | None = None
 
     @property
     def hash(self) -> str:
@@ -64,6 +67,18 @@ class Run:
     def engine(self) -> Engine:
         """The engine that plans, runs and draws this configuration."""
         return self.study.engine(self.config)
+
+    def plan(self) -> Plan:
+        """The blocks that the run consists of, by key: as stored, or else planned anew.
+
+        Raises
+        ------
+        InputError
+            If no plan is stored, and planning would need a user's scheme of the stored run.
+        """
+        if self.stored_plan is None:
+            return make_plan(self.study, self.config)
+        return self.stored_plan
 
     def cases(self) -> pd.DataFrame:
         """The rows of all stored cases of the plan, failed ones included, sorted by case.
@@ -98,7 +113,7 @@ class Run:
         that sums over them do not depend on the order of the grid. Text columns are categorical, so
         that millions of rows fit into memory.
         """
-        rows, missing = self.store.read_all(make_plan(self.study, self.config))
+        rows, missing = self.store.read_all(self.plan())
         if rows is not None:
             rows = sort_rows(rows, self.engine.sort_columns())
         return rows, len(missing)
@@ -106,7 +121,7 @@ class Run:
     def unable(self) -> list[Setback]:
         """Stored cases that their scheme cannot compute, by block and reason; reads all shards."""
         setbacks = []
-        for key, block in make_plan(self.study, self.config).items():
+        for key, block in self.plan().items():
             if UNABLE in (self.store.statuses(key) or ()):
                 rows = self.store.read(key)
                 setbacks += [] if rows is None else collect_setbacks(block, rows, UNABLE)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from owtsweep.config import Section, as_mapping
+from owtsweep.config import Section, as_mapping, require
 from owtsweep.errors import as_text
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub import measures
@@ -21,6 +21,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve_all, under
+from owtsweep.studies.hub.schemes.stored import StoredScheme
 from owtsweep.studies.hub.sensors import Measurements, observe
 from owtsweep.sweep.source import describe_source, explain_doubt
 from owtsweep.sweep.study import Block
@@ -84,6 +85,11 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
 
 def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
     """What a scheme's rows depend on: its sections of the tuning; for a user's scheme, all."""
+    require(
+        not isinstance(scheme, StoredScheme),
+        f"schemes: {scheme.name} is a scheme of the run's author, and the run holds no plan.json "
+        "(it is older, or config.yaml was changed); only its tables can be read",
+    )
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
     tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
     content: dict[str, Any] = {"scheme": scheme.name, "tuning": tuning}

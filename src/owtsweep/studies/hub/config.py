@@ -240,6 +240,20 @@ class HubConfig(Config):
     hme: Hme = key("smoother of HME1 and HME2, MHE of HME2")
     measures: Measures = key("what is measured, and what the map judges")
 
+    def describe_code(self) -> Any:
+        """The schemes' names, whether they are linear, and whether they have kernels."""
+        from owtsweep.studies.hub.schemes import resolve_all
+        from owtsweep.studies.hub.schemes.stored import describe
+
+        return describe(resolve_all(self.schemes, self))
+
+    @classmethod
+    def hide_code(cls, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+        """The keys with a `StoredScheme` in place of each user's scheme."""
+        from owtsweep.studies.hub.schemes.stored import stand_in
+
+        return {**plain, "schemes": stand_in(plain.get("schemes"), described)}
+
     def check(self) -> None:
         """Raise `InputError` for values that cannot work together."""
         super().check()

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
+from owtsweep.config import require
 from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.schemes.stored import StoredScheme
 
 #: Name -> module and description, in the order of tables and figures.
 REGISTERED = {
@@ -27,8 +29,8 @@ def resolve(entry: Any) -> Scheme:
     Parameters
     ----------
     entry
-        A registered name, or a mapping `{_target_: package.Class, ...}` whose other keys are the
-        arguments of the class.
+        A registered name; a mapping `{_target_: package.Class, ...}` whose other keys are the
+        arguments of the class; or the `StoredScheme` that stands for one in a run that is read.
 
     Raises
     ------
@@ -44,6 +46,8 @@ def resolve(entry: Any) -> Scheme:
             )
         module = import_module(REGISTERED[entry][0])
         return module.SCHEME  # type: ignore[no-any-return]
+    if isinstance(entry, StoredScheme):
+        return entry
     if isinstance(entry, Mapping) and "_target_" in entry:
         return _instantiate(entry)
     raise InputError(
@@ -87,7 +91,14 @@ def _instantiate(entry: Mapping[str, Any]) -> Scheme:
     module_name, _, class_name = target.rpartition(".")
     arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
     try:
-        scheme = getattr(import_module(module_name), class_name)(**arguments)
+        made = getattr(import_module(module_name), class_name)
+        require(
+            isinstance(made, type) and callable(getattr(made, "start", None)),
+            "it is no class with a method start(sensors, tuning)",
+        )
+        scheme = made(**arguments)
+    except InputError as error:
+        raise InputError(f"schemes: {target} is no scheme: {error}") from None
     except (Exception, SystemExit) as error:  # a user's module may raise anything while it loads
         text = as_text(error)
         raise InputError(
