@@ -1,14 +1,32 @@
-"""Errors that a user can act on."""
+"""Errors that a user can act on, and text that a terminal can be given."""
 
 
 class InputError(ValueError):
     """Bad input. The message is one line: the argument, what is wrong, what would work.
 
     The command line prints it without a traceback and exits with code 2, before anything is
-    written.
+    written. What is bad may come from a file of another person, so the message is `printable`.
     """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(printable(message))
 
 
 def as_text(error: BaseException) -> str:
-    """Type and message of an exception, in one line."""
-    return " ".join(f"{type(error).__name__}: {error}".split())
+    """Type and message of an exception, in one printable line."""
+    try:
+        message = str(error)
+    except Exception:  # an exception class of a user's may have a broken __str__
+        message = "its message cannot be made"
+    return printable(" ".join(f"{type(error).__name__}: {message}".split()))
+
+
+def printable(text: str) -> str:
+    r"""A text with escapes (`\x1b`) in place of all characters that a terminal would obey.
+
+    These are control characters, line breaks, marks that reverse the direction of writing, and
+    halves of characters (surrogates), which cannot be printed at all.
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
