@@ -121,22 +121,19 @@ def _html(block: Block) -> str:
                 f"<figcaption>{text}</figcaption></figure>"
             )
         case TextTable(columns, rows, numbers):
-            head = "".join(_cell("th", column, column in numbers) for column in columns)
-            lines = [
-                "".join(
-                    _cell("td", cell, column in numbers)
-                    for column, cell in zip(columns, row, strict=True)
-                )
-                for row in rows
-            ]
-            inside = "\n".join(f"<tr>{line}</tr>" for line in lines)
+            are_numbers = [column in numbers for column in columns]
+            head = _line("th", columns, are_numbers)
+            body = "\n".join(_line("td", row, are_numbers) for row in rows)
             return (
-                f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n'
-                f"<tbody>\n{inside}\n</tbody></table></div>"
+                f'<div class="scroll"><table>\n<thead>{head}</thead>\n'
+                f"<tbody>\n{body}\n</tbody></table></div>"
             )
 
 
-def _cell(tag: str, text: str, number: bool) -> str:
-    classes = [*(["number"] if number else []), *([CLASSES[text]] if text in CLASSES else [])]
-    attribute = f' class="{" ".join(classes)}"' if classes else ""
-    return f"<{tag}{attribute}>{html.escape(text)}</{tag}>"
+def _line(tag: str, cells: Sequence[str], are_numbers: Sequence[bool]) -> str:
+    line = ""
+    for text, is_number in zip(cells, are_numbers, strict=True):
+        classes = " ".join(filter(None, ["number" if is_number else "", CLASSES.get(text, "")]))
+        attribute = f' class="{classes}"' if classes else ""
+        line += f"<{tag}{attribute}>{html.escape(text)}</{tag}>"
+    return f"<tr>{line}</tr>"

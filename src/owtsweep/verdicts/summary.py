@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, Decision
+from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, Decision, Estimate
 from owtsweep.verdicts.numbers import lies_within_records
 from owtsweep.verdicts.statements import JudgedStatement
 
 if TYPE_CHECKING:
     import pandas as pd
 
-COLUMNS = (
-    "item", "kind", "published", "reproduced", "ci_low", "ci_high", "ratio", "agrees", "why",
-)  # fmt: skip
 NAN = float("nan")
 
 
@@ -38,32 +35,31 @@ class Item:
     agrees: str = MISSING
     why: str = ""
 
-    def decided(self, decision: Decision | None, agrees: str) -> Item:
-        """The same item with a run's decision; without a decision only `agrees` changes."""
-        row = replace(self, agrees=agrees)
-        if decision is None:
-            return row
-        return replace(row, reproduced=decision.value, ci_low=decision.low, ci_high=decision.high)
+    def judged(self, result: Decision | Estimate, verdict: str, why: str) -> Item:
+        """The same item with a run's result; `agrees` is yes, no, undecided, missing or empty."""
+        return replace(
+            self, reproduced=result.value, ci_low=result.low, ci_high=result.high, why=why,
+            agrees={REPRODUCED: "yes", NOT_REPRODUCED: "no"}.get(verdict, verdict),
+        )  # fmt: skip
 
 
 def make_table(rows: Sequence[Item]) -> pd.DataFrame:
-    """Make the table with `COLUMNS`; ratio = reproduced / published."""
+    """Make the table with the columns of `Item` and, before `agrees`, reproduced / published."""
     import pandas as pd
 
-    table = pd.DataFrame([asdict(row) for row in rows], columns=list(COLUMNS))
-    return table.assign(ratio=table["reproduced"] / table["published"])
-
-
-def agreement(verdict: str) -> str:
-    """Translate a verdict for the column `agrees`: yes, no, undecided or missing."""
-    return {REPRODUCED: "yes", NOT_REPRODUCED: "no"}.get(verdict, verdict)
+    table = pd.DataFrame(rows)
+    ratio = table["reproduced"] / table["published"]
+    table.insert(list(table).index("agrees"), "ratio", ratio)
+    return table
 
 
 def statement_row(judged: JudgedStatement) -> Item:
     """The row of a statement; `published` is the threshold of the decision behind its verdict."""
     worst = judged.settling.deciding
-    row = Item(judged.name, "statement", worst.threshold if worst else NAN, why=judged.why)
-    return row.decided(worst, judged.verdict)
+    return Item(
+        judged.name, "statement", worst.threshold, worst.value, worst.low, worst.high,
+        agrees=judged.verdict, why=judged.why,
+    )  # fmt: skip
 
 
 def number_rows(numbers: pd.DataFrame) -> Iterator[Item]:
