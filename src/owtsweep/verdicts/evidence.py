@@ -82,11 +82,9 @@ class Evidence:
         shared = pd.concat([self._by_case[case] for case in cases], axis=1, join="inner")
         return list(shared.to_numpy().T) if len(shared) else None
 
-    def paired(
-        self, schemes: Sequence[str], cell: Cell, measure: str = "position"
-    ) -> dict[str, Array] | None:
-        """Scheme -> (replicates,) in one cell, over the replicates that all of them finished."""
-        values = self.common([(scheme, cell, measure) for scheme in schemes])
+    def paired(self, schemes: Sequence[str], cell: Cell) -> dict[str, Array] | None:
+        """Scheme -> (replicates,) position MSE in a cell, over the replicates that all finished."""
+        values = self.common([(scheme, cell, "position") for scheme in schemes])
         return None if values is None else dict(zip(schemes, values, strict=True))
 
     def samples(self, scheme: str, cell: Cell, measure: str) -> Array | None:

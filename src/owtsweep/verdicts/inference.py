@@ -162,8 +162,5 @@ class Claim:
 
 def all_of(claims: Sequence[Claim]) -> str:
     """The verdict on a statement that makes several claims at once."""
-    verdicts = [claim.verdict for claim in claims]
-    for verdict in (NOT_REPRODUCED, MISSING, UNDECIDED):
-        if verdict in verdicts:
-            return verdict
-    return REPRODUCED
+    worst_first = (NOT_REPRODUCED, MISSING, UNDECIDED, REPRODUCED)
+    return min((claim.verdict for claim in claims), key=worst_first.index, default=REPRODUCED)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import base64
 import html
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from owtsweep.io import markdown
 
@@ -33,30 +33,26 @@ CLASSES = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Heading:
+class Heading(NamedTuple):
     """A heading of level 1 to 3."""
 
     text: str
     level: int = 2
 
 
-@dataclass(frozen=True)
-class Paragraph:
+class Paragraph(NamedTuple):
     """Running text."""
 
     text: str
 
 
-@dataclass(frozen=True)
-class Bullets:
+class Bullets(NamedTuple):
     """A list."""
 
     items: Sequence[str]
 
 
-@dataclass(frozen=True)
-class TextTable:
+class TextTable(NamedTuple):
     """A table of texts; the columns named in `numbers` are aligned to the right."""
 
     columns: Sequence[str]
@@ -64,8 +60,7 @@ class TextTable:
     numbers: Sequence[str] = ()
 
 
-@dataclass(frozen=True)
-class Picture:
+class Picture(NamedTuple):
     """A PNG file and what it shows."""
 
     path: Path

@@ -70,15 +70,9 @@ def number_rows(numbers: pd.DataFrame) -> Iterator[Item]:
     rows: Any = numbers.itertuples(index=False)
     for row in rows:
         yield Item(
-            item=f"table {row.table} {row.scheme} {row.measure}",
-            kind="number",
-            published=row.published,
-            reproduced=row.reproduced,
-            ci_low=row.ci_low,
-            ci_high=row.ci_high,
-            agrees=lies_within_records(row),
-            why=row.why,
-        )
+            f"table {row.table} {row.scheme} {row.measure}", "number", row.published,
+            row.reproduced, row.ci_low, row.ci_high, lies_within_records(row), row.why,
+        )  # fmt: skip
 
 
 def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float]) -> Iterator[Item]:
@@ -94,23 +88,15 @@ def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float])
     for schemes, goal in goals.items():
         chosen = numbers[numbers["scheme"].isin(schemes)]
         distances = chosen["log2"].abs().dropna()
+        complete = len(distances) == len(chosen)
         for label, quantile, limit in (("median", 0.5, goal), ("80th percentile", 0.8, NAN)):
-            value = float(distances.quantile(quantile)) if len(distances) else NAN
-            agrees = ""
+            value = float(distances.quantile(quantile))
+            agrees, why = "", f"over {len(distances)} of {len(chosen)} numbers"
+            if np.isfinite(value):
+                why += f", a factor of {2.0**value:.2f}"
             if np.isfinite(limit):
                 # If numbers are missing, the distance is that of a different set of numbers.
-                complete = len(distances) == len(chosen)
                 agrees = ("yes" if value <= limit else "no") if complete else MISSING
-            yield Item(
-                item=f"{label} |log2 ratio|, {', '.join(schemes)}",
-                kind="summary",
-                reproduced=value,
-                agrees=agrees,
-                why=_describe_distance(f"{len(distances)} of {len(chosen)} numbers", value, limit),
-            )
-
-
-def _describe_distance(size: str, value: float, limit: float) -> str:
-    factor = f", a factor of {2.0**value:.2f}" if np.isfinite(value) else ""
-    goal = f"; agreement: at most {limit:g}" if np.isfinite(limit) else ""
-    return f"over {size}{factor}{goal}"
+                why += f"; agreement: at most {limit:g}"
+            name = f"{label} |log2 ratio|, {', '.join(schemes)}"
+            yield Item(name, "summary", reproduced=value, agrees=agrees, why=why)
