@@ -11,17 +11,10 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity.evidence import Cell, HubEvidence
 from owtsweep.studies.hub.fidelity.reasons import reason
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.verdicts import sections
 from owtsweep.verdicts.numbers import lies_within_records
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, TextTable
-from owtsweep.verdicts.sections import (
-    consistency_section,
-    count_verdicts,
-    format_interval,
-    format_value,
-    missing_section,
-    number_table,
-    statement_section,
-)
+from owtsweep.verdicts.sections import format_interval, format_value
 from owtsweep.verdicts.statements import JudgedStatement
 
 if TYPE_CHECKING:
@@ -70,15 +63,15 @@ def document(
             "correction."
         ),
         *_summary(tables["fidelity"], numbers, judged),
-        *statement_section(judged, DEFINITIONS),
+        *sections.statement_section(judged, DEFINITIONS),
         *_number_section(evidence, numbers, pictures),
         Heading("Boundary between HME1 and HME2"),
         Picture(
             pictures["boundaries"],
             "Amplitude at which the mean position MSE of HME1 and HME2 is equal.",
         ),
-        *consistency_section(tables["consistency"], evidence.schemes, FREEDOM),
-        *missing_section(numbers, judged),
+        *sections.consistency_section(tables["consistency"], evidence.schemes, FREEDOM),
+        *sections.missing_section(numbers, judged),
     ]
 
 
@@ -98,7 +91,7 @@ def _summary(
         Heading("In short"),
         Bullets(
             [
-                f"Statements F1-F11: {count_verdicts(judged)}.",
+                f"Statements F1-F11: {sections.count_verdicts(judged)}.",
                 f"Numbers of tables 6-9: {len(present)} of {len(numbers)} in this run; "
                 f"{inside} lie within the central 95 % of its single records, {missed} are missed "
                 "by more than a factor of 2 in the mean.",
@@ -137,7 +130,7 @@ def _number_section(
         condition = f"natural period {cell.natural_period:g} s, amplitude {cell.amplitude:g} m"
         blocks += [
             Heading(f"Table {number}: {condition}", 3),
-            number_table(numbers[numbers["table"] == number]),
+            sections.number_table(numbers[numbers["table"] == number]),
         ]
     blocks.append(Heading("Numbers missed by more than a factor of 2", 3))
     items = []

@@ -6,25 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.hub.fidelity.boundaries import (
-    PUBLISHED,
-    boundary_claims,
-    claim_growth,
-    tolerated,
-)
+from owtsweep.studies.hub.fidelity import boundaries
 from owtsweep.studies.hub.fidelity.evidence import SCHEMES, HubEvidence
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.verdicts import summary
 from owtsweep.verdicts.evidence import find_best
 from owtsweep.verdicts.inference import Claim, Estimate, all_of, mean_ratio
 from owtsweep.verdicts.statements import JudgedStatement
-from owtsweep.verdicts.summary import (
-    NAN,
-    Item,
-    distance_rows,
-    make_table,
-    number_rows,
-    statement_row,
-)
+from owtsweep.verdicts.summary import NAN, Item
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,14 +40,14 @@ def fidelity_table(
         undecided, missing, or empty where nothing is published. ratio = reproduced / published.
     """
     tables: Any = numbers.groupby("table")
-    return make_table(
+    return summary.make_table(
         [
-            *number_rows(numbers),
-            *(statement_row(statement) for statement in judged),
+            *summary.number_rows(numbers),
+            *(summary.statement_row(statement) for statement in judged),
             *(_boundary(evidence, period) for period in (4.0, 6.0, 8.0)),
             _growth(evidence),
             *(_winner(evidence, number, table) for number, table in tables),
-            *distance_rows(numbers, GROUPS),
+            *summary.distance_rows(numbers, GROUPS),
             *(_ekf_ratio(evidence, number, table) for number, table in tables),
         ]
     )
@@ -67,13 +56,13 @@ def fidelity_table(
 def _boundary(evidence: HubEvidence, period: float) -> Item:
     """The boundary at one period (s) against the published one, if there is one."""
     boundary = evidence.boundaries.get(period)
-    row = Item(f"boundary {period:g} s", "boundary", PUBLISHED.get(period, NAN))
-    if period not in PUBLISHED:
+    row = Item(f"boundary {period:g} s", "boundary", boundaries.PUBLISHED.get(period, NAN))
+    if period not in boundaries.PUBLISHED:
         return _boundary_row(row, boundary, "", "not published")
-    claims = boundary_claims(evidence, period)
+    claims = boundaries.boundary_claims(evidence, period)
     # where there is no boundary, the cells on either side decide
     verdict = all_of(claims if boundary and boundary.wins else claims[:1])
-    low, high = tolerated(period)
+    low, high = boundaries.tolerated(period)
     why = f"agreement: within a factor of 2, {low:g} to {high:g} m"
     return _boundary_row(row, boundary, verdict, why)
 
@@ -82,7 +71,7 @@ def _growth(evidence: HubEvidence) -> Item:
     """The boundary at 8 s over that at 4 s."""
     why = "the paper's boundary grows with the period; agreement: above 1"
     row = Item("boundary 8 s / 4 s", "boundary")
-    return _boundary_row(row, evidence.growth, claim_growth(evidence).verdict, why)
+    return _boundary_row(row, evidence.growth, boundaries.claim_growth(evidence).verdict, why)
 
 
 def _boundary_row(row: Item, boundary: Estimate | None, verdict: str, why: str) -> Item:
