@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from naive_expand import expand
 from scipy import stats
 
 from owtsweep.errors import InputError
 from owtsweep.results.best_scheme import find_best_schemes, find_coinciding
 from owtsweep.results.conditions import Condition, order_values, require_usable
 from owtsweep.results.cube import Cube
-from owtsweep.results.expand import expand
 from owtsweep.results.summary import summarise
 from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, leave, make_rows
 

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
+from naive_expand import expand
 from scipy import stats
 
 from naive_holm import naive_holm
 from owtsweep.errors import InputError
 from owtsweep.results.best_scheme import find_best_schemes, find_coinciding
 from owtsweep.results.cube import Cube
-from owtsweep.results.expand import expand
 from owtsweep.results.summary import summarise
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, MEASURES
 

@@ -8,8 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.comparing.comparison import Candidate, Comparable, Comparison, Findings
-from owtsweep.comparing.values import rank_values, show
+from owtsweep.comparing.comparison import (
+    Candidate,
+    Comparable,
+    Comparison,
+    Findings,
+    rank_values,
+    show,
+)
 from owtsweep.config import as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.io import markdown
@@ -69,12 +75,12 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     study = loaded[0][0].study
     if not isinstance(study, Comparable):
         raise InputError(f"compare: the study {study.name!r} has no comparison of its runs")
-    comparison = _arrange(loaded, preferred, notes)
+    comparison = _arrange(loaded, preferred)
     hashes = " ".join(candidate.hash for candidate in comparison.runs)
     folder = _folder(paths, [run for run, _ in loaded])
     check_writable(folder)
     findings = study.compare(comparison, folder, metadata={"runs": hashes, "folder": folder.name})
-    every_note = (*comparison.notes, *findings.notes)
+    every_note = (*notes, *findings.notes)
     overview = _overview(comparison, findings)
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in findings.tables.items():
@@ -144,9 +150,7 @@ def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.D
     return loaded
 
 
-def _arrange(
-    loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str], notes: Sequence[str]
-) -> Comparison:
+def _arrange(loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str]) -> Comparison:
     mappings = [as_mapping(run.config) for run, _ in loaded]
     keys, following = swept_keys(mappings, preferred)
     values: list[dict[str, Any]] = [{k: _value(m, k) for k in keys} for m in mappings]
@@ -167,7 +171,7 @@ def _arrange(
         for run, rows in [loaded[i]]
     )
     pairs = make_pairs([places[i] for i in order], keys)
-    return Comparison(tuple(keys), tuple(following), runs, tuple(pairs), tuple(notes))
+    return Comparison(tuple(keys), tuple(following), runs, tuple(pairs))
 
 
 def _value(mapping: Any, key: str) -> Any:
@@ -187,10 +191,7 @@ def _folder(paths: Sequence[str], runs: Sequence[Run]) -> Path:
 def _overview(comparison: Comparison, findings: Findings) -> pd.DataFrame:
     import pandas as pd
 
-    swept = pd.DataFrame(
-        [[show(run.values[key]) for key in comparison.keys] for run in comparison.runs],
-        columns=list(comparison.keys),
-    )
+    swept = pd.DataFrame([run.shown for run in comparison.runs], columns=list(comparison.keys))
     return pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
 
 
