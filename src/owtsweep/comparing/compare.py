@@ -88,15 +88,16 @@ def _compare_pairs(
 
     from owtsweep.comparing import changes
 
-    names = shared.names
-    replicates = sorted({replicate for run in runs for replicate in run.samples.columns})
-    samples = [run.samples.reindex(columns=replicates) for run in runs]
+    names, before = shared.names, changes.PAIR_COLUMNS
+    columns = {
+        "boundary_shifts": [*before, *names[:-1], *changes.SHIFT_COLUMNS],
+        "changed_cells": [*before, *names, *changes.CHANGED_COLUMNS],
+        "scheme_changes": [*before, "scheme", *names, *changes.SCHEME_COLUMNS],
+    }
+    lines: dict[str, list[dict[Any, Any]]] = {name: [] for name in columns}
     winners = [changes.list_winners(run.best, names) for run in runs]
     # expected values are stored as replicate 0, but they are not samples
     counts = {} if shared.best_of is None else {"n_from": 0, "n_to": 0}
-    changed: list[dict[str, Any]] = []
-    schemes: list[dict[str, Any]] = []
-    shifts: list[dict[str, Any]] = []
     unpaired: dict[str, None] = {}
     for pair in pairs:
         a, b = pair.first, pair.second
@@ -107,31 +108,22 @@ def _compare_pairs(
         paired = not differing
         ends = (one.run.label, other.run.label, pair.along, paired)
         head = dict(zip(changes.PAIR_COLUMNS, ends, strict=True))
-        cells = changes.compare_cells(samples[a], samples[b], winners[a], winners[b], paired=paired)
-        moved = changes.compare_schemes(samples[a], samples[b], paired=paired)
         judged_by = head | {"criterion": shared.criterion}
-        changed += [judged_by | row | counts for row in cells]
-        schemes += [judged_by | row | counts for row in moved]
+        samples = one.samples.align(other.samples, axis=1)
+        cells = changes.compare_cells(*samples, winners[a], winners[b], paired=paired)
+        schemes = changes.compare_schemes(*samples, paired=paired)
+        lines["changed_cells"] += [judged_by | row | counts for row in cells]
+        lines["scheme_changes"] += [judged_by | row | counts for row in schemes]
         if one.products is not None and other.products is not None:
-            lines = changes.compare_boundaries(one.products, other.products, paired=paired)
-            shifts += [head | line for line in lines]
+            shifts = changes.compare_boundaries(one.products, other.products, paired=paired)
+            lines["boundary_shifts"] += [head | row for row in shifts]
     notes = []
     if unpaired:
         notes.append(
             f"{', '.join(unpaired)} differs between runs: those pairs are not paired, their "
             "intervals are unpaired (Welch)"
         )
-    before = changes.PAIR_COLUMNS
-    tables = {
-        "boundary_shifts": pd.DataFrame(
-            shifts, columns=[*before, *names[:-1], *changes.SHIFT_COLUMNS]
-        ),
-        "changed_cells": pd.DataFrame(changed, columns=[*before, *names, *changes.CHANGED_COLUMNS]),
-        "scheme_changes": pd.DataFrame(
-            schemes, columns=[*before, "scheme", *names, *changes.SCHEME_COLUMNS]
-        ),
-    }
-    return tables, notes
+    return {name: pd.DataFrame(lines[name], columns=columns[name]) for name in columns}, notes
 
 
 def _draw(

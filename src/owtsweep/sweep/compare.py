@@ -154,8 +154,8 @@ def _arrange(loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str
     mappings = [as_mapping(run.config) for run, _ in loaded]
     keys, following = swept_keys(mappings, preferred)
     values: list[dict[str, Any]] = [{k: _value(m, k) for k in keys} for m in mappings]
-    shown = [tuple(show(value) for value in of_run.values()) for of_run in values]
-    if len(set(shown)) < len(shown):  # e.g. the runs differ in their grids or schemes
+    shown = {tuple(show(value) for value in of_run.values()) for of_run in values}
+    if len(shown) < len(values):  # e.g. the runs differ in their grids or schemes
         names = [run.folder.name for run, _ in loaded]
         unique = len(set(names)) == len(names)
         for of_run, (run, _) in zip(values, loaded, strict=True):
