@@ -108,14 +108,10 @@ class Cube:
         """
         import pandas as pd
 
-        axes: dict[str, Any] = {
-            self.names[-1]: self.levels[-1],
-            "measure": self.measures,
-            "window": self.windows,
-            "replicate": self.replicates,
-        }
+        names = [self.names[-1], "measure", "window", "replicate"]
+        axes: Any = self.levels[-1], self.measures, self.windows, self.replicates
         columns: dict[str, Any] = {"scheme": self.schemes[scheme], **self.name_outer(place)}
-        for (name, axis), index in zip(axes.items(), indices, strict=False):
+        for name, axis, index in zip(names, axes, indices, strict=False):
             columns[name] = pd.Index(axis).take(index)
         return columns
 

@@ -61,6 +61,8 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
         If there are fewer than two runs with a succeeded case, their studies differ or cannot
         compare, or they have nothing in common. Nothing has been written then.
     """
+    import pandas as pd
+
     runs, preferred, notes = _open(paths, load)
     studies = list(dict.fromkeys(run.config.study for run in runs))
     require(
@@ -81,7 +83,8 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     check_writable(folder)
     findings = study.compare(comparison, folder, metadata={"runs": hashes, "folder": folder.name})
     every_note = (*notes, *findings.notes)
-    overview = _overview(comparison, findings)
+    swept = pd.DataFrame([run.shown for run in comparison.runs], columns=list(comparison.keys))
+    overview = pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in findings.tables.items():
         if len(table.columns):  # a file without columns could not be read back
@@ -186,13 +189,6 @@ def _folder(paths: Sequence[str], runs: Sequence[Run]) -> Path:
     identity = "\n".join(sorted(f"{run.folder.name} {run.hash}" for run in runs))
     digest = hashlib.blake2b(identity.encode(), digest_size=5).hexdigest()
     return runs[0].folder.parent / f"comparison-{digest}"
-
-
-def _overview(comparison: Comparison, findings: Findings) -> pd.DataFrame:
-    import pandas as pd
-
-    swept = pd.DataFrame([run.shown for run in comparison.runs], columns=list(comparison.keys))
-    return pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
 
 
 def _report(
