@@ -73,7 +73,7 @@ def draw(
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
             _say_why_empty(axes, boundaries, places, expanded)
-            axes.set_xticks(sorted(labels), [labels[place] for place in sorted(labels)])
+            axes.set_xticks(list(labels), list(labels.values()))
             axes.set_xlim(-0.5, len(labels) - 0.5)
             axes.set_xlabel(keys[0])
             if len(keys) == 2:
@@ -111,13 +111,12 @@ def _draw_panel(
 
     colors = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, max(len(cells), 2)))
     width = 0.5 / max(len(cells), 1)
-    order = sorted(places, key=lambda index: places[index])
     for number, (name, rows) in enumerate(cells.items()):
         exists = rows[rows["wins"] == ""].set_index("index")
-        ends = exists[["boundary", "ci_low", "ci_high"]].reindex(order)
+        ends = exists[["boundary", "ci_low", "ci_high"]].reindex(list(places))
         line, lows, highs = ends.to_numpy(dtype=float).T
         # Shifted sideways, so that the intervals do not hide each other.
-        x = [places[index] + (number - 0.5 * (len(cells) - 1)) * width for index in order]
+        x = [place + (number - 0.5 * (len(cells) - 1)) * width for place in places.values()]
         look: dict[str, Any] = {"color": colors[number], "zorder": 3}
         for place, low, high in zip(x, lows, highs, strict=True):
             if np.isfinite(low + high):
