@@ -11,7 +11,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.results.conditions import Condition, Grid
-from owtsweep.results.expand import expand
+from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.statistics.contest import find_alike, find_least
 from owtsweep.verdicts.inference import Decision, Side, mean_ratio
@@ -57,7 +57,8 @@ class Evidence:
     def values(self) -> pd.DataFrame:
         """One value per scheme, cell, measure and replicate, in the chosen window."""
         inside = self.rows[self.rows["window"] == self.window]
-        return expand(inside, self.conditions, self.grid)
+        schemes = list(inside["scheme"].unique())
+        return Cube.of_rows(inside, schemes, self.conditions, self.grid).to_table()
 
     @cached_property
     def _by_case(self) -> dict[Any, pd.Series[float]]:
