@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import nullcontext
-from functools import lru_cache
 from pathlib import Path
 from threading import BoundedSemaphore
 from typing import TYPE_CHECKING, Any
@@ -13,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.config import as_mapping
-from owtsweep.errors import InputError, as_text
+from owtsweep.errors import as_text
 from owtsweep.studies.hub.public import (
     WIDTH,
     Scheme,
@@ -27,10 +25,9 @@ from owtsweep.studies.hub.public import (
 from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
-from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.long_records import LONG, release_memory
+from owtsweep.studies.replay.loading import hash_file, load_record
 from owtsweep.studies.replay.measuring import count_replicates, listen
-from owtsweep.studies.replay.record import ReplayRecord
+from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
 from owtsweep.sweep.study import FAILED, OK, Block
 
 if TYPE_CHECKING:
@@ -57,35 +54,6 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
             label, number = f"{stem}-{number}", number + 1
         labels[label] = file
     return labels
-
-
-def hash_file(file: str) -> str:
-    """Hash of the bytes of a file and of its companion file (a HAWC2 .sel has a .dat).
-
-    Raises
-    ------
-    InputError
-        If it cannot be read.
-    """
-    path = Path(file)
-    try:
-        parts = [path]
-        if path.suffix.lower() in (".sel", ".dat"):
-            parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
-        states = tuple((str(p), p.stat().st_size, p.stat().st_mtime_ns) for p in parts)
-        return _hash(states)
-    except OSError as error:
-        raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
-
-
-@lru_cache(maxsize=4096)
-def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
-    result = hashlib.blake2b(digest_size=16)
-    for name, _, _ in states:
-        with open(name, "rb") as stream:
-            while chunk := stream.read(1 << 20):
-                result.update(chunk)
-    return result.hexdigest()
 
 
 def plan(config: ReplayConfig) -> list[Block]:

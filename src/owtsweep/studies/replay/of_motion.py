@@ -46,7 +46,6 @@ def make_record_of_motion(
     )
     return ReplayRecord(
         file=str(recording.path),
-        kind="motion",
         gnss="simulated",
         begin=gridded.grid.start + first / rate,
         step=sensors.step,
@@ -55,7 +54,6 @@ def make_record_of_motion(
         position=position[first:],
         velocity=gridded.pairs["velocity"][first:],
         acceleration=gridded.pairs["acceleration"][first:],
-        specific_force=None,
         fixes=fixing.make_fixes(position, first, steps, sensors),
         truth="the recorded motion",
         notes=(*recording.notes, *gridded.notes),

@@ -69,7 +69,6 @@ def make_record_of_sensors(
         position, velocity = position[offset:], velocity[offset:]
     return ReplayRecord(
         file=str(recording.path),
-        kind="sensors",
         gnss=gnss,
         begin=grid.start,
         step=sensors.step,
@@ -77,7 +76,6 @@ def make_record_of_sensors(
         origin=origin,
         position=position,
         velocity=velocity,
-        acceleration=None,
         specific_force=force,
         fixes=np.asarray(fixes),
         truth="the reference" if position is not None else "",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import glob
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,8 +15,11 @@ from owtsweep.studies import compose
 from owtsweep.studies.replay.config import ReplayConfig
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from owtsweep.sweep.progress import Progress
     from owtsweep.sweep.run import Outcome
+    from owtsweep.sweep.runs import Run
 
 
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
@@ -154,3 +158,50 @@ def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
 
     labels = list(label_files(config.grid.files))
     return {label: run if len(labels) == 1 else run / "records" / label for label in labels}
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A finished replay."""
+
+    run: Run
+
+    @property
+    def folder(self) -> Path:
+        """The run folder."""
+        return self.run.folder
+
+    def errors(self) -> pd.DataFrame:
+        """Means over replicates, 95 % intervals: file, scheme, measure, window, mean, ..., n."""
+        return self.run.table("errors")
+
+    def advice(self) -> pd.DataFrame:
+        """The best scheme and the runner-up, by the record itself and by the expected map."""
+        return self.run.table("advice")
+
+    def records(self) -> pd.DataFrame:
+        """One row per record: duration, size, direction and fitted spectrum."""
+        return self.run.table("records")
+
+    def estimates(self, record: str | None = None) -> pd.DataFrame:
+        """Columns time, scheme, x, y, vx, vy and their standard deviations (replicate 0).
+
+        Parameters
+        ----------
+        record
+            The record's name, a value of `records().file`; needed if there are several.
+
+        Raises
+        ------
+        InputError
+            If there are several records and none is named, or none has that name.
+        """
+        import pandas as pd
+
+        assert isinstance(self.run.config, ReplayConfig)
+        folders = locate_estimates(self.run.config, self.run.folder)
+        if record is None and len(folders) == 1:
+            record = next(iter(folders))
+        if record not in folders:
+            raise InputError(f"record: {record!r} is none of {', '.join(folders)}")
+        return pd.read_parquet(folders[record] / "estimates.parquet")
