@@ -157,9 +157,8 @@ def _describe_margin(row: Any) -> str:
     if row["source"] != "map" and np.isfinite(row["ci_low"]):
         parts += [row[key] / row["value_best"] for key in ("ci_low", "ci_high")]
     if row["margin"] >= MARGIN_IN_TIMES:
-        told = [f"{1.0 + part:.3g}" for part in parts]
-        interval = f" (95 %: {told[1]} to {told[2]} times)" if len(told) > 1 else ""
-        return f"{told[0]} times as much{interval}"
-    told = [f"{100.0 * part:.3g}" for part in parts]
-    interval = f" (95 %: {told[1]} to {told[2]} %)" if len(told) > 1 else ""
-    return f"{told[0]} % more{interval}"
+        told, unit, word = [f"{1.0 + part:.3g}" for part in parts], "times", "as much"
+    else:
+        told, unit, word = [f"{100.0 * part:.3g}" for part in parts], "%", "more"
+    interval = f" (95 %: {told[1]} to {told[2]} {unit})" if len(told) > 1 else ""
+    return f"{told[0]} {unit} {word}{interval}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
 from pathlib import Path
 from threading import BoundedSemaphore
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 COLUMNS = (
     "file", "scheme", "measure", "window", "replicate", "value", "n_samples", "status", "reason",
 )  # fmt: skip
+Row = tuple[str, str, str, str, int, float, int, str, str]
 #: Most steps of estimates, over all replicates of a scheme, in memory at once; 50 bytes each.
 STEPS_AT_ONCE = 2_000_000
 #: At most two schemes run on long records at once, to save memory.
@@ -64,26 +65,22 @@ def plan(config: ReplayConfig) -> list[Block]:
     apart = (
         config.compute.backend in ("auto", "threading") and backend(config, schemes) == "threading"
     )
+    contents = [scheme_content(config, e, s) for e, s in zip(config.schemes, schemes, strict=True)]
     blocks = []
     for label, file in label_files(config.grid.files).items():
         content = {**shared, "file": label, "digest": hash_file(file)}
         content["ending"] = "".join(Path(file).suffixes[-2:]).lower()
-        of_schemes = [
-            scheme_content(config, e, s) for e, s in zip(config.schemes, schemes, strict=True)
-        ]
         first = {
             **content,
             "scheme": RECORD,
             "window": config.measures.window,
-            "estimator": of_schemes[facts.choose_describer(config)],
+            "estimator": contents[facts.choose_describer(config)],
         }
         blocks.append(Block(label, f"{label}, the record", first, 1))
-        for scheme, entry, part in zip(schemes, config.schemes, of_schemes, strict=True):
-            group = f"{label}, {scheme.name}" if apart else label
-            anew = explain_anew(entry, scheme)
-            blocks.append(
-                Block(group, f"{label}, {scheme.name}", {**content, **part}, 1, anew=anew)
-            )
+        for scheme, entry, part in zip(schemes, config.schemes, contents, strict=True):
+            name, anew = f"{label}, {scheme.name}", explain_anew(entry, scheme)
+            group = name if apart else label
+            blocks.append(Block(group, name, {**content, **part}, 1, anew=anew))
     return blocks
 
 
@@ -98,6 +95,8 @@ def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one record, which is read once."""
+    import pandas as pd
+
     sensors = make_sensors(config.sensors)
     files = label_files(config.grid.files)
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
@@ -110,12 +109,13 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         else:
             rows = _run_scheme(config, record, label, schemes[name], sensors, settled)
         release_memory(record)
-        yield block, _make_frame(rows)
+        table = pd.DataFrame(rows, columns=list(COLUMNS))
+        yield block, table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
 
 
 def _describe_record(
     config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
-) -> list[dict[str, Any]]:
+) -> list[Row]:
     """The rows for the record itself, and for holding the last fix."""
     rows = [_make_row(label, RECORD, 0, fact) for fact in facts.measure_record(config, record)]
     for replicate in range(count_replicates(config, record)):
@@ -132,9 +132,9 @@ def _run_scheme(
     scheme: Scheme,
     sensors: Sensors,
     settled: int,
-) -> list[dict[str, Any]]:
+) -> list[Row]:
     """The rows of all replicates (several run at once), or a row for the failed replicate."""
-    rows: list[dict[str, Any]] = []
+    rows: list[Row] = []
     count = count_replicates(config, record)
     edges = measures.cut_into_parts(settled, record.steps)
     at_once = choose_replicates_at_once(config, scheme, int(np.max(np.diff(edges))))
@@ -151,7 +151,7 @@ def _run_scheme(
             for number, tally in zip(numbers, tallies, strict=True):
                 rows += [_make_row(label, scheme.name, number, m) for m in tally.measures()]
         except (Exception, SystemExit) as error:  # a user's scheme may fail; the others continue
-            return [_make_failed_row(label, scheme.name, first, as_text(error))]
+            return [(label, scheme.name, "", "", first, np.nan, 0, FAILED, as_text(error))]
     return rows
 
 
@@ -165,23 +165,6 @@ def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int
     return max(1, min(WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))
 
 
-def _make_row(
-    file: str, scheme: str, replicate: int, measured: measures.Measured
-) -> dict[str, Any]:
+def _make_row(file: str, scheme: str, replicate: int, measured: measures.Measured) -> Row:
     name, window, value, count = measured
-    return {
-        "file": file, "scheme": scheme, "measure": name, "window": window, "replicate": replicate,
-        "value": value, "n_samples": count, "status": OK, "reason": "",
-    }  # fmt: skip
-
-
-def _make_failed_row(file: str, scheme: str, replicate: int, reason: str) -> dict[str, Any]:
-    row = _make_row(file, scheme, replicate, ("", "", float("nan"), 0))
-    return {**row, "status": FAILED, "reason": reason}
-
-
-def _make_frame(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    import pandas as pd
-
-    table = pd.DataFrame(rows, columns=list(COLUMNS))
-    return table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
+    return (file, scheme, name, window, replicate, value, count, OK, "")

@@ -30,9 +30,7 @@ PIECE = 500_000
 ROW = (160, 60)
 
 
-def write(
-    config: ReplayConfig, file: str, folder: Path, say: Callable[[str], None] = lambda text: None
-) -> list[Path]:
+def write(config: ReplayConfig, file: str, folder: Path, say: Callable[[str], None]) -> list[Path]:
     """Write estimates.parquet and estimates/<scheme>.csv of a record; return the files.
 
     Columns `COLUMNS`, replicate 0: time in s on the file's clock; x, y in m with the origin added

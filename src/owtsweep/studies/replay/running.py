@@ -52,16 +52,15 @@ def configure(
         If the overrides are wrong, or no file exists.
     """
     config = compose_replay(overrides, config_dir)
-    words = [*files, *config.grid.files]
-    if not words and config.replay.table is not None:
-        from owtsweep.studies.replay.seastates import list_files
+    words, table = [*files, *config.grid.files], config.replay.table
+    if not words and table is not None:
+        from owtsweep.studies.replay.seastates import read_table
 
-        words = list_files(config.replay.table)
+        words = list(read_table(table)["file"])
     paths = expand(words)
     require(len(paths) > 0, "FILE: name a record, a pattern, or replay.table=FILE.csv")
     # Absolute, so that the run can be read from another folder.
     grid = changed(config.grid, files=paths)
-    table = config.replay.table
     if table is not None:
         config = changed(config, replay=changed(config.replay, table=str(Path(table).resolve())))
     experiment = config.experiment
