@@ -8,9 +8,9 @@ from replay_tools import collect_force, config_of, motion_file, sensor_file, wri
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.replay.fixes import align
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import count_replicates, listen
+from owtsweep.studies.replay.of_sensors import align
 
 
 def sine_file(path, rate=25.0, mean=2.0):
@@ -124,8 +124,12 @@ def test_alignment_keeps_the_nearest_of_two_fixes():
     assert found.values[:5, 0].tolist()[:3] == [0.0, 1.0, 2.0]
     assert np.isnan(found.values[3, 0])
     assert found.dropped == 1
-    with pytest.raises(InputError, match="holds 1 position fixes"):
-        align(time[:1], values[:1], 6.0, sensors)
+
+
+def test_a_single_fix_is_refused(tmp_path):
+    path = sensor_file(tmp_path / "a.csv", missing=range(1, 60))
+    with pytest.raises(InputError, match=r"a.csv: columns.fix_x: .* holds 1 position fixes"):
+        load_record(config_of([path]), str(path))
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from owtsweep.studies.hub.public import (
 from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
-from owtsweep.studies.replay.loading import hash_file, load_record
+from owtsweep.studies.replay.loading import hash_file, label_files, load_record
 from owtsweep.studies.replay.measuring import count_replicates, listen
 from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
 from owtsweep.sweep.study import FAILED, OK, Block
@@ -43,18 +43,6 @@ STEPS_AT_ONCE = 2_000_000
 _LONG_RUNS = BoundedSemaphore(2)
 #: Values in the column `scheme` for the record itself, and for holding the last fix.
 RECORD, LAST_FIX = "", "last_fix"
-
-
-def label_files(files: Sequence[str]) -> dict[str, str]:
-    """Label -> file. A label is the file's name without endings, numbered if two are equal."""
-    labels: dict[str, str] = {}
-    for file in files:
-        stem = Path(file).name.split(".")[0] or Path(file).name
-        label, number = stem, 2
-        while label in labels:
-            label, number = f"{stem}-{number}", number + 1
-        labels[label] = file
-    return labels
 
 
 def plan(config: ReplayConfig) -> list[Block]:

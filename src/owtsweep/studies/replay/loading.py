@@ -1,9 +1,10 @@
-"""Load the record in a file."""
+"""Load the record in a file; labels and hashes of files."""
 
 from __future__ import annotations
 
 import hashlib
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -23,6 +24,18 @@ from owtsweep.studies.replay.record import ReplayRecord, release_memory
 _MOST_KEPT, _MOST_BYTES = 2, 1 << 28
 _RECORDS: OrderedDict[Any, ReplayRecord] = OrderedDict()
 _LOCK = Lock()
+
+
+def label_files(files: Sequence[str]) -> dict[str, str]:
+    """Label -> file. A label is the file's name without endings, numbered if two are equal."""
+    labels: dict[str, str] = {}
+    for file in files:
+        stem = Path(file).name.split(".")[0] or Path(file).name
+        label, number = stem, 2
+        while label in labels:
+            label, number = f"{stem}-{number}", number + 1
+        labels[label] = file
+    return labels
 
 
 def hash_file(file: str) -> str:

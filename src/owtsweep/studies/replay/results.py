@@ -13,8 +13,9 @@ from owtsweep.statistics.student import t_quantile
 from owtsweep.statistics.sums import mean_and_error
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice
-from owtsweep.studies.replay.blocks import LAST_FIX, RECORD, label_files
+from owtsweep.studies.replay.blocks import LAST_FIX, RECORD
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.loading import label_files
 from owtsweep.studies.replay.measures import WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import OK

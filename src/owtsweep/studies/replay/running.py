@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 
 from owtsweep.config import changed, require
 from owtsweep.errors import InputError
-from owtsweep.studies import compose
+from owtsweep.studies import compose, get_study
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.loading import label_files, load_record
+from owtsweep.studies.replay.seastates import read_sea_states, read_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,8 +56,6 @@ def configure(
     config = compose_replay(overrides, config_dir)
     words, table = [*files, *config.grid.files], config.replay.table
     if not words and table is not None:
-        from owtsweep.studies.replay.seastates import read_table
-
         words = list(read_table(table)["file"])
     paths = expand(words)
     require(len(paths) > 0, "FILE: name a record, a pattern, or replay.table=FILE.csv")
@@ -105,9 +105,6 @@ def verify(config: ReplayConfig) -> list[str]:
     InputError
         The one-line message names the file.
     """
-    from owtsweep.studies.replay.loading import load_record
-    from owtsweep.studies.replay.seastates import read_sea_states
-
     read_sea_states(config)
     notes: dict[str, None] = {}
     for file in config.grid.files:
@@ -137,24 +134,20 @@ def execute(
     InputError
         Before anything is written, for a bad record or configuration.
     """
-    from owtsweep.studies import get_study
     from owtsweep.studies.replay import estimates
-    from owtsweep.studies.replay.blocks import label_files
     from owtsweep.sweep.run import sweep
 
     for note in verify(config):
         say(f"note: {note}")
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
-    files = label_files(config.grid.files)
-    for label, folder in locate_estimates(config, outcome.run.folder).items():
-        estimates.write(config, files[label], folder, say)
+    folders = locate_estimates(config, outcome.run.folder).values()
+    for file, folder in zip(config.grid.files, folders, strict=True):
+        estimates.write(config, file, folder, say)
     return outcome
 
 
 def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
     """Label -> folder of a record's estimates: the run's, or records/<label> if there are many."""
-    from owtsweep.studies.replay.blocks import label_files
-
     labels = list(label_files(config.grid.files))
     return {label: run if len(labels) == 1 else run / "records" / label for label in labels}
 

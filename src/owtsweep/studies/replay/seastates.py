@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.studies.replay.blocks import label_files
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.loading import label_files
 
 if TYPE_CHECKING:
     import pandas as pd
