@@ -126,9 +126,9 @@ def test_alignment_keeps_the_nearest_of_two_fixes():
     assert found.dropped == 1
 
 
-def test_a_single_fix_is_refused(tmp_path):
-    path = sensor_file(tmp_path / "a.csv", missing=range(1, 60))
-    with pytest.raises(InputError, match=r"a.csv: columns.fix_x: .* holds 1 position fixes"):
+def test_two_fixes_are_too_few(tmp_path):
+    path = sensor_file(tmp_path / "a.csv", missing=range(2, 60))
+    with pytest.raises(InputError, match=r"a.csv: columns.fix_x: .* holds 2 position fixes"):
         load_record(config_of([path]), str(path))
 
 
