@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config.checks import require
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import bare_type, is_section
 from owtsweep.config.stored import read, resolved
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 
 #: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
 TREES = "studies"
@@ -33,7 +32,7 @@ class Tree:
 
     def options(self, group: str) -> list[str]:
         """The names of a group's files."""
-        return group_options(self.folder, group)
+        return sorted(path.stem for path in (self.folder / group).glob("*.yaml"))
 
     def admit(self, overrides: Sequence[str]) -> list[str]:
         """Put `++` before overrides of keys whose default is in the model, not in the files.
@@ -78,9 +77,18 @@ def conf_directory() -> Path:
     raise InputError(f"conf: no sweep.yaml in {package / 'conf'}: the installation is incomplete")
 
 
-def group_options(tree: Path, group: str) -> list[str]:
-    """The names of the files of a config group."""
-    return sorted(path.stem for path in (tree / group).glob("*.yaml"))
+def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> Any:
+    """Hydra's composition of a tree and overrides; with `settings`, also Hydra's own settings.
+
+    Raises
+    ------
+    InputError
+        With a one-line message, for errors of Hydra and OmegaConf.
+    """
+    from hydra import compose, initialize_config_dir
+
+    with hydra_in_one_line(tree), initialize_config_dir(str(tree.folder), version_base="1.3"):
+        return compose(tree.primary, overrides=list(overrides), return_hydra_config=settings)
 
 
 def compose_plain(
@@ -100,8 +108,6 @@ def compose_plain(
     InputError
         With a one-line message, for anything that Hydra refuses.
     """
-    from hydra import compose, initialize_config_dir
-
     for override in overrides:
         require(
             not override.lstrip("+~").startswith("hydra"),
@@ -113,11 +119,7 @@ def compose_plain(
         require(directory.is_dir(), f"--config-dir: {config_dir} is no folder")
         search = [f"hydra.searchpath=[file://{directory}]"]
     try:
-        with (
-            hydra_in_one_line(tree),
-            initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"),
-        ):
-            composed = compose(tree.primary, overrides=[*search, *overrides])
+        return resolved(compose_hydra(tree, [*search, *overrides]))
     except InputError:
         raise
     except (ValueError, TypeError) as error:  # a number where Hydra expects an option's name
@@ -126,4 +128,3 @@ def compose_plain(
             text = " ".join(str(error).split())
             raise InputError(f"{' '.join(overrides)}: this cannot be composed ({text})") from error
         raise InputError(f"{wrong[0]}: this is a config group; name one of its options") from error
-    return resolved(composed)

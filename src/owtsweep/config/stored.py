@@ -7,8 +7,7 @@ from typing import Any, TypeVar
 
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.config.identity import as_plain
-from owtsweep.config.typed import checked
+from owtsweep.config.typed import as_plain, checked
 from owtsweep.errors import InputError
 
 C = TypeVar("C", bound=Config)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from owtsweep.config import as_mapping, conf_directory, group_options, require, with_values
+from owtsweep.config import as_mapping, conf_directory, require, with_values
 from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.public import (
     Lanes,
@@ -98,10 +98,9 @@ def read_tuning(name: str) -> dict[str, Any]:
     """The values of a tuning file by dotted key."""
     from omegaconf import OmegaConf
 
-    options = group_options(conf_directory(), "tuning")
-    require(name in options, f"tuning: there is no {name!r}; use {' or '.join(options)}")
-    path = conf_directory() / "tuning" / f"{name}.yaml"
-    return dict(_flatten(OmegaConf.to_container(OmegaConf.load(path))))
+    files = {path.stem: path for path in sorted((conf_directory() / "tuning").glob("*.yaml"))}
+    require(name in files, f"tuning: there is no {name!r}; use {' or '.join(files)}")
+    return dict(_flatten(OmegaConf.to_container(OmegaConf.load(files[name]))))
 
 
 def take_fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]:
