@@ -16,7 +16,6 @@ from typing import Any
 
 from owtsweep.cli.multirun_outcomes import (
     JobOutcome,
-    common_exit_code,
     describe_failures,
     forget_outcomes,
     read_outcomes,
@@ -24,9 +23,10 @@ from owtsweep.cli.multirun_outcomes import (
 )
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM
 from owtsweep.cli.running import run_one
-from owtsweep.config import Config, Tree, dump, require
+from owtsweep.config import Config, Tree, dump
+from owtsweep.config.composition import compose_hydra
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.errors import InputError, as_text
+from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.files import check_writable
 from owtsweep.studies import compose, from_mapping, locate
 from owtsweep.studies.composing import Located
@@ -54,7 +54,8 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if options.cfg:
         print("---\n".join(dump(config) for config in configs), end="")
         return DONE
-    results = configs[0].results if configs else _results(options.overrides)
+    given = [o.partition("=")[2] for o in options.overrides if _is_results(o)]
+    results = configs[0].results if configs else ["results", *given][-1]
     digest = hashlib.blake2b("\n".join(sorted(options.overrides)).encode(), digest_size=5)
     folder = Path(results) / f"multirun-{digest.hexdigest()}"
     planned = [
@@ -62,7 +63,9 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         for config, (words, values) in zip(configs, combinations, strict=True)
     ]
     check_writable(folder)
-    _check_hydra(options.overrides, located.tree)
+    settings = [o for o in options.overrides if o.lstrip("+~").startswith("hydra")]
+    if settings:  # refuses launchers and sweepers that are not installed
+        compose_hydra(located.tree, settings, settings=True)
     forget_outcomes(folder)
     write_record(folder, options.overrides, planned)
     began = time.monotonic()
@@ -73,7 +76,7 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         raise
     outcomes = _tell(folder, planned, options, stopped=False)
     print(f"{len(outcomes)} runs in {time.monotonic() - began:.1f} s: {folder}/")
-    return common_exit_code(outcomes)
+    return max((outcome.code for outcome in outcomes), default=DONE)  # a refused run counts most
 
 
 @dataclass(frozen=True)
@@ -112,17 +115,11 @@ def _tell(
     folder: Path, planned: Sequence[PlannedRun], options: argparse.Namespace, *, stopped: bool
 ) -> list[JobOutcome]:
     """Print to stderr which runs failed, why, and how to retry them; return all outcomes."""
-    noted = {outcome.folder: outcome for outcome in read_outcomes(folder)}
-    outcomes = []
-    for run in planned:
-        silent = JobOutcome(
-            run.folder,
-            run.overrides,
-            FAILED,
-            NOT_FINISHED if stopped else "its process ended without a word; see its run.log",
-        )
-        outcomes.append(noted.pop(run.folder, silent))
-    outcomes += noted.values()  # runs of another sweeper, whose combinations are not known before
+    silent = NOT_FINISHED if stopped else "its process ended without a word; see its run.log"
+    by_run = {run.folder: JobOutcome(run.folder, run.overrides, FAILED, silent) for run in planned}
+    # also runs of another sweeper, whose combinations are not known before
+    by_run |= {outcome.folder: outcome for outcome in read_outcomes(folder)}
+    outcomes = list(by_run.values())
     bad = [outcome for outcome in outcomes if outcome.code]
     if stopped:
         print(f"{len(outcomes) - len(bad)} of {len(outcomes)} runs done: {folder}/")
@@ -141,26 +138,6 @@ def _tell(
 
 def _is_results(override: str) -> bool:
     return override.lstrip("+").partition("=")[0] == "results"
-
-
-def _results(overrides: Sequence[str]) -> str:
-    given = [o.partition("=")[2] for o in overrides if _is_results(o)]
-    return given[-1] if given else "results"
-
-
-def _check_hydra(overrides: Sequence[str], tree: Tree) -> None:
-    """Refuse launchers and sweepers that are not installed, before anything is written."""
-    from hydra import compose as hydra_compose
-    from hydra import initialize_config_dir
-
-    settings = [o for o in overrides if o.lstrip("+~").startswith("hydra")]
-    if not settings:
-        return
-    with (
-        hydra_in_one_line(tree),
-        initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"),
-    ):
-        hydra_compose(tree.primary, overrides=settings, return_hydra_config=True)
 
 
 def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[str]]) -> None:

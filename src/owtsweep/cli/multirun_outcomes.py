@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli.program import BAD_INPUT, DONE, FAILED
 from owtsweep.io.files import write_atomically
 
 OUTCOMES = ".outcomes"
@@ -37,8 +35,8 @@ class JobOutcome:
 
     folder: str
     overrides: list[str]
-    code: int = DONE
-    reason: str = ""
+    code: int
+    reason: str
 
 
 def forget_outcomes(folder: Path) -> None:
@@ -49,7 +47,6 @@ def forget_outcomes(folder: Path) -> None:
 
 def write_outcome(folder: Path, outcome: JobOutcome) -> None:
     """Write the outcome of a run; called in the process that ran it."""
-    (folder / OUTCOMES).mkdir(parents=True, exist_ok=True)
     write_atomically(folder / OUTCOMES / f"{outcome.folder}.json", json.dumps(asdict(outcome)))
 
 
@@ -67,9 +64,3 @@ def describe_failures(run_folder: Path) -> str:
     except (OSError, ValueError, KeyError, TypeError):
         return "some cases failed"
     return f"{failed} case{'s' * (failed != 1)} failed"
-
-
-def common_exit_code(outcomes: Sequence[JobOutcome]) -> int:
-    """2 if a run was refused, else 1 if anything failed, else 0."""
-    codes = {outcome.code for outcome in outcomes}
-    return BAD_INPUT if BAD_INPUT in codes else FAILED if codes - {DONE} else DONE
