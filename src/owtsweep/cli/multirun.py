@@ -4,30 +4,25 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import json
 import logging
 import os
 import shlex
+import shutil
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli.multirun_outcomes import (
-    JobOutcome,
-    describe_failures,
-    forget_outcomes,
-    read_outcomes,
-    write_outcome,
-)
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM
 from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, dump
 from owtsweep.config.composition import compose_hydra
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.errors import InputError, as_text, require
-from owtsweep.io.files import check_writable
+from owtsweep.io.files import check_writable, write_atomically
 from owtsweep.studies import compose, from_mapping, locate
 from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
@@ -35,6 +30,8 @@ from owtsweep.sweep.multirun_record import PlannedRun, write_record
 
 logger = logging.getLogger(__name__)
 
+#: The folder of the outcomes inside the folder of a multirun.
+OUTCOMES = ".outcomes"
 NOT_FINISHED = "not finished"
 
 
@@ -66,7 +63,8 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     settings = [o for o in options.overrides if o.lstrip("+~").startswith("hydra")]
     if settings:  # refuses launchers and sweepers that are not installed
         compose_hydra(located.tree, settings, settings=True)
-    forget_outcomes(folder)
+    shutil.rmtree(folder / OUTCOMES, ignore_errors=True)  # those of an earlier time
+    (folder / OUTCOMES).mkdir(parents=True)
     write_record(folder, options.overrides, planned)
     began = time.monotonic()
     try:
@@ -102,13 +100,50 @@ class Job:
             config = from_mapping(composed, self.study)
             name = run_folder(config).name
             code = run_one(config, self.argv)
-            reason = describe_failures(run_folder(config)) if code else ""
+            reason = _describe_failures(run_folder(config)) if code else ""
         except InputError as error:
             code, reason = BAD_INPUT, str(error)
         except Exception as error:  # after any error the other runs go on
             code, reason = FAILED, as_text(error)
             logger.debug("run %s", name, exc_info=True)
-        write_outcome(Path(self.folder), JobOutcome(name, task, code, reason))
+        outcome = JobOutcome(name, task, code, reason)
+        file = Path(self.folder) / OUTCOMES / f"{name}.json"
+        write_atomically(file, json.dumps(asdict(outcome)))
+
+
+@dataclass(frozen=True)
+class JobOutcome:
+    """The outcome of one run, a small file in the multirun folder.
+
+    Jobs may run in other processes or on other machines (joblib, submitit), so their outcomes are
+    passed in files, not in memory.
+
+    Attributes
+    ----------
+    folder
+        Name of its run folder inside the multirun folder.
+    overrides
+        The overrides of this run, without `results`.
+    code
+        The exit code that this run would have had outside a multirun.
+    reason
+        Why the code is not 0; one line.
+    """
+
+    folder: str
+    overrides: list[str]
+    code: int
+    reason: str
+
+
+def _describe_failures(run_folder: Path) -> str:
+    """How many cases failed, according to the manifest of the run."""
+    try:
+        manifest: dict[str, Any] = json.loads((run_folder / "manifest.json").read_text())
+        failed = int(manifest["cases"]["failed"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return "some cases failed"
+    return f"{failed} case{'s' * (failed != 1)} failed"
 
 
 def _tell(
@@ -117,8 +152,9 @@ def _tell(
     """Print to stderr which runs failed, why, and how to retry them; return all outcomes."""
     silent = NOT_FINISHED if stopped else "its process ended without a word; see its run.log"
     by_run = {run.folder: JobOutcome(run.folder, run.overrides, FAILED, silent) for run in planned}
-    # also runs of another sweeper, whose combinations are not known before
-    by_run |= {outcome.folder: outcome for outcome in read_outcomes(folder)}
+    # Those written are also of runs of another sweeper, whose combinations are not known before.
+    for file in sorted((folder / OUTCOMES).glob("*.json")):
+        by_run[file.stem] = JobOutcome(**json.loads(file.read_text()))
     outcomes = list(by_run.values())
     bad = [outcome for outcome in outcomes if outcome.code]
     if stopped:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.config.section import bare_type, is_section
+from owtsweep.config.section import fields_along
 from owtsweep.config.stored import read, resolved
 from owtsweep.errors import InputError, require
 
@@ -40,28 +40,20 @@ class Tree:
         Hydra refuses to set a key that the files do not list, unless `++` is put before it.
         """
         listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
-        unlisted = {key for key in _keys_with_default(self.model) if not _holds(listed, key)}
-        keys = [override.partition("=")[0] for override in overrides]
-        groups = set(self.groups())
-        return [
-            f"++{override}" if key in unlisted and key.partition(".")[0] not in groups else override
-            for key, override in zip(keys, overrides, strict=True)
-        ]
+        groups = self.groups()
+        admitted = []
+        for override in overrides:
+            path = override.partition("=")[0].split(".")
+            fields = fields_along(self.model, path)
+            has_default = any(not field.is_required() for field in fields)  # or its section has one
+            unlisted = len(fields) == len(path) and has_default and not _holds(listed, path)
+            admitted.append(f"++{override}" if unlisted and path[0] not in groups else override)
+        return admitted
 
 
-def _keys_with_default(model: Any, prefix: str = "", *, within: bool = False) -> Iterator[str]:
-    """Dotted keys that have a default; `within` a section with a default, all keys."""
-    for name, field in model.model_fields.items():
-        missing = within or not field.is_required()
-        if missing:
-            yield f"{prefix}{name}"
-        if is_section(kind := bare_type(field.annotation)):
-            yield from _keys_with_default(kind, f"{prefix}{name}.", within=missing)
-
-
-def _holds(mapping: Any, key: str) -> bool:
-    """Whether nested mappings contain a dotted key."""
-    for part in key.split("."):
+def _holds(mapping: Any, path: Sequence[str]) -> bool:
+    """Whether nested mappings contain a key."""
+    for part in path:
         if not isinstance(mapping, dict) or part not in mapping:
             return False
         mapping = mapping[part]

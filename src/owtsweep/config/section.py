@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
@@ -111,6 +112,20 @@ def item_type(annotation: Any) -> Any:
     """The bare type of a value or, if it is a list, of each item."""
     kind = bare_type(annotation)
     return bare_type(get_args(kind)[0]) if get_origin(kind) is list else kind
+
+
+def fields_along(model: Any, path: Iterable[str | int]) -> list[FieldInfo]:
+    """The fields of the sections that a path leads through, and of the key at its end.
+
+    Shorter than the path if it leads into a list or a mapping, or if there is no such key.
+    """
+    fields = []
+    for name in path:
+        if not is_section(model) or name not in model.model_fields:
+            break
+        fields.append(model.model_fields[name])
+        model = bare_type(fields[-1].annotation)
+    return fields
 
 
 def is_section(kind: Any) -> bool:

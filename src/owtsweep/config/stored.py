@@ -55,7 +55,7 @@ def load(path: Path, model: type[C]) -> C:
 
 
 def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
-    """The plain data of an OmegaConf object or mapping; `resolve` replaces interpolations.
+    """The plain data of an OmegaConf object; `resolve` replaces interpolations.
 
     Raises
     ------
@@ -65,8 +65,7 @@ def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
     from omegaconf import OmegaConf
 
     with hydra_in_one_line():
-        loaded = mapping if OmegaConf.is_config(mapping) else OmegaConf.create(dict(mapping))
-        plain = OmegaConf.to_container(loaded, resolve=resolve)
+        plain = OmegaConf.to_container(mapping, resolve=resolve)
     if not isinstance(plain, dict):
         raise InputError("config: this is a list, not a mapping of keys")
     return {str(key): value for key, value in plain.items()}

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from owtsweep.config.hints import explain_unknown_key, list_keys
-from owtsweep.config.section import TYPE_NAMES, bare_type, is_section, item_type, read_facts
+from owtsweep.config.section import TYPE_NAMES, fields_along, item_type, read_facts
 
 #: First words of pydantic's names of type errors -> the type expected.
 TYPES = {"bool": bool, "string": str, "int": int, "float": float}
@@ -38,7 +38,7 @@ def _line(error: ErrorDetails, model: Any) -> str:
         return f"{key}: {value!r} is no list; use e.g. {key}=[{value}]"
     if kind == "value_error":
         return f"{key}: {limits['error']}"
-    field = _field(model, error["loc"])
+    field = fields_along(model, error["loc"])[-1]
     facts = read_facts(field)
     unit, form = facts["unit"], facts["form"]
     if kind == "literal_error":
@@ -72,13 +72,3 @@ def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: st
     if kind in ("less_than", "less_than_equal"):
         return f"{value} is more than {limit}; lower it"
     return f"{value!r} cannot be taken ({kind.replace('_', ' ')})"
-
-
-def _field(model: Any, location: tuple[str | int, ...]) -> Any:
-    """The field that contains a location of an error."""
-    field = None
-    for part in location:
-        if isinstance(part, str) and is_section(model):
-            field = model.model_fields.get(part)
-            model = bare_type(field.annotation) if field else None
-    return field
