@@ -54,8 +54,7 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
 
     keep_freed_memory()
     study = get_study(config.study)
-    progress = make_progress(quiet=False)
-    outcome = sweep(study, config, fresh=fresh, progress=progress, argv=argv)
+    outcome = sweep(study, config, fresh=fresh, progress=make_progress(quiet=False), argv=argv)
     tables = written_tables(outcome)
     drawn = _draw_overview(outcome) if tables else True
     if tables and sys.stdout.isatty():

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, get_args
 
 from pydantic import ValidationError
-from pydantic_core import ErrorDetails
 
 from owtsweep.config.hints import explain_unknown_key, list_keys
 from owtsweep.config.section import TYPE_NAMES, fields_along, item_type, read_facts
@@ -18,12 +17,8 @@ def in_one_line(error: ValidationError, model: Any) -> str:
     """The first error in one line; unknown and missing keys come before wrong values."""
     order = {"extra_forbidden": 0, "missing": 1}
     first = min(error.errors(include_url=False), key=lambda e: order.get(e["type"], 2))
-    return _line(first, model)
-
-
-def _line(error: ErrorDetails, model: Any) -> str:
-    kind, value, limits = error["type"], error["input"], error.get("ctx", {})
-    steps = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in error["loc"])
+    kind, value, limits, path = first["type"], first["input"], first.get("ctx", {}), first["loc"]
+    steps = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     key = "".join(steps).removeprefix(".")
     if kind == "extra_forbidden":
         return explain_unknown_key(key, list_keys(model))
@@ -38,7 +33,7 @@ def _line(error: ErrorDetails, model: Any) -> str:
         return f"{key}: {value!r} is no list; use e.g. {key}=[{value}]"
     if kind == "value_error":
         return f"{key}: {limits['error']}"
-    field = fields_along(model, error["loc"])[-1]
+    field = fields_along(model, path)[-1]
     facts = read_facts(field)
     unit, form = facts["unit"], facts["form"]
     if kind == "literal_error":

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from owtsweep.config import Config, Tree, checked, compose_plain, require
 from owtsweep.config.stored import read, resolved
@@ -13,8 +12,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies import registry
 
 
-@dataclass(frozen=True)
-class Located:
+class Located(NamedTuple):
     """The study, tree and overrides that a configuration is composed from.
 
     Attributes

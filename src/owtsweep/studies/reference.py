@@ -37,7 +37,10 @@ This page is written by `python -m owtsweep.studies.reference docs/configuration
 COLUMNS = ("key", "type", "unit", "default", "bounds", "meaning")
 #: A key of the page: the texts of its columns.
 Row = tuple[str, ...]
-TYPES = {bool: "true or false", str: "text", int: "whole number", float: "number"}
+TYPES: dict[Any, str] = {
+    bool: "true or false", str: "text", int: "whole number", float: "number", Literal: "choice",
+    dict: "mapping",
+}  # fmt: skip
 #: pydantic's name of a bound -> its sign.
 LIMITS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤", "min_length": "", "max_length": ""}
 #: A default with more characters is not shown; `--cfg` prints it.
@@ -82,16 +85,12 @@ def _describe(model: Any, defaults: Mapping[str, Any], prefix: str = "") -> list
 
 def _type(field: FieldInfo) -> str:
     kind = bare_type(field.annotation)
-    nullable = " or null" if type(None) in get_args(field.annotation) else ""
-    if get_origin(kind) is Literal:
-        return f"choice{nullable}"
-    if get_origin(kind) is dict:
-        return f"mapping{nullable}"
     if get_origin(kind) is list:
-        item = TYPES.get(item_type(kind), "")
-        plural = {"text": " of texts", "": ""}.get(item, f" of {item}s")
-        return f"{'axis' if is_axis(field) else 'list'}{plural}{nullable}"
-    return f"{TYPES.get(kind, 'any')}{nullable}"
+        item = TYPES.get(item_type(kind))
+        text = ("axis" if is_axis(field) else "list") + (f" of {item}s" if item else "")
+    else:
+        text = TYPES.get(get_origin(kind) or kind, "any")
+    return text + (" or null" if type(None) in get_args(field.annotation) else "")
 
 
 def _bounds(field: FieldInfo) -> Iterator[str]:

@@ -164,6 +164,8 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
         try:
             values = {key: value for keys, value in chosen.items() for key in keys.split("+")}
             row |= judge(with_values(base, values), target["schemes"], lanes)
+            if not np.isfinite(row["score"]):
+                row["score"] = DIVERGED
         except (InputError, ArithmeticError, np.linalg.LinAlgError) as error:
             row |= {"score": DIVERGED, "status": FAILED, "reason": as_text(error)}
         rows.append(row)
@@ -205,8 +207,7 @@ def _score_settled(
         for products in scheme_products(settled, scheme, lanes).values():
             position = products[:2].sum(axis=0)
             logs += [np.log(at_amplitude(position, N)) for N in config.grid.amplitude]
-    value = float(np.exp(np.mean(logs)))
-    return {"score": value if np.isfinite(value) else DIVERGED}
+    return {"score": float(np.exp(np.mean(logs)))}
 
 
 def _score_published(
@@ -226,6 +227,4 @@ def _score_published(
         result["winners"] = " ".join(all_four.winners)
         for period in (4.0, 6.0, 8.0):
             result[f"boundary_{period:g}s"] = all_four.boundaries[period]
-    if not np.isfinite(result["score"]):
-        result["score"] = DIVERGED
     return result
