@@ -9,6 +9,12 @@ class InputError(ValueError):
     """
 
 
+def require(condition: bool, message: str) -> None:
+    """Raise `InputError(message)` unless the condition holds."""
+    if not condition:
+        raise InputError(message)
+
+
 def as_text(error: BaseException) -> str:
     """Type and message of an exception, in one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())

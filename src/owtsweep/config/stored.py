@@ -7,8 +7,7 @@ from typing import Any, TypeVar
 
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.config.identity import as_plain
-from owtsweep.config.typed import checked
+from owtsweep.config.typed import as_plain, checked
 from owtsweep.errors import InputError
 
 C = TypeVar("C", bound=Config)
@@ -56,7 +55,7 @@ def load(path: Path, model: type[C]) -> C:
 
 
 def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
-    """The plain data of an OmegaConf object or mapping; `resolve` replaces interpolations.
+    """The plain data of an OmegaConf object; `resolve` replaces interpolations.
 
     Raises
     ------
@@ -66,8 +65,7 @@ def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
     from omegaconf import OmegaConf
 
     with hydra_in_one_line():
-        loaded = mapping if OmegaConf.is_config(mapping) else OmegaConf.create(dict(mapping))
-        plain = OmegaConf.to_container(loaded, resolve=resolve)
+        plain = OmegaConf.to_container(mapping, resolve=resolve)
     if not isinstance(plain, dict):
         raise InputError("config: this is a list, not a mapping of keys")
     return {str(key): value for key, value in plain.items()}
