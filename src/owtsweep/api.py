@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from owtsweep import studies
 
 if TYPE_CHECKING:
-    from owtsweep.studies.replay.result import Replay
+    from owtsweep.studies.replay.running import Replay
     from owtsweep.sweep.runs import Run
 
 __all__ = ["load", "replay", "run"]
@@ -73,8 +73,7 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     InputError
         If a file or an override is wrong; nothing has been written then.
     """
-    from owtsweep.studies.replay.result import Replay
-    from owtsweep.studies.replay.running import configure, execute
+    from owtsweep.studies.replay.running import Replay, configure, execute
 
     words = [str(files)] if isinstance(files, str | PathLike) else [str(file) for file in files]
     return Replay(execute(configure(words, overrides)).run)

@@ -12,6 +12,12 @@ class InputError(ValueError):
         super().__init__(printable(message))
 
 
+def require(condition: bool, message: str) -> None:
+    """Raise `InputError(message)` unless the condition holds."""
+    if not condition:
+        raise InputError(message)
+
+
 def as_text(error: BaseException) -> str:
     """Type and message of an exception, in one printable line."""
     try:

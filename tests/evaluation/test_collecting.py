@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from owtsweep import Estimate, Innovation
-from owtsweep.evaluation.collecting import collect
 from owtsweep.evaluation.estimate import Quantity
+from owtsweep.evaluation.loop import collect
 
 JUDGED = (Quantity("angle", ("angle",)), Quantity("strain", ("root", "tip")))
 

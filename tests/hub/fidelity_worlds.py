@@ -11,7 +11,7 @@ import pandas as pd
 
 from owtsweep.studies.hub.conditions import CONDITIONS
 from owtsweep.studies.hub.fidelity import reasons
-from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, PERIODS, SCHEMES, Evidence
+from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, PERIODS, SCHEMES, HubEvidence
 from owtsweep.studies.hub.fidelity.history_errors import HistoryErrors
 from owtsweep.studies.hub.fidelity.score import published_numbers
 
@@ -31,7 +31,7 @@ def world(
     amplitudes=AMPLITUDES,
     schemes=SCHEMES,
     made: HistoryErrors | None = None,
-) -> Evidence:
+) -> HubEvidence:
     """A run whose schemes have these terms, by scheme or by (measure, natural period).
 
     All records differ a little, by a factor that the schemes share. `wobble` moves a scheme's
@@ -62,9 +62,9 @@ def make_evidence(
     periods=PERIODS,
     amplitudes=AMPLITUDES,
     made: HistoryErrors | None = None,
-) -> Evidence:
+) -> HubEvidence:
     """The evidence of these rows in the full window."""
-    return Evidence(
+    return HubEvidence(
         rows=rows,
         conditions=CONDITIONS,
         grid={"natural_period": tuple(periods), "amplitude": tuple(amplitudes)},
@@ -125,7 +125,7 @@ def shrinking(measure: str, period: float) -> dict[str, Terms]:
 
 
 @cache
-def scattered_world() -> Evidence:
+def scattered_world() -> HubEvidence:
     """Random products, so that every number can be checked by hand."""
     terms = {s: (1e-3 * (i + 1), 1e-3) for i, s in enumerate(SCHEMES)}
     evidence = world(terms, measures=EVERYTHING)

@@ -14,9 +14,9 @@ from scipy import stats
 from tools import SMALL
 
 import owtsweep
-from owtsweep.comparing.shift import compare_boundaries
+from owtsweep.comparing.changes import compare_boundaries
 from owtsweep.errors import InputError
-from owtsweep.results.boundary import find_boundary
+from owtsweep.results.boundary import find_boundary, subtract_schemes
 from owtsweep.studies.hub.conditions import CONDITIONS
 from owtsweep.sweep import compare as comparing
 from owtsweep.sweep.compare import Compared
@@ -182,14 +182,14 @@ def test_figures_carry_the_hashes_of_the_runs(folder, compared):
 def test_a_shifted_boundary_is_a_ratio_with_a_paired_interval(folder):
     rows = owtsweep.load(folder / "early").cases()
     scaled = rows.assign(motion=rows.motion / 4.0, cross=rows.cross / 2.0)  # twice the amplitude
-    made = fabricated(rows), fabricated(scaled)
-    args = (CONDITIONS, ("HME2", "HME1"), "position", ("full", "full"))
-    found = compare_boundaries(made, *args, paired=True)
+    asked = CONDITIONS, ("HME2", "HME1"), "position", "full"
+    made = [subtract_schemes(fabricated(own), *asked) for own in (rows, scaled)]
+    found = compare_boundaries(*made, paired=True)
     assert found
     for row in found:
         assert row["ratio"] == pytest.approx(2.0, rel=1e-9)
         assert row["ratio_low"] == pytest.approx(row["ratio_high"], rel=1e-9)  # the same draws
-    apart = compare_boundaries(made, *args, paired=False)
+    apart = compare_boundaries(*made, paired=False)
     assert all(row["ratio_low"] < 1.99 < 2.01 < row["ratio_high"] for row in apart)
 
 

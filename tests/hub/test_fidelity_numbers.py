@@ -17,8 +17,7 @@ from fidelity_worlds import (
 )
 from scipy import stats
 
-from owtsweep.studies.hub.fidelity import boundaries
-from owtsweep.studies.hub.fidelity.evidence import Evidence
+from owtsweep.studies.hub.fidelity.evidence import HubEvidence
 from owtsweep.studies.hub.fidelity.numbers import compare_numbers
 from owtsweep.studies.hub.fidelity.report import judge_all
 from owtsweep.studies.hub.fidelity.statements import STATEMENTS
@@ -28,7 +27,7 @@ from owtsweep.verdicts.numbers import lies_within_records
 
 
 @pytest.fixture(scope="module")
-def scattered() -> Evidence:
+def scattered() -> HubEvidence:
     return scattered_world()
 
 
@@ -71,7 +70,7 @@ def test_a_world_that_prints_the_paper_agrees_with_it():
     numbers = compare_numbers(evidence)
     # tables 7 and 8 give F and A at 8 s, so that nothing is left to fit there
     assert numbers["log2"].abs().max() < 1e-9
-    table = fidelity_table(evidence, numbers, [], boundaries.all_boundaries(evidence))
+    table = fidelity_table(evidence, numbers, [])
     table = table.set_index("item")
     assert (table["kind"] == "number").sum() == 64
     assert set(table.loc[table["kind"] == "winner", "agrees"]) == {"yes"}
@@ -85,7 +84,7 @@ def test_a_world_that_prints_the_paper_agrees_with_it():
 def test_winners_and_boundaries_that_differ_are_told():
     evidence = world(shrinking, measures=EVERYTHING)
     numbers = compare_numbers(evidence)
-    table = fidelity_table(evidence, numbers, [], boundaries.all_boundaries(evidence))
+    table = fidelity_table(evidence, numbers, [])
     agrees = table.set_index("item")["agrees"]
     value = table.set_index("item")["reproduced"]
     assert value["boundary 4 s"] == pytest.approx(0.3, rel=1e-3)
@@ -100,8 +99,7 @@ def test_winners_and_boundaries_that_differ_are_told():
 
 def test_without_a_boundary_the_cells_decide():
     evidence = world({**EQUAL, "HME1": (1.0, 0.01)}, measures=EVERYTHING)
-    found = boundaries.all_boundaries(evidence)
-    table = fidelity_table(evidence, compare_numbers(evidence), [], found).set_index("item")
+    table = fidelity_table(evidence, compare_numbers(evidence), []).set_index("item")
     assert np.isnan(table.loc["boundary 4 s", "reproduced"])
     assert table.loc["boundary 4 s", "agrees"] == "no"
     assert "HME1 is better at every amplitude" in table.loc["boundary 4 s", "why"]
@@ -121,7 +119,7 @@ def test_schemes_that_coincide_are_no_rivals():
 
 def test_distances_are_quantiles_of_log_ratios(scattered):
     numbers = compare_numbers(scattered)
-    table = fidelity_table(scattered, numbers, [], {}).set_index("item")["reproduced"]
+    table = fidelity_table(scattered, numbers, []).set_index("item")["reproduced"]
     for group in (["MKF", "HME1", "HME2"], ["EKF"]):
         own = np.abs(numbers.loc[numbers["scheme"].isin(group), "log2"])
         name = ", ".join(group)

@@ -11,7 +11,7 @@ from tools import configure
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.fidelity import history_errors, reasons
 from owtsweep.studies.hub.fidelity.contents import FREEDOM
-from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
+from owtsweep.studies.hub.fidelity.evidence import Cell, HubEvidence
 from owtsweep.studies.hub.fidelity.score import published_numbers
 from owtsweep.studies.hub.filter_states import bias_of
 from owtsweep.studies.hub.records import make_records
@@ -21,7 +21,7 @@ from owtsweep.verdicts.consistency import judge_consistency, judge_intervals
 
 
 @pytest.fixture(scope="module")
-def scattered() -> Evidence:
+def scattered() -> HubEvidence:
     return scattered_world()
 
 

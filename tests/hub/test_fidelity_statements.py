@@ -19,9 +19,7 @@ from fidelity_worlds import (
 )
 
 from owtsweep.studies.hub import published
-from owtsweep.studies.hub.fidelity import boundaries
 from owtsweep.studies.hub.fidelity.history_errors import HistoryErrors
-from owtsweep.studies.hub.fidelity.history_statements import HISTORY_STATEMENTS
 from owtsweep.studies.hub.fidelity.numbers import compare_numbers
 from owtsweep.studies.hub.fidelity.report import judge_all
 from owtsweep.studies.hub.fidelity.statements import STATEMENTS
@@ -117,7 +115,7 @@ def sums(**position) -> dict[tuple[str, str], np.ndarray]:
 def test_history_statement(name, verdict, inside, accumulated):
     shares = {"HME1": np.array(inside), "HME2": np.full(len(inside), 0.99)}
     evidence = world(EQUAL, made=HistoryErrors(shares, accumulated), periods=[4.0])
-    assert all_of(HISTORY_STATEMENTS[name](evidence)) == verdict
+    assert all_of(STATEMENTS[name](evidence)) == verdict
 
 
 def test_cells_and_schemes_that_the_run_lacks_are_named():
@@ -135,7 +133,7 @@ def test_cells_and_schemes_that_the_run_lacks_are_named():
     assert {statement.verdict for statement in judged} == {MISSING}
     numbers = compare_numbers(alone)
     assert (numbers["scheme"][numbers["reproduced"].notna()] == "HME1").all()
-    table = fidelity_table(alone, numbers, judged, boundaries.all_boundaries(alone))
+    table = fidelity_table(alone, numbers, judged)
     assert set(table.loc[table["kind"].isin(["winner", "statement"]), "agrees"]) == {MISSING}
     assert "not in this run" in table["why"][0]
 

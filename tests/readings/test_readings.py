@@ -12,7 +12,7 @@ from owtsweep.config import conf_directory, with_values
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.hub.fidelity import score as scoring
-from owtsweep.studies.readings import results, searches
+from owtsweep.studies.readings import engine, searches
 from owtsweep.sweep.run import sweep
 
 pytestmark = pytest.mark.usefixtures("kernels")
@@ -44,7 +44,7 @@ def test_a_search_keeps_its_whole_trail_and_gets_better():
     assert rows.score.min() < 0.97 * rows.score[0]
     ((_, again),) = searches.run(config, [block])
     assert again.equals(rows)
-    best = results.rank_trials(rows)
+    best = engine.rank_trials(rows)
     assert best.score.is_monotonic_increasing
     assert best.score[0] == rows.score.min()
 
@@ -144,7 +144,7 @@ def test_an_unknown_parameter_of_a_truth_is_refused():
 def test_without_optuna_one_line_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "optuna", None)
     with pytest.raises(InputError, match=r"owtsweep\[calibrate\]"):
-        get_study("readings").plan(compose(SHORT))
+        searches.plan(compose(SHORT))
 
 
 def test_tunings_are_complete_and_state_their_name():

@@ -36,7 +36,7 @@ SLOW = (
 
 @pytest.fixture
 def short_pieces(monkeypatch):
-    for module in (measuring, estimating, windows):
+    for module in (measuring, estimating):
         monkeypatch.setattr(module, "PIECE", 640)
     monkeypatch.setattr(measuring.cut_into_pieces, "__defaults__", (640,))
 
@@ -139,7 +139,7 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
         return found, states.collect_filter_states(config, found)
 
     one, one_states = seen()
-    for module in (measuring, estimating, windows):
+    for module in (measuring, estimating):
         monkeypatch.setattr(module, "PIECE", 640)
     monkeypatch.setattr(measuring.cut_into_pieces, "__defaults__", (640,))
     other, other_states = seen()
@@ -169,10 +169,8 @@ def test_figures_show_the_same_whatever_the_pieces(tmp_path, monkeypatch, kind):
 def test_the_windows_are_about_the_largest_motion(tmp_path):
     path = motion_file(tmp_path / "a.csv", duration=60.0)
     record = load_record(config_of([path]), str(path))
-    largest = windows.LargestMotion(record)
-    largest.add(record.position)
-    found = windows.choose_windows(record, largest)
-    time, size = record.time, np.hypot(*record.position.T)
+    found = windows.choose_windows(record, [record.position])
+    time, size = record.time_at(slice(None)), np.hypot(*record.position.T)
     inside = (time >= time[0] + 27.5) & (time <= time[-1] - 7.5)
     middle = time[np.argmax(np.where(inside, size, -1.0))]
     shown = time[found["zoom"]]

@@ -111,7 +111,6 @@ def test_without_a_reference_there_are_innovations_alone(tmp_path):
 def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
     """End to end: file, grid, sensors, scheme, errors against the expectation without records."""
     from owtsweep.motion.spectra import translated
-    from owtsweep.studies.replay.expectation import expect_errors
 
     path = motion_file(tmp_path / "a.csv", duration=1000.0, rms=0.5, period=5.0)
     config = config_of([path])
@@ -124,7 +123,7 @@ def test_records_errors_are_those_expected_of_its_spectrum(tmp_path):
             measured = listen(config, sensors, record, replicate)
             state = estimate(config, scheme, sensors, measured).state[4000:]
             mse.append(np.mean(np.sum((state[:, :2] - record.position[4000:]) ** 2, axis=1)))
-        known = expect_errors(config, scheme, sensors, record.steps, (0.05, 0.6))
+        known = place.expect_errors(config, scheme, sensors, record.steps, (0.05, 0.6))
         rms = float(np.sqrt(np.mean(np.sum(record.position[4000:] ** 2, axis=1))))
         expected, _ = known.mse(translated(5.0).density, (0.05, 0.6), rms)
         assert np.mean(mse) == pytest.approx(expected, rel=0.1), name

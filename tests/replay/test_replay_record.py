@@ -8,9 +8,9 @@ from replay_tools import collect_force, config_of, motion_file, sensor_file, wri
 
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import sensors as sensing
-from owtsweep.studies.replay.fixes import align
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import count_replicates, listen
+from owtsweep.studies.replay.of_sensors import align
 
 
 def sine_file(path, rate=25.0, mean=2.0):
@@ -22,7 +22,7 @@ def sine_file(path, rate=25.0, mean=2.0):
 def test_a_motion_is_what_the_file_says_without_its_mean(tmp_path):
     config = config_of([sine_file(tmp_path / "a.csv")])
     record = load_record(config, config.grid.files[0])
-    t = record.time
+    t = record.time_at(slice(None))
     inner = slice(500, -500)
     assert record.begin == pytest.approx(7.2)  # the first fix reports what was .2 s before
     assert record.origin[0] == pytest.approx(2.0, abs=0.02)
@@ -69,11 +69,7 @@ def test_recorded_fixes_stand_where_they_are_due(tmp_path):
     config = config_of([path])
     sensors = sensing.sensors(config.sensors)
     record = load_record(config, str(path))
-    assert (record.kind, record.gnss, count_replicates(config, record)) == (
-        "sensors",
-        "recorded",
-        1,
-    )
+    assert (record.gnss, count_replicates(config, record)) == ("recorded", 1)
     assert record.begin == pytest.approx(0.4, abs=0.02)
     assert np.flatnonzero(np.isnan(record.fixes[:, 0]))[:3].tolist() == [5, 6, 20]
     at = sensors.fix_interval * np.arange(1, 50) - sensors.delay
@@ -110,10 +106,11 @@ def test_a_gap_of_the_reference_is_a_gap_of_the_fixes_and_of_the_truth(tmp_path)
     table.to_csv(path, index=False)
     record = load_record(config_of([path]), str(path))
     lost = np.isnan(record.position[:, 0])
-    inside = (record.time > 20.1) & (record.time < 23.4)
+    time = record.time_at(slice(None))
+    inside = (time > 20.1) & (time < 23.4)
     assert np.all(lost[inside])
-    assert np.all(lost[record.time > 55.1])
-    assert not np.any(lost[(record.time < 19.9) | ((record.time > 23.6) & (record.time < 54.9))])
+    assert np.all(lost[time > 55.1])
+    assert not np.any(lost[(time < 19.9) | ((time > 23.6) & (time < 54.9))])
     assert np.isnan(record.fixes[:, 0]).sum() >= 3
 
 
@@ -127,8 +124,12 @@ def test_alignment_keeps_the_nearest_of_two_fixes():
     assert found.values[:5, 0].tolist()[:3] == [0.0, 1.0, 2.0]
     assert np.isnan(found.values[3, 0])
     assert found.dropped == 1
-    with pytest.raises(InputError, match="holds 1 position fixes"):
-        align(time[:1], values[:1], 6.0, sensors)
+
+
+def test_two_fixes_are_too_few(tmp_path):
+    path = sensor_file(tmp_path / "a.csv", missing=range(2, 60))
+    with pytest.raises(InputError, match=r"a.csv: columns.fix_x: .* holds 2 position fixes"):
+        load_record(config_of([path]), str(path))
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ from owtsweep.errors import InputError
 from owtsweep.results.best_scheme import find_best_schemes, find_coinciding
 from owtsweep.results.conditions import Condition, order_values, require_usable
 from owtsweep.results.cube import Cube
-from owtsweep.results.expand import expand
 from owtsweep.results.summary import summarise
 from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, leave, make_rows
 
@@ -38,7 +37,7 @@ def test_the_summary_has_the_mean_of_every_cell(conditions):
         assert (row["ci_low"], row["ci_high"]) == pytest.approx(interval, rel=1e-9)
     for name in names:  # texts as the grid lists them
         assert list(dict.fromkeys(table[name])) == list(GRID[name])
-    values = expand(rows, conditions, GRID).assign(status="ok")
+    values = make_cube(rows, conditions).to_table().assign(status="ok")
     told = summarise(make_cube(values, conditions)).set_index(keys)
     pd.testing.assert_frame_equal(told.loc[table.set_index(keys).index], table.set_index(keys))
 
@@ -88,7 +87,7 @@ def test_a_scheme_that_is_unable_leaves_its_cell_and_says_why():
     assert (first["best"], first["runner_up"], first["status"]) == ("GDF", "", "unable")
     assert set(first["reason"].split("; ")) == {"ASKF: blind", "DKF: unstable"}
     assert set(best["status"][1:]) == {"ok"}
-    values = expand(rows, conditions, GRID)
+    values = cube.to_table()
     here = (values["soil"] == "sand") & (values["noise"] == 1.0)
     assert set(values[here]["scheme"]) == {"GDF"}
 

@@ -7,114 +7,37 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
+from hub_rows import (
+    AMPLITUDES,
+    PERIODS,
+    SCHEMES,
+    best_of,
+    coinciding,
+    find_best,
+    make_summary,
+    superposed_rows,
+    tabulate,
+    values_of,
+)
 from scipy import stats
 
 from naive_holm import naive_holm
 from owtsweep.errors import InputError
-from owtsweep.results.best_scheme import find_best_schemes, find_coinciding
 from owtsweep.results.cube import Cube
-from owtsweep.results.expand import expand
 from owtsweep.results.summary import summarise
-from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, MEASURES
+from owtsweep.studies.hub.conditions import CONDITIONS, MEASURES
 
-SCHEMES = ("EKF", "MKF", "HME1", "HME2")
-PERIODS = (3.0, 8.0)
-AMPLITUDES = (0.05, 1.0, 10.0)
 # the columns of summary.csv and best_scheme.csv, which others' scripts rely on
 DESIGN_SUMMARY = ["scheme", "natural_period", "amplitude", "measure", "window"]
 DESIGN_SUMMARY += ["mean", "ci_low", "ci_high", "n"]
 DESIGN_BEST = ["natural_period", "amplitude", "criterion", "window", "best", "runner_up"]
 DESIGN_BEST += ["mse_best", "mse_runner_up", "difference", "ci_low", "ci_high", "distinguishable"]
-
-
 VALUE_COLUMNS = ["scheme", "natural_period", "amplitude", "measure", "window", "replicate", "value"]
 
 
-def make_cube(values, schemes) -> Cube:
-    """The cube of values, each of them a row that was run directly."""
-    rows = values.assign(status="ok", motion=math.nan, cross=math.nan, noise=math.nan)
-    return Cube.of_rows(
-        rows, schemes, CONDITIONS, {"amplitude": values["amplitude"].unique()}, measures=MEASURES
-    )
-
-
-def make_summary(values, schemes) -> pd.DataFrame:
-    return summarise(make_cube(values, schemes))
-
-
-def find_best(values, schemes, window, criteria=CRITERIA) -> pd.DataFrame:
-    cube = make_cube(values, schemes)
-    return find_best_schemes(cube, window, criteria)
-
-
-def coinciding(values, schemes) -> list[tuple[str, ...]]:
-    return find_coinciding(make_cube(values, schemes), CRITERIA)
-
-
-def superposed_rows(
-    schemes=SCHEMES,
-    replicates: int = 6,
-    measures=("x", "position", "velocity", "nees"),
-    seed: int = 5,
-) -> pd.DataFrame:
-    random = np.random.default_rng(seed)
-    rows = []
-    for period in PERIODS:
-        for scheme in schemes:
-            for replicate in range(replicates):
-                for measure in measures:
-                    for window in ("full", "settled"):
-                        motion, noise = random.uniform(0.5, 1.5, 2) * (2e-3, 1e-3)
-                        rows.append(
-                            {
-                                "natural_period": period,
-                                "replicate": replicate,
-                                "scheme": scheme,
-                                "measure": measure,
-                                "window": window,
-                                "amplitude": math.nan,
-                                "motion": motion,
-                                "cross": random.normal(scale=1e-5),
-                                "noise": noise,
-                                "value": math.nan,
-                                "n_samples": 1000,
-                                "status": "ok",
-                                "reason": "",
-                            }
-                        )
-    return pd.DataFrame(rows)
-
-
-def values_of(samples: dict[str, list[float]], *, amplitude: float = 1.0, **fixed) -> pd.DataFrame:
-    """Values of one cell: a list of replicates per scheme; NaN stands for one not finished."""
-    rows = [
-        {
-            "scheme": scheme,
-            "natural_period": 3.0,
-            "amplitude": amplitude,
-            "measure": "position",
-            "window": "full",
-            "replicate": replicate,
-            "value": value,
-        }
-        | fixed
-        for scheme, series in samples.items()
-        for replicate, value in enumerate(series)
-        if not math.isnan(value)
-    ]
-    return pd.DataFrame(rows)
-
-
-def best_of(samples: dict[str, list[float]], schemes=None) -> pd.Series:
-    values = values_of(samples)
-    table = find_best(values, schemes or list(samples), "full", criteria=("position",))
-    assert len(table) == 1
-    return table.iloc[0]
-
-
-def test_expand_superposes_every_amplitude():
+def test_a_table_superposes_every_amplitude():
     rows = superposed_rows(replicates=2)
-    values = expand(rows, CONDITIONS, {"amplitude": AMPLITUDES})
+    values = tabulate(rows)
     assert list(values.columns) == VALUE_COLUMNS
     assert len(values) == len(rows) * len(AMPLITUDES)
     keys = ["scheme", "natural_period", "measure", "window", "replicate"]
@@ -125,35 +48,33 @@ def test_expand_superposes_every_amplitude():
             assert by_key[(*(row[key] for key in keys), n)] == pytest.approx(expected, rel=1e-14)
 
 
-def test_expand_takes_direct_rows_as_they_are():
+def test_a_table_takes_direct_rows_as_they_are():
     superposed = superposed_rows(schemes=("MKF",), replicates=1)
     direct = superposed_rows(schemes=("EKF",), replicates=1)
     direct["amplitude"], direct["value"] = 1.0, 0.25
     direct[["motion", "cross", "noise"]] = math.nan
     elsewhere = direct.assign(amplitude=4.0)  # an amplitude that the grid does not hold
-    values = expand(
-        pd.concat([superposed, direct, elsewhere]), CONDITIONS, {"amplitude": AMPLITUDES}
-    )
+    values = tabulate(pd.concat([superposed, direct, elsewhere]))
     own = values[values["scheme"] == "EKF"]
     assert set(own["amplitude"]) == {1.0}
     assert set(own["value"]) == {0.25}
     assert set(values["amplitude"]) == set(AMPLITUDES)
-    assert len(expand(direct, CONDITIONS, {"amplitude": AMPLITUDES})) == len(direct)
+    assert len(tabulate(direct)) == len(direct)
 
 
-def test_expand_leaves_out_failed_cases_and_undefined_values():
+def test_a_table_leaves_out_failed_cases_and_undefined_values():
     rows = superposed_rows(schemes=("MKF",), replicates=2)
     rows.loc[rows["measure"] == "nees", ["motion", "cross", "noise"]] = math.nan
     failed = rows.iloc[[0]].assign(
         scheme="HME2", measure="", window="", status="failed", reason="no fix"
     )
-    values = expand(pd.concat([rows, failed]), CONDITIONS, {"amplitude": AMPLITUDES})
+    values = tabulate(pd.concat([rows, failed]))
     assert set(values["scheme"]) == {"MKF"}
     assert set(values["measure"]) == {"x", "position", "velocity"}
 
 
 def test_summary_is_the_students_interval():
-    values = expand(superposed_rows(), CONDITIONS, {"amplitude": AMPLITUDES})
+    values = tabulate(superposed_rows())
     table = make_summary(values, SCHEMES)
     assert list(table.columns) == DESIGN_SUMMARY
     groups = values.groupby(["scheme", "natural_period", "amplitude", "measure", "window"])
@@ -171,7 +92,7 @@ def test_summary_is_the_students_interval():
 
 
 def test_summary_is_sorted_by_the_given_schemes_then_numerically():
-    values = expand(superposed_rows(), CONDITIONS, {"amplitude": AMPLITUDES})
+    values = tabulate(superposed_rows())
     schemes = ["HME2", "EKF", "MKF"]
     table = make_summary(values, schemes)
     assert list(dict.fromkeys(table["scheme"])) == schemes
@@ -192,7 +113,7 @@ def test_summary_of_unequal_counts_and_of_a_single_replicate():
 
 def test_tables_of_a_run_without_any_value_are_empty():
     rows = superposed_rows(replicates=1).assign(status="failed")
-    values = expand(rows, CONDITIONS, {"amplitude": AMPLITUDES})
+    values = tabulate(rows)
     assert list(make_summary(values, SCHEMES).columns) == DESIGN_SUMMARY
     assert list(find_best(values, SCHEMES, "full").columns) == DESIGN_BEST
     assert make_summary(values, SCHEMES).empty
@@ -201,7 +122,7 @@ def test_tables_of_a_run_without_any_value_are_empty():
 
 
 def test_best_scheme_is_the_paired_comparison_of_every_cell():
-    values = expand(superposed_rows(replicates=9), CONDITIONS, {"amplitude": AMPLITUDES})
+    values = tabulate(superposed_rows(replicates=9))
     table = find_best(values, SCHEMES, "settled")
     assert list(table.columns) == DESIGN_BEST
     assert len(table) == len(PERIODS) * len(AMPLITUDES) * 2
@@ -318,13 +239,13 @@ def test_coinciding_groups_hold_in_every_cell():
 def test_no_result_depends_on_the_order_of_rows_or_on_other_cells():
     rows = superposed_rows(replicates=11)
     shuffled = rows.sample(frac=1.0, random_state=np.random.default_rng(0))
-    one, other = (expand(each, CONDITIONS, {"amplitude": AMPLITUDES}) for each in (rows, shuffled))
+    one, other = (tabulate(each) for each in (rows, shuffled))
     for make in (
         lambda values: make_summary(values, SCHEMES),
         lambda values: find_best(values, SCHEMES, "full"),
     ):
         pd.testing.assert_frame_equal(make(one), make(other), check_exact=True)
-    alone = expand(rows[rows["natural_period"] == 8.0], CONDITIONS, {"amplitude": [1.0]})
+    alone = tabulate(rows[rows["natural_period"] == 8.0], [1.0])
     part = make_summary(one, SCHEMES).query("natural_period == 8 and amplitude == 1")
     pd.testing.assert_frame_equal(
         make_summary(alone, SCHEMES), part.reset_index(drop=True), check_exact=True
@@ -365,5 +286,5 @@ def test_no_bit_depends_on_how_many_amplitudes_there_are(replicates):
     one_by_one = pd.concat(tables[1:]).sort_values(order, kind="stable", ignore_index=True)
     whole = tables[0].sort_values(order, kind="stable", ignore_index=True)
     pd.testing.assert_frame_equal(whole, one_by_one, check_exact=True)
-    naive = make_summary(expand(rows, CONDITIONS, {"amplitude": many}), SCHEMES)
+    naive = make_summary(tabulate(rows, many), SCHEMES)
     pd.testing.assert_frame_equal(tables[0], naive, check_exact=True)

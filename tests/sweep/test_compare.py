@@ -14,8 +14,7 @@ from dummy_study import DummyStudy, make_config
 from owtsweep import studies
 from owtsweep.api import load
 from owtsweep.cli import main
-from owtsweep.comparing.comparison import Comparison, Findings, Pair
-from owtsweep.comparing.values import rank_values, show
+from owtsweep.comparing.comparison import Comparison, Findings, Pair, rank_values, show
 from owtsweep.errors import InputError
 from owtsweep.studies import registry
 from owtsweep.sweep import compare as comparing

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from owtsweep.results.conditions import Condition
+from owtsweep.results.status import OK
 from owtsweep.verdicts.claims import claim_against_best, claim_ratio, gather
+from owtsweep.verdicts.evidence import Evidence
 from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, mean_ratio
 from owtsweep.verdicts.numbers import COLUMNS, compare_number, lies_within_records
 from owtsweep.verdicts.statements import judge, tabulate_claims
@@ -16,24 +21,41 @@ SMALL = np.array([1.0, 1.1, 0.9, 1.0])
 LARGE = np.array([2.0, 2.2, 2.1, 1.9])
 
 
-class Errors:
-    """A study of two schemes, good and bad, in the cells "calm" and "rough"."""
+class Cell(NamedTuple):
+    """A sea, by its wave height (m)."""
 
-    def paired(self, schemes, cell, measure="position"):
-        if cell not in ("calm", "rough"):
-            return None
-        values = {"good": SMALL, "bad": LARGE}
-        return {scheme: values[scheme] for scheme in schemes}
+    height: float
 
-    def best_other(self, scheme, cell):
-        values = self.paired(["good", "bad"], cell)
-        other = "bad" if scheme == "good" else "good"
-        return None if values is None else (other, values[scheme], values[other])
+    def __str__(self):
+        return {1.0: "calm", 4.0: "rough"}.get(self.height, "storm")
+
+
+CALM, ROUGH, STORM = Cell(1.0), Cell(4.0), Cell(9.0)
+
+
+def evidence():
+    """A run of two schemes, good and bad, in a calm and a rough sea."""
+    rows = [
+        {"scheme": scheme, "height": sea.height, "measure": "position", "window": "full",
+         "replicate": replicate, "value": value, "status": OK}
+        for scheme, values in {"good": SMALL, "bad": LARGE}.items()
+        for sea in (CALM, ROUGH)
+        for replicate, value in enumerate(values)
+    ]  # fmt: skip
+    return Evidence(
+        rows=pd.DataFrame(rows),
+        conditions=[Condition("height", "wave height", "m")],
+        grid={"height": (1.0, 4.0)},
+        schemes=("good", "bad"),
+        rivals=("good", "bad"),
+        window="full",
+    )
 
 
 def test_what_a_run_lacks_is_named_and_the_rest_decided():
     decision = mean_ratio("here", SMALL, LARGE, 1.0, "below")
-    claim = gather("it is less", [("here", [decision, decision]), ("there", None)])
+    parts = [("here", decision), ("here", decision), ("there", None), ("there", None)]
+    claim = gather("it is less", parts)
     assert claim.decisions == (decision, decision)
     assert claim.missing == ("there",)
     assert claim.verdict == MISSING
@@ -42,28 +64,28 @@ def test_what_a_run_lacks_is_named_and_the_rest_decided():
 @pytest.mark.parametrize(("side", "verdict"), [("below", REPRODUCED), ("above", NOT_REPRODUCED)])
 def test_ratios_are_claimed_in_every_cell(side, verdict):
     claims = [
-        claim_ratio("", Errors(), ("good", "bad"), ["calm", "rough"], side),
-        claim_against_best("", Errors(), "good", ["calm", "rough"], side),
+        claim_ratio("", evidence(), ("good", "bad"), [CALM, ROUGH], side),
+        claim_against_best("", evidence(), "good", [CALM, ROUGH], side),
     ]
     for claim in claims:
         assert claim.verdict == verdict
         labels = [decision.label for decision in claim.decisions]
         assert labels == ["calm: good / bad", "rough: good / bad"]
-    assert claim_ratio("", Errors(), ("good", "bad"), ["storm"], side).missing == ("storm",)
+    assert claim_ratio("", evidence(), ("good", "bad"), [STORM], side).missing == ("storm",)
 
 
 def test_statements_are_judged_by_their_tests_in_the_order_of_the_texts():
     def wins(errors):
         """Good over bad:
         below 1 everywhere."""
-        return [claim_ratio("good wins", errors, ("good", "bad"), ["calm"], "below")]
+        return [claim_ratio("good wins", errors, ("good", "bad"), [CALM], "below")]
 
     def loses(errors):
         """Good over bad: above 1."""
-        return [claim_ratio("bad wins", errors, ("good", "bad"), ["calm", "storm"], "above")]
+        return [claim_ratio("bad wins", errors, ("good", "bad"), [CALM, STORM], "above")]
 
     texts = {"second": "good loses", "first": "good wins"}
-    judged = judge(texts, {"first": wins, "second": loses}, Errors())
+    judged = judge(texts, {"first": wins, "second": loses}, evidence())
     assert [statement.name for statement in judged] == ["second", "first"]
     assert [statement.verdict for statement in judged] == [NOT_REPRODUCED, REPRODUCED]
     assert judged[1].definition == "Good over bad: below 1 everywhere."

@@ -24,7 +24,6 @@ def contents(pictures):
 def test_a_report_writes_tables_figures_and_both_pages(tmp_path):
     files = write_report(
         tmp_path / "judged",
-        name="judged",
         title="A title",
         tables={"numbers": pd.DataFrame({"value": [0.1]})},
         figures={"empty": lambda: style.new_figure(2.0, 1.0)},
@@ -33,7 +32,8 @@ def test_a_report_writes_tables_figures_and_both_pages(tmp_path):
     )
     names = [path.relative_to(tmp_path / "judged").as_posix() for path in files]
     assert names == [
-        "numbers.csv", "figures/empty.png", "figures/empty.svg", "judged.md", "judged.html"
+        "numbers.csv", "figures/empty.png", "figures/empty.svg", "fidelity.md",
+        "fidelity.html",
     ]  # fmt: skip
     markdown = files[3].read_text(encoding="utf-8")
     assert markdown.startswith("# A run & a paper\n\nIt <agrees>.\n\n- one\n- two\n\n")

@@ -5,12 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from owtsweep.cli.program import DONE
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -20,9 +16,16 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     compared = compare(options.runs, load)
     if sys.stdout.isatty():
+        from rich import box
         from rich.console import Console
+        from rich.table import Table
 
-        Console().print(_make_table(compared.overview))
+        table = Table(box=box.SIMPLE, header_style="")
+        for column in compared.overview.columns:
+            table.add_column(column, justify="right", overflow="fold")
+        for row in compared.overview.itertuples(index=False):
+            table.add_row(*row)
+        Console().print(table)
     else:
         print(compared.overview.to_string(index=False))
     for note in compared.notes:
@@ -30,15 +33,3 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     files = len(compared.findings.tables) + len(compared.findings.figures) + 1
     print(f"{files} files: {compared.folder / 'comparison.md'}")
     return DONE
-
-
-def _make_table(overview: pd.DataFrame) -> object:
-    from rich import box
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE, header_style="")
-    for column in overview.columns:
-        table.add_column(column, justify="right", overflow="fold")
-    for row in overview.itertuples(index=False):
-        table.add_row(*row)
-    return table

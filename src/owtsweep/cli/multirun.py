@@ -4,30 +4,25 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import json
 import logging
 import os
 import shlex
+import shutil
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli.multirun_outcomes import (
-    JobOutcome,
-    common_exit_code,
-    describe_failures,
-    forget_outcomes,
-    read_outcomes,
-    write_outcome,
-)
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM
 from owtsweep.cli.running import run_one
-from owtsweep.config import Config, Tree, dump, require
+from owtsweep.config import Config, Tree, dump
+from owtsweep.config.composition import compose_hydra
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.errors import InputError, as_text
-from owtsweep.io.files import check_writable
+from owtsweep.errors import InputError, as_text, require
+from owtsweep.io.files import check_writable, write_atomically
 from owtsweep.studies import compose, from_mapping, locate
 from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
@@ -35,6 +30,8 @@ from owtsweep.sweep.multirun_record import PlannedRun, write_record
 
 logger = logging.getLogger(__name__)
 
+#: The folder of the outcomes inside the folder of a multirun.
+OUTCOMES = ".outcomes"
 NOT_FINISHED = "not finished"
 
 
@@ -54,7 +51,8 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if options.cfg:
         print("---\n".join(dump(config) for config in configs), end="")
         return DONE
-    results = configs[0].results if configs else _results(options.overrides)
+    given = [o.partition("=")[2] for o in options.overrides if _is_results(o)]
+    results = configs[0].results if configs else ["results", *given][-1]
     digest = hashlib.blake2b("\n".join(sorted(options.overrides)).encode(), digest_size=5)
     folder = Path(results) / f"multirun-{digest.hexdigest()}"
     planned = [
@@ -62,8 +60,11 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         for config, (words, values) in zip(configs, combinations, strict=True)
     ]
     check_writable(folder)
-    _check_hydra(options.overrides, located.tree)
-    forget_outcomes(folder)
+    settings = [o for o in options.overrides if o.lstrip("+~").startswith("hydra")]
+    if settings:  # refuses launchers and sweepers that are not installed
+        compose_hydra(located.tree, settings, settings=True)
+    shutil.rmtree(folder / OUTCOMES, ignore_errors=True)  # those of an earlier time
+    (folder / OUTCOMES).mkdir(parents=True)
     write_record(folder, options.overrides, planned)
     began = time.monotonic()
     try:
@@ -73,7 +74,7 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         raise
     outcomes = _tell(folder, planned, options, stopped=False)
     print(f"{len(outcomes)} runs in {time.monotonic() - began:.1f} s: {folder}/")
-    return common_exit_code(outcomes)
+    return max((outcome.code for outcome in outcomes), default=DONE)  # a refused run counts most
 
 
 @dataclass(frozen=True)
@@ -99,30 +100,62 @@ class Job:
             config = from_mapping(composed, self.study)
             name = run_folder(config).name
             code = run_one(config, self.argv)
-            reason = describe_failures(run_folder(config)) if code else ""
+            reason = _describe_failures(run_folder(config)) if code else ""
         except InputError as error:
             code, reason = BAD_INPUT, str(error)
         except Exception as error:  # after any error the other runs go on
             code, reason = FAILED, as_text(error)
             logger.debug("run %s", name, exc_info=True)
-        write_outcome(Path(self.folder), JobOutcome(name, task, code, reason))
+        outcome = JobOutcome(name, task, code, reason)
+        file = Path(self.folder) / OUTCOMES / f"{name}.json"
+        write_atomically(file, json.dumps(asdict(outcome)))
+
+
+@dataclass(frozen=True)
+class JobOutcome:
+    """The outcome of one run, a small file in the multirun folder.
+
+    Jobs may run in other processes or on other machines (joblib, submitit), so their outcomes are
+    passed in files, not in memory.
+
+    Attributes
+    ----------
+    folder
+        Name of its run folder inside the multirun folder.
+    overrides
+        The overrides of this run, without `results`.
+    code
+        The exit code that this run would have had outside a multirun.
+    reason
+        Why the code is not 0; one line.
+    """
+
+    folder: str
+    overrides: list[str]
+    code: int
+    reason: str
+
+
+def _describe_failures(run_folder: Path) -> str:
+    """How many cases failed, according to the manifest of the run."""
+    try:
+        manifest: dict[str, Any] = json.loads((run_folder / "manifest.json").read_text())
+        failed = int(manifest["cases"]["failed"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return "some cases failed"
+    return f"{failed} case{'s' * (failed != 1)} failed"
 
 
 def _tell(
     folder: Path, planned: Sequence[PlannedRun], options: argparse.Namespace, *, stopped: bool
 ) -> list[JobOutcome]:
     """Print to stderr which runs failed, why, and how to retry them; return all outcomes."""
-    noted = {outcome.folder: outcome for outcome in read_outcomes(folder)}
-    outcomes = []
-    for run in planned:
-        silent = JobOutcome(
-            run.folder,
-            run.overrides,
-            FAILED,
-            NOT_FINISHED if stopped else "its process ended without a word; see its run.log",
-        )
-        outcomes.append(noted.pop(run.folder, silent))
-    outcomes += noted.values()  # runs of another sweeper, whose combinations are not known before
+    silent = NOT_FINISHED if stopped else "its process ended without a word; see its run.log"
+    by_run = {run.folder: JobOutcome(run.folder, run.overrides, FAILED, silent) for run in planned}
+    # Those written are also of runs of another sweeper, whose combinations are not known before.
+    for file in sorted((folder / OUTCOMES).glob("*.json")):
+        by_run[file.stem] = JobOutcome(**json.loads(file.read_text()))
+    outcomes = list(by_run.values())
     bad = [outcome for outcome in outcomes if outcome.code]
     if stopped:
         print(f"{len(outcomes) - len(bad)} of {len(outcomes)} runs done: {folder}/")
@@ -141,26 +174,6 @@ def _tell(
 
 def _is_results(override: str) -> bool:
     return override.lstrip("+").partition("=")[0] == "results"
-
-
-def _results(overrides: Sequence[str]) -> str:
-    given = [o.partition("=")[2] for o in overrides if _is_results(o)]
-    return given[-1] if given else "results"
-
-
-def _check_hydra(overrides: Sequence[str], tree: Tree) -> None:
-    """Refuse launchers and sweepers that are not installed, before anything is written."""
-    from hydra import compose as hydra_compose
-    from hydra import initialize_config_dir
-
-    settings = [o for o in overrides if o.lstrip("+~").startswith("hydra")]
-    if not settings:
-        return
-    with (
-        hydra_in_one_line(tree),
-        initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"),
-    ):
-        hydra_compose(tree.primary, overrides=settings, return_hydra_config=True)
 
 
 def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[str]]) -> None:

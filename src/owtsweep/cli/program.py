@@ -9,10 +9,12 @@ import argparse
 import logging
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
+from itertools import pairwise
 from typing import NoReturn
 
+from owtsweep import __version__
 from owtsweep.errors import InputError
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -25,63 +27,62 @@ best where. Reproduces the sensitivity study of Ren et al. (2019)."""
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line."""
+    """An argument parser whose errors are one line, with the parsers of its subcommands."""
+
+    commands: Mapping[str, Parser]
 
     def error(self, message: str) -> NoReturn:
         """Report bad input like every other error of the program."""
         raise InputError(f"{message}; see `{self.prog} --help`")
 
 
-def _add_sweep(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "overrides", nargs="*", metavar="override", help="Hydra override, e.g. grid.replicates=2"
-    )
-    parser.add_argument(
-        "-m", "--multirun", action="store_true", help="one run for each value of a=1,2,3"
-    )
-    _add_run_flags(parser)
+def _add_sweep(parser: Parser) -> None:
+    _add_overrides(parser, "grid.replicates=2")
+    _add_flag(parser, "-m", "--multirun", help="one run for each value of a=1,2,3")
+    _add_run_options(parser)
 
 
-def _add_replay(parser: argparse.ArgumentParser) -> None:
+def _add_replay(parser: Parser) -> None:
     parser.add_argument(
         "words", nargs="*", metavar="FILE|override", help="records or patterns; key=value words"
     )
-    parser.add_argument(
-        "--describe", action="store_true", help="list channels, units, rates and gaps, and stop"
-    )
-    _add_run_flags(parser)
+    _add_flag(parser, "--describe", help="list channels, units, rates and gaps, and stop")
+    _add_run_options(parser)
 
 
-def _add_run_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--cfg", action="store_true", help="print the resolved configuration and stop"
-    )
-    _add_config_dir(parser)
-    parser.add_argument(
-        "--fresh", action="store_true", help="delete this run's stored cases and start over"
-    )
-    parser.add_argument("--yes", action="store_true", help="do not ask before deleting")
-
-
-def _add_overrides(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "overrides", nargs="*", metavar="override", help="Hydra override, e.g. tuning=matched"
-    )
+def _add_spectrum(parser: Parser) -> None:
+    _add_overrides(parser, "tuning=matched")
     _add_config_dir(parser)
 
 
-def _add_config_dir(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
-
-
-def _add_run(parser: argparse.ArgumentParser) -> None:
+def _add_run(parser: Parser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
 
-def _add_runs(parser: argparse.ArgumentParser) -> None:
+def _add_runs(parser: Parser) -> None:
     parser.add_argument(
         "runs", nargs="+", metavar="RUN", help="folder of a multirun, or folders of several runs"
     )
+
+
+def _add_overrides(parser: Parser, example: str) -> None:
+    told = f"Hydra override, e.g. {example}"
+    parser.add_argument("overrides", nargs="*", metavar="override", help=told)
+
+
+def _add_run_options(parser: Parser) -> None:
+    _add_flag(parser, "--cfg", help="print the resolved configuration and stop")
+    _add_config_dir(parser)
+    _add_flag(parser, "--fresh", help="delete this run's stored cases and start over")
+    _add_flag(parser, "--yes", help="do not ask before deleting")
+
+
+def _add_config_dir(parser: Parser) -> None:
+    parser.add_argument("--config-dir", metavar="DIR", help="folder with more config groups")
+
+
+def _add_flag(parser: Parser, *names: str, help: str) -> None:
+    parser.add_argument(*names, action="store_true", help=help)
 
 
 #: Name -> (what it does, example, arguments). The module of each is owtsweep.cli.<name>.
@@ -114,7 +115,7 @@ COMMANDS = {
     "spectrum": (
         "Draw the schemes' error spectra and noise floors, without any record.",
         "spectrum tuning=matched sensors.gnss.delay=0.4",
-        _add_overrides,
+        _add_spectrum,
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",
@@ -132,20 +133,16 @@ COMMANDS = {
 def make_parser() -> Parser:
     """The parser of the whole command line."""
     parser = Parser(prog=PROGRAM, description=DESCRIPTION)
-    parser.add_argument("--version", action="store_true", help="print the version and stop")
+    parser.add_argument(
+        "--version", action="version", version=__version__, help="print the version and stop"
+    )
     subparsers = parser.add_subparsers(
         dest="command", metavar="COMMAND", title="commands", parser_class=Parser
     )
-    for name, (purpose, _, _) in COMMANDS.items():
-        _describe_command(subparsers.add_parser(name, help=purpose), name)
-    return parser
-
-
-def _describe_command(parser: Parser, name: str) -> Parser:
-    """Give a parser a command's description and arguments."""
-    parser.description, example, add_arguments = COMMANDS[name]
-    parser.epilog = f"example: {PROGRAM} {example}"
-    add_arguments(parser)
+    for name, (purpose, example, add_arguments) in COMMANDS.items():
+        epilog = f"example: {PROGRAM} {example}"
+        add_arguments(subparsers.add_parser(name, help=purpose, description=purpose, epilog=epilog))
+    parser.commands = subparsers.choices
     return parser
 
 
@@ -192,16 +189,10 @@ def _run(arguments: list[str]) -> int:
     if not arguments:
         parser.print_help()
         return BAD_INPUT
-    if arguments[0] == "--version":
-        from owtsweep import __version__
-
-        print(__version__)
-        return DONE
-    name, rest = arguments[0], arguments[1:]
+    name = arguments[0]
     if name in COMMANDS:
         # Intermixed parsing lets flags stand anywhere among the overrides.
-        subparser = _describe_command(Parser(prog=f"{PROGRAM} {name}"), name)
-        options = subparser.parse_intermixed_args(_without_cfg_kind(rest))
+        options = parser.commands[name].parse_intermixed_args(_without_cfg_kind(arguments))
     else:
         options = parser.parse_args(arguments)  # --help, or an error that names the commands
     module = import_module(f"owtsweep.cli.{name}")
@@ -209,9 +200,6 @@ def _run(arguments: list[str]) -> int:
 
 
 def _without_cfg_kind(arguments: list[str]) -> list[str]:
-    """Turn `--cfg job`, as Hydra's users write it, into `--cfg`: there is only one kind here."""
-    kept = []
-    for i, argument in enumerate(arguments):
-        if not (argument == "job" and i > 0 and arguments[i - 1] == "--cfg"):
-            kept.append(argument)
-    return kept
+    """The arguments of a subcommand; of `--cfg job`, as Hydra's users write it, only `--cfg`."""
+    pairs = pairwise(arguments)
+    return [word for before, word in pairs if (before, word) != ("--cfg", "job")]

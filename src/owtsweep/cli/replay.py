@@ -29,9 +29,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         return DONE
     if not may_start(options, config):
         return BAD_INPUT
-    progress = make_progress(quiet=False)
     outcome = execute(
-        config, fresh=options.fresh, progress=progress, argv=list(argv),
+        config, fresh=options.fresh, progress=make_progress(quiet=False), argv=argv,
         say=lambda text: print(text, file=sys.stderr, flush=True),
     )  # fmt: skip
     from owtsweep.studies.replay import report

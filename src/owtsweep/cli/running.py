@@ -54,8 +54,7 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
 
     keep_freed_memory()
     study = get_study(config.study)
-    progress = make_progress(quiet=False)
-    outcome = sweep(study, config, fresh=fresh, progress=progress, argv=list(argv))
+    outcome = sweep(study, config, fresh=fresh, progress=make_progress(quiet=False), argv=argv)
     tables = written_tables(outcome)
     drawn = _draw_overview(outcome) if tables else True
     if tables and sys.stdout.isatty():
@@ -90,11 +89,9 @@ def print_answer(run: Run, tables: dict[str, pd.DataFrame], width: int | None = 
 
 def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
     """Print the cases without a number, the reasons, and the folder; return the exit code."""
-    for line in setback_lines("unable", outcome.unable):
+    for line in setback_lines("unable", outcome.unable) + setback_lines("failed", outcome.failed):
         print(line, file=sys.stderr)
     if outcome.failed:
-        for line in setback_lines("failed", outcome.failed):
-            print(line, file=sys.stderr)
         cases = sum(setback.cases for setback in outcome.failed)
         told = f"{_count(cases)} failed; " if cases else ""
         print(f"{told}the same command tries again:", file=sys.stderr)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -10,10 +11,6 @@ from owtsweep.results.conditions import Condition, Grid
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: Function of rows, common values of the conditions, schemes and criterion that returns the
-#: best-scheme table.
-BestOf = Callable[["pd.DataFrame", Grid, Sequence[str], str], "pd.DataFrame"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +32,8 @@ class Aspects:
         Two schemes: the first is better below and the second above a boundary along the condition
         that expands. None if no boundary is of interest.
     best_of
-        Makes the best-scheme table of a run whose rows are not samples; None if they are samples.
+        Makes the best-scheme table of a run whose rows are not samples, from rows, common values of
+        the conditions, schemes and criterion; None if they are samples.
     """
 
     conditions: tuple[Condition, ...]
@@ -45,4 +43,14 @@ class Aspects:
     window: str
     pairing: Mapping[str, Any]
     boundary: tuple[str, str] | None = None
-    best_of: BestOf | None = None
+    best_of: Callable[[pd.DataFrame, Grid, Sequence[str], str], pd.DataFrame] | None = None
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the conditions."""
+        return [condition.name for condition in self.conditions]
+
+    @property
+    def size(self) -> int:
+        """The number of cells."""
+        return math.prod(len(self.grid[name]) for name in self.names)

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.comparing.common import Common
+from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.comparison import Comparison
-from owtsweep.comparing.values import rank_values, show
 from owtsweep.figures import style
 from owtsweep.results.conditions import Condition
 
@@ -27,7 +26,7 @@ BEYOND = 4.0
 def draw(
     boundaries: pd.DataFrame,
     comparison: Comparison,
-    shared: Common,
+    shared: Aspects,
     *,
     subtitle: str,
 ) -> Figure:
@@ -49,19 +48,11 @@ def draw(
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
     keys = comparison.keys
-    across = rank_values([run.values[keys[0]] for run in comparison.runs])
-    labels = {
-        place: show(run.values[keys[0]]) for place, run in zip(across, comparison.runs, strict=True)
-    }
-    down = [0] * len(across)
-    if len(keys) == 2:
-        down = rank_values([run.values[keys[1]] for run in comparison.runs])
-    groups = [
-        [index for index, place in enumerate(down) if place == number]
-        for number in range(max(down) + 1)
-    ]
+    across = comparison.rank(keys[0])
+    down = comparison.rank(keys[1]) if len(keys) == 2 else [0] * len(across)
+    labels = {place: run.shown[keys[0]] for place, run in zip(across, comparison.runs, strict=True)}
     with style.context():
-        count = len(groups)
+        count = max(down) + 1
         figure = style.new_figure(max(6.8, min(1.0 + 3.4 * count, 16.0)), 4.9)
         grid = figure.subplots(1, count, squeeze=False, sharey=True, sharex=True)[0]
         *outer, expanded = shared.conditions
@@ -72,8 +63,8 @@ def draw(
         ends = np.clip(ends[np.isfinite(ends) & (ends > 0.0)], *edges)
         narrow = bool(ends.max() < 8.0 * ends.min())  # too few round values on a log scale
         numeric = all(isinstance(run.values[keys[0]], int | float) for run in comparison.runs)
-        for axes, group in zip(grid, groups, strict=True):
-            places = {i: across[i] for i in group}
+        for number, axes in enumerate(grid):
+            places = {index: across[index] for index, row in enumerate(down) if row == number}
             _draw_panel(axes, places, cells, edges, joined=numeric)
             axes.set_yscale("log")
             axes.yaxis.set_major_locator(
@@ -81,14 +72,13 @@ def draw(
             )
             axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
-            in_panel = boundaries[boundaries["index"].isin(group)]
-            _say_why_empty(axes, in_panel, places, expanded)
-            axes.set_xticks(sorted(labels), [labels[place] for place in sorted(labels)])
+            _say_why_empty(axes, boundaries, places, expanded)
+            axes.set_xticks(list(labels), list(labels.values()))
             axes.set_xlim(-0.5, len(labels) - 0.5)
             axes.set_xlabel(keys[0])
             if len(keys) == 2:
-                value = show(comparison.runs[group[0]].values[keys[1]])
-                axes.set_title(f"{keys[1]} = {value}", loc="left", fontsize=9)
+                text = comparison.runs[down.index(number)].shown[keys[1]]
+                axes.set_title(f"{keys[1]} = {text}", loc="left", fontsize=9)
         unit = f" ({expanded.unit})" if expanded.unit else ""
         grid[0].set_ylabel(f"{expanded.word} of the boundary{unit}")
         title = f"{'/'.join(shared.boundary or ())} boundary {subtitle}"
@@ -121,13 +111,12 @@ def _draw_panel(
 
     colors = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, max(len(cells), 2)))
     width = 0.5 / max(len(cells), 1)
-    order = sorted(places, key=lambda index: places[index])
     for number, (name, rows) in enumerate(cells.items()):
         exists = rows[rows["wins"] == ""].set_index("index")
-        ends = exists[["boundary", "ci_low", "ci_high"]].reindex(order)
+        ends = exists[["boundary", "ci_low", "ci_high"]].reindex(list(places))
         line, lows, highs = ends.to_numpy(dtype=float).T
         # Shifted sideways, so that the intervals do not hide each other.
-        x = [places[index] + (number - 0.5 * (len(cells) - 1)) * width for index in order]
+        x = [place + (number - 0.5 * (len(cells) - 1)) * width for place in places.values()]
         look: dict[str, Any] = {"color": colors[number], "zorder": 3}
         for place, low, high in zip(x, lows, highs, strict=True):
             if np.isfinite(low + high):
@@ -143,17 +132,17 @@ def _say_why_empty(
     axes: Axes, boundaries: pd.DataFrame, places: dict[int, int], expanded: Condition
 ) -> None:
     """Write where no cell has a boundary; one message if no run of the panel has any."""
-    if not (boundaries["wins"] == "").any():
-        text = f"no boundary:\n{_explain_absence(boundaries, expanded)}"
+    in_panel = boundaries[boundaries["index"].isin(list(places))]
+    if not (in_panel["wins"] == "").any():
+        text = f"no boundary:\n{_explain_absence(in_panel, expanded)}"
         axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", fontsize=9)
         return
     for index, place in places.items():
-        of_run = boundaries[boundaries["index"] == index]
+        of_run = in_panel[in_panel["index"] == index]
         if not (of_run["wins"] == "").any():
             why = _explain_absence(of_run, expanded).replace(" at ", "\nat ")
-            text = f"no boundary:\n{why}"
-            axes.text(place, 0.5, text, transform=axes.get_xaxis_transform(), ha="center",
-                      va="center", fontsize=8)  # fmt: skip
+            axes.text(place, 0.5, f"no boundary:\n{why}", transform=axes.get_xaxis_transform(),
+                      ha="center", va="center", fontsize=8)  # fmt: skip
 
 
 def _explain_absence(boundaries: pd.DataFrame, expanded: Condition) -> str:
@@ -162,12 +151,10 @@ def _explain_absence(boundaries: pd.DataFrame, expanded: Condition) -> str:
         return "not known"
     if "neither" in winners:
         return "they do not change places once"
-    if len(winners) > 1:
-        return f"one is better at every {expanded.word}"
-    return f"{winners[0]} is better at every {expanded.word}"
+    return f"{winners[0] if len(winners) == 1 else 'one'} is better at every {expanded.word}"
 
 
-def _explain(boundaries: pd.DataFrame, shared: Common, edges: tuple[float, float]) -> str:
+def _explain(boundaries: pd.DataFrame, shared: Aspects, edges: tuple[float, float]) -> str:
     lower, upper = shared.boundary or ("", "")
     expanded = shared.conditions[-1]
     text = (

@@ -1,4 +1,4 @@
-"""Changes from one run to another: best schemes per cell, and each scheme's MSE."""
+"""Changes from one run to another: best scheme and boundary per cell, and each scheme's MSE."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from owtsweep.results.boundary import divide_crossings, split_cells
 from owtsweep.results.conditions import Value
-from owtsweep.statistics.contrasts import difference, gap, ratio
+from owtsweep.statistics.contrasts import Contrast, difference, gap, ratio
 from owtsweep.statistics.holm import holm
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ SCHEME_COLUMNS = (
     "criterion", "mse_from", "mse_to", "difference", "difference_low", "difference_high", "ratio",
     "ratio_low", "ratio_high", "n_from", "n_to", "verdict",
 )  # fmt: skip
+SHIFT_COLUMNS = ("ratio", "ratio_low", "ratio_high")
 
 #: Cell (one value of each condition) -> name of the best scheme.
 Winners = Mapping[tuple[Value, ...], str]
@@ -43,7 +45,7 @@ def compare_cells(
     best_second: Winners,
     *,
     paired: bool,
-) -> list[dict[str, Any]]:
+) -> list[dict[Any, Any]]:
     """The cells that change their best scheme from the first run to the second.
 
     Where P is best in the first run and Q in the second, the gap is MSE(Q) - MSE(P): positive
@@ -53,7 +55,7 @@ def compare_cells(
     Parameters
     ----------
     first, second
-        The results of `common.arrange_samples` for both runs, with the same rows and columns.
+        The `samples` of both runs (`common.Judged`), with the same rows and columns.
     best_first, best_second
         Their best schemes.
     paired
@@ -65,30 +67,34 @@ def compare_cells(
         The conditions and `CHANGED_COLUMNS` except the criterion. `change` is the gap of the second
         run minus that of the first, with its (paired) interval.
     """
-    cells = [cell for cell in best_first if cell in best_second]
-    names = list(map(str, first.index.names[1:]))
-    rows, p_values = [], []
-    for cell in cells:
-        P, Q = best_first[cell], best_second[cell]
-        if P == Q:
-            p_values.append(1.0)
-            continue
-        before, after = (
-            (table.loc[(Q, *cell), :] - table.loc[(P, *cell), :]).to_numpy(dtype=float)
-            for table in (first, second)
-        )
-        gaps = gap(before), gap(after)
-        change = difference(before, after, paired=paired)
-        row: dict[str, Any] = {**dict(zip(names, cell, strict=True)), "best_from": P, "best_to": Q}
-        for name, contrast in (("gap_from", gaps[0]), ("gap_to", gaps[1]), ("change", change)):
-            row[name] = float(contrast.value)
-            row[f"{name}_low"], row[f"{name}_high"] = float(contrast.low), float(contrast.high)
-        row |= {"n_from": int(gaps[0].n_first), "n_to": int(gaps[1].n_first)}
-        opposite = row["gap_from"] > 0.0 > row["gap_to"]
-        p_values.append(max(float(gaps[0].p), float(gaps[1].p)) if opposite else 1.0)
-        rows.append((len(p_values) - 1, row))
-    verdicts = holm(p_values)
-    return [row | {"established": bool(verdicts[index])} for index, row in rows]
+    import pandas as pd
+
+    common = [cell for cell in best_first if cell in best_second]
+    cells = [cell for cell in common if best_first[cell] != best_second[cell]]
+    if not cells:
+        return []
+    old, new = (
+        first.index.get_indexer(pd.MultiIndex.from_tuples([(best[cell], *cell) for cell in cells]))
+        for best in (best_first, best_second)
+    )
+    before, after = (
+        samples[new] - samples[old] for samples in (first.to_numpy(), second.to_numpy())
+    )
+    gap_from, gap_to = gap(before), gap(after)
+    opposite = (gap_from.value > 0.0) & (gap_to.value < 0.0)
+    p_values = np.ones(len(common))
+    p_values[: len(cells)] = np.where(opposite, np.maximum(gap_from.p, gap_to.p), 1.0)
+    table = pd.DataFrame(cells, columns=first.index.names[1:]).assign(
+        best_from=[best_first[cell] for cell in cells],
+        best_to=[best_second[cell] for cell in cells],
+        **_name_columns("gap_from", gap_from),
+        **_name_columns("gap_to", gap_to),
+        **_name_columns("change", difference(before, after, paired=paired)),
+        n_from=gap_from.n_first,
+        n_to=gap_to.n_first,
+        established=holm(p_values)[: len(cells)],
+    )
+    return table.to_dict("records")
 
 
 def compare_schemes(
@@ -107,20 +113,55 @@ def compare_schemes(
     if paired:
         both = np.isfinite(a) & np.isfinite(b)
         a, b = np.where(both, a, np.nan), np.where(both, b, np.nan)
-    mean_a, mean_b = gap(a).value, gap(b).value
-    change, times = difference(a, b, paired=paired), ratio(a, b, paired=paired)
+    change = difference(a, b, paired=paired)
     told = np.where(change.value < 0.0, "better", "worse")
     table = first.index.to_frame(index=False).assign(
-        mse_from=mean_a,
-        mse_to=mean_b,
-        difference=change.value,
-        difference_low=change.low,
-        difference_high=change.high,
-        ratio=times.value,
-        ratio_low=times.low,
-        ratio_high=times.high,
+        mse_from=gap(a).value,
+        mse_to=gap(b).value,
+        **_name_columns("difference", change),
+        **_name_columns("ratio", ratio(a, b, paired=paired)),
         n_from=change.n_first,
         n_to=change.n_second,
-        verdict=np.where(holm(change.p.tolist()), told, ""),
+        verdict=np.where(holm(change.p), told, ""),
     )
     return table[np.isfinite(change.value)].to_dict("records")
+
+
+def _name_columns(name: str, contrast: Contrast) -> dict[str, Any]:
+    """The columns of an estimate and its interval."""
+    return {name: contrast.value, f"{name}_low": contrast.low, f"{name}_high": contrast.high}
+
+
+def compare_boundaries(
+    first: pd.DataFrame, second: pd.DataFrame, *, paired: bool
+) -> list[dict[Any, Any]]:
+    """The boundary in the second run divided by that in the first, per cell of other conditions.
+
+    The interval consists of percentiles of a bootstrap over the records. Paired runs share their
+    draws, over the records that both schemes finished in both runs; otherwise each run has
+    different draws.
+
+    Parameters
+    ----------
+    first, second
+        The results of `results.boundary.subtract_schemes` for both runs.
+    paired
+        As for `compare_cells`.
+
+    Returns
+    -------
+    list of dict
+        The other conditions and `SHIFT_COLUMNS`; only cells with a boundary in both runs.
+    """
+    if paired:
+        common = first.index.intersection(second.index)
+        first, second = first[first.index.isin(common)], second[second.index.isin(common)]
+    outer = first.index.names[:-1]
+    one, other = split_cells(first), split_cells(second)
+    lines: list[dict[Any, Any]] = []
+    for cell in one:
+        if cell in other:
+            quotient = divide_crossings((cell, other[cell]), (cell, one[cell]), apart=not paired)
+            if not np.isnan(quotient[0]):
+                lines.append(dict(zip([*outer, *SHIFT_COLUMNS], [*cell, *quotient], strict=True)))
+    return lines

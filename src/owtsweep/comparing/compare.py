@@ -7,15 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.comparing.aspects import Aspects
-from owtsweep.comparing.common import (
-    Common,
-    arrange_samples,
-    find_best,
-    find_common,
-    find_unpaired,
-)
+from owtsweep.comparing.common import Judged, find_common, judge
 from owtsweep.comparing.comparison import Candidate, Comparison, Findings, Pair
-from owtsweep.comparing.values import show
 from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
@@ -51,141 +44,109 @@ def compare(
 
     from owtsweep.comparing import report
 
-    shared = find_common(comparison.runs, [describe(run) for run in comparison.runs])
-    best = [find_best(shared, index) for index in range(len(shared.runs))]
-    boundaries, no_boundary = _find_boundaries(shared)
-    pair_tables, unpaired = _compare_pairs(comparison.pairs, shared, best)
-    runs = pd.DataFrame([_identify(run) for run in shared.runs])
-    heads = runs.drop(columns="hash").to_dict("records")
-    winners = [
-        heads[index] | row for index, table in enumerate(best) for row in table.to_dict("records")
-    ]
-    lines = boundaries.drop(columns="index").to_dict("records")
+    aspects = [describe(run) for run in comparison.runs]
+    shared, left_out = find_common(comparison.runs, aspects)
+    runs = [judge(run, told, shared) for run, told in zip(comparison.runs, aspects, strict=True)]
     tables = {
-        "runs": runs,
-        "best_schemes": pd.DataFrame(winners),
-        "boundaries": pd.DataFrame(
-            [heads[index] | line for index, line in zip(boundaries["index"], lines, strict=True)]
+        "runs": pd.DataFrame(
+            [{"folder": run.name, "hash": run.hash} | run.shown for run in comparison.runs]
         ),
-        **pair_tables,
+        "best_schemes": _gather(comparison.runs, [run.best for run in runs]),
+        "boundaries": _gather(comparison.runs, [run.boundaries for run in runs]),
     }
+    pair_tables, unpaired = _compare_pairs(comparison.pairs, runs, shared)
+    tables |= pair_tables
     if shared.boundary is None:
         tables = {name: table for name, table in tables.items() if not name.startswith("boundar")}
-    figures, undrawn = _draw(comparison, shared, best, boundaries, folder, metadata)
-    overview = report.make_overview(shared, best, boundaries, tables["changed_cells"])
+    figures, undrawn = _draw(comparison, shared, runs, folder, metadata)
+    overview = report.make_overview(runs, shared, tables["changed_cells"])
     text = report.write_sections(shared, tables)
-    notes = (*shared.notes, *no_boundary, *unpaired, *undrawn)
+    no_boundary = [run.no_boundary for run in runs if run.no_boundary]
+    notes = (*left_out, *no_boundary, *unpaired, *undrawn)
     return Findings(tables, overview, notes, text, tuple(figures))
 
 
-def _identify(run: Candidate) -> dict[str, str]:
-    swept = {key: show(value) for key, value in run.values.items()}
-    return {"folder": run.name, "hash": run.hash, **swept}
-
-
-def _find_boundaries(shared: Common) -> tuple[pd.DataFrame, list[str]]:
-    """The boundary of every run, with the run's `index`, and notes on why some have none."""
+def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame:
+    """The tables of all runs as one, with each run's folder and swept values in front."""
     import pandas as pd
 
-    from owtsweep.results.boundary import COLUMNS, find_boundary
-
-    empty = pd.DataFrame(columns=[*shared.names[:-1], *COLUMNS, "index"])
-    if shared.boundary is None:
-        return empty, []
-    parts, notes = [], []
-    for index, (run, aspects) in enumerate(zip(shared.runs, shared.aspects, strict=True)):
-        rows = shared.choose_rows(index)
-        try:
-            table = find_boundary(
-                rows, shared.conditions, shared.boundary, shared.criterion, aspects.window
-            )
-        except InputError as error:  # a scheme is missing, or amplitudes were run one by one
-            notes.append(f"{run.label}: no {'/'.join(shared.boundary)} boundary ({error})")
-            continue
-        parts.append(table.assign(index=index))
-    return (pd.concat(parts, ignore_index=True) if parts else empty), notes
+    return pd.DataFrame(
+        [
+            {"folder": run.name} | run.shown | row
+            for run, table in zip(runs, tables, strict=True)
+            if table is not None
+            for row in table.to_dict("records")
+        ]
+    )
 
 
 def _compare_pairs(
-    pairs: Sequence[Pair], shared: Common, best: Sequence[pd.DataFrame]
+    pairs: Sequence[Pair], runs: Sequence[Judged], shared: Aspects
 ) -> tuple[dict[str, pd.DataFrame], list[str]]:
     """The tables of pairs of runs, and a note on pairs that do not share their records."""
     import pandas as pd
 
-    from owtsweep.comparing import changes, shift
+    from owtsweep.comparing import changes
 
-    names, criterion = shared.names, {"criterion": shared.criterion}
-    samples = arrange_samples(shared)
-    winners = [changes.list_winners(table, names) for table in best]
+    names, before = shared.names, changes.PAIR_COLUMNS
+    columns = {
+        "boundary_shifts": [*before, *names[:-1], *changes.SHIFT_COLUMNS],
+        "changed_cells": [*before, *names, *changes.CHANGED_COLUMNS],
+        "scheme_changes": [*before, "scheme", *names, *changes.SCHEME_COLUMNS],
+    }
+    lines: dict[str, list[dict[Any, Any]]] = {name: [] for name in columns}
+    winners = [changes.list_winners(run.best, names) for run in runs]
     # expected values are stored as replicate 0, but they are not samples
-    counts = {} if shared.samples else {"n_from": 0, "n_to": 0}
-    changed: list[dict[str, Any]] = []
-    schemes: list[dict[str, Any]] = []
-    shifts: list[dict[str, Any]] = []
+    counts = {} if shared.best_of is None else {"n_from": 0, "n_to": 0}
     unpaired: dict[str, None] = {}
     for pair in pairs:
         a, b = pair.first, pair.second
-        differing = find_unpaired(shared.aspects[a], shared.aspects[b])
+        one, other = runs[a], runs[b]
+        keys = one.aspects.pairing
+        differing = [key for key in keys if keys[key] != other.aspects.pairing[key]]
         unpaired |= dict.fromkeys(differing)
         paired = not differing
-        ends = (shared.runs[a].label, shared.runs[b].label, pair.along, paired)
+        ends = (one.run.label, other.run.label, pair.along, paired)
         head = dict(zip(changes.PAIR_COLUMNS, ends, strict=True))
-        cells = changes.compare_cells(samples[a], samples[b], winners[a], winners[b], paired=paired)
-        moved = changes.compare_schemes(samples[a], samples[b], paired=paired)
-        changed += [head | criterion | row | counts for row in cells]
-        schemes += [head | criterion | row | counts for row in moved]
-        if shared.boundary is None:
-            continue
-        try:
-            lines = shift.compare_boundaries(
-                (shared.choose_rows(a), shared.choose_rows(b)),
-                shared.conditions,
-                shared.boundary,
-                shared.criterion,
-                (shared.aspects[a].window, shared.aspects[b].window),
-                paired=paired,
-            )
-        except InputError:  # the notes on boundaries give the reason
-            continue
-        shifts += [head | line for line in lines]
+        judged_by = head | {"criterion": shared.criterion}
+        samples = one.samples.align(other.samples, axis=1)
+        cells = changes.compare_cells(*samples, winners[a], winners[b], paired=paired)
+        schemes = changes.compare_schemes(*samples, paired=paired)
+        lines["changed_cells"] += [judged_by | row | counts for row in cells]
+        lines["scheme_changes"] += [judged_by | row | counts for row in schemes]
+        if one.products is not None and other.products is not None:
+            shifts = changes.compare_boundaries(one.products, other.products, paired=paired)
+            lines["boundary_shifts"] += [head | row for row in shifts]
     notes = []
     if unpaired:
         notes.append(
             f"{', '.join(unpaired)} differs between runs: those pairs are not paired, their "
             "intervals are unpaired (Welch)"
         )
-    before = changes.PAIR_COLUMNS
-    tables = {
-        "boundary_shifts": pd.DataFrame(shifts, columns=[*before, *names[:-1], *shift.COLUMNS]),
-        "changed_cells": pd.DataFrame(changed, columns=[*before, *names, *changes.CHANGED_COLUMNS]),
-        "scheme_changes": pd.DataFrame(
-            schemes, columns=[*before, "scheme", *names, *changes.SCHEME_COLUMNS]
-        ),
-    }
-    return tables, notes
+    return {name: pd.DataFrame(lines[name], columns=columns[name]) for name in columns}, notes
 
 
 def _draw(
     comparison: Comparison,
-    shared: Common,
-    best: Sequence[pd.DataFrame],
-    boundaries: pd.DataFrame,
+    shared: Aspects,
+    runs: Sequence[Judged],
     folder: Path,
     metadata: Mapping[str, str],
 ) -> tuple[list[Path], list[str]]:
     """Draw the figures; return the files, and notes on figures that were not drawn."""
+    import pandas as pd
+
     from owtsweep.comparing import boundary_figure, maps
-    from owtsweep.comparing.panels import MOST_PANELS, arrange
     from owtsweep.figures import style
     from owtsweep.figures.plane import Plane
 
-    panels = arrange(comparison)
+    panels = maps.arrange(comparison)
     if panels is None:
         return [], [
-            f"{len(comparison.runs)} runs that differ in {', '.join(comparison.keys)}: tables "
-            f"only; figures show one or two keys and at most {MOST_PANELS} panels"
+            f"{len(runs)} runs that differ in {', '.join(comparison.keys)}: tables "
+            f"only; figures show one or two keys and at most {maps.MOST_PANELS} panels"
         ]
-    windows = dict.fromkeys(aspects.window for aspects in shared.aspects)
+    windows = dict.fromkeys(run.aspects.window for run in runs)
     described = " or ".join(style.describe_window(window) for window in windows)
     subtitle = f"by {shared.criterion} MSE, {described}"
     files, notes = [], []
@@ -194,12 +155,18 @@ def _draw(
     except InputError as error:
         notes.append(f"no maps ({error})")
     else:
-        figure = maps.draw(panels, best, boundaries, shared, plane, subtitle=subtitle)
+        figure = maps.draw(panels, runs, shared, plane, subtitle=subtitle)
         files += style.save(figure, folder, "best_scheme_maps", metadata)
     if shared.boundary is None:
         return files, notes
-    if not (boundaries["wins"] == "").any():
+    parts = [
+        run.boundaries.assign(index=index)
+        for index, run in enumerate(runs)
+        if run.boundaries is not None
+    ]
+    if not any((part["wins"] == "").any() for part in parts):
         notes.append(f"no run has an {'/'.join(shared.boundary)} boundary: see boundaries.csv")
         return files, notes
+    boundaries = pd.concat(parts, ignore_index=True)
     figure = boundary_figure.draw(boundaries, comparison, shared, subtitle=subtitle)
     return files + style.save(figure, folder, "boundary", metadata), notes

@@ -6,15 +6,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-from owtsweep.comparing.values import show
-
 if TYPE_CHECKING:
     import pandas as pd
+
+
+def show(value: Any) -> str:
+    """A value as a user would type it in an override, shortened to fit a title."""
+    if isinstance(value, float):
+        return f"{value:.10g}"
+    text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+    return text if len(text) <= 30 else f"{text[:27]}..."
+
+
+def identify(value: Any) -> str:
+    """A text that identifies a value: equal values have equal texts."""
+    return json.dumps(value, sort_keys=True, default=str)
+
+
+def rank_values(values: Sequence[Any]) -> list[int]:
+    """The place of each value on its axis: numbers by size, others by first appearance."""
+    numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
+    distinct = {identify(value): value for value in values}
+    axis = sorted(distinct, key=lambda i: distinct[i]) if numbers else list(distinct)
+    return [axis.index(identify(value)) for value in values]
 
 
 @dataclass(frozen=True)
@@ -42,9 +62,14 @@ class Candidate:
     values: Mapping[str, Any]
 
     @property
+    def shown(self) -> dict[str, str]:
+        """Swept key -> this run's value as text."""
+        return {key: show(value) for key, value in self.values.items()}
+
+    @property
     def label(self) -> str:
         """The name of the run, made from its swept values."""
-        return " ".join(f"{key}={show(value)}" for key, value in self.values.items())
+        return " ".join(f"{key}={text}" for key, text in self.shown.items())
 
 
 @dataclass(frozen=True)
@@ -72,7 +97,10 @@ class Comparison:
     following: tuple[str, ...]
     runs: tuple[Candidate, ...]
     pairs: tuple[Pair, ...]
-    notes: tuple[str, ...] = ()
+
+    def rank(self, key: str) -> list[int]:
+        """The place of each run on the axis of a key."""
+        return rank_values([run.values[key] for run in self.runs])
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.comparing.common import Common
-from owtsweep.comparing.panels import Panels
+import numpy as np
+
+from owtsweep.comparing.aspects import Aspects
+from owtsweep.comparing.common import Judged
+from owtsweep.comparing.comparison import Comparison
 from owtsweep.figures import style
 from owtsweep.figures.best_scheme_map import draw_cells, explain_marks
 from owtsweep.figures.palette import style_of
@@ -23,11 +26,39 @@ LINE: dict[str, Any] = {
 }  # fmt: skip
 
 
+#: Greatest number of panels that can be read, and of panels in a row if there is one key.
+MOST_PANELS = 30
+WRAP = 4
+#: `panels[row][column]` is the index of a run or None.
+Panels = list[list[int | None]]
+
+
+def arrange(comparison: Comparison) -> Panels | None:
+    """A panel for every run: first key across, second key downwards, one key in rows of `WRAP`.
+
+    None for more than two keys, or more panels than can be read.
+    """
+    keys, count = comparison.keys, len(comparison.runs)
+    if len(keys) > 2 or count > MOST_PANELS:
+        return None
+    if len(keys) == 1:
+        across = [index % WRAP for index in range(count)]
+        down = [index // WRAP for index in range(count)]
+    else:
+        across, down = (comparison.rank(key) for key in keys)
+    columns, rows = max(across) + 1, max(down) + 1
+    if columns * rows > MOST_PANELS:
+        return None
+    panels: Panels = [[None] * columns for _ in range(rows)]
+    for index, (column, row) in enumerate(zip(across, down, strict=True)):
+        panels[row][column] = index
+    return panels
+
+
 def draw(
     panels: Panels,
-    best: Sequence[pd.DataFrame],
-    boundaries: pd.DataFrame,
-    shared: Common,
+    runs: Sequence[Judged],
+    shared: Aspects,
     plane: Plane,
     *,
     subtitle: str,
@@ -38,10 +69,8 @@ def draw(
     ----------
     panels
         The place of each run's panel.
-    best
-        For each run, the rows of its best-scheme table in the common cells.
-    boundaries
-        The table of boundaries, with the index of the run in `index`.
+    runs
+        The runs, told apart by one or two keys.
     shared
         What the runs have in common.
     plane
@@ -51,35 +80,35 @@ def draw(
     """
     from matplotlib.patches import Patch
 
-    rows, columns = len(panels.runs), len(panels.runs[0])
+    rows, columns = len(panels), len(panels[0])
     width = min(max(2.9, 0.5 * len(plane.columns)), 5.0)
     height = min(max(2.1, 0.27 * len(plane.lines)), 4.0)
     with style.context():
         figure = style.new_figure(max(7.6, 0.9 + width * columns), 1.9 + (height + 0.5) * rows)
         grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
         hatched = holes = line = False
-        for row, (indices, titles) in enumerate(zip(panels.runs, panels.titles, strict=True)):
-            for column, (index, title) in enumerate(zip(indices, titles, strict=True)):
-                axes = grid[row][column]
-                if index is None:
-                    two_keys = len(panels.titles[0][0].splitlines()) > 1
-                    text = "no run" if two_keys else ""
-                    axes.set_axis_off()
-                    axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", color="0.4")
-                    continue
-                cells = best[index].to_dict("records")
-                draw_cells(axes, cells, shared.schemes, plane, labels="none")
-                axes.set_title(title, loc="left", fontsize=9)
-                axes.label_outer()
-                hatched |= not all(cell["distinguishable"] for cell in cells)
-                holes |= len(cells) < shared.size
-                line |= _draw_boundary(axes, boundaries[boundaries["index"] == index], plane)
-        for row, indices in enumerate(panels.runs):  # label the leftmost panel
+        for (row, column), axes in np.ndenumerate(grid):
+            index = panels[row][column]
+            if index is None:
+                text = "no run" if len(runs[0].run.values) > 1 else ""
+                axes.set_axis_off()
+                axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", color="0.4")
+                continue
+            judged = runs[index]
+            cells = judged.best.to_dict("records")
+            draw_cells(axes, cells, shared.schemes, plane, labels="none")
+            title = "\n".join(f"{key} = {text}" for key, text in judged.run.shown.items())
+            axes.set_title(title, loc="left", fontsize=9)
+            axes.label_outer()
+            hatched |= not all(cell["distinguishable"] for cell in cells)
+            holes |= len(cells) < shared.size
+            line |= _draw_boundary(axes, judged.boundaries, plane)
+        for row, indices in enumerate(panels):  # label the leftmost panel
             leftmost = next(c for c, index in enumerate(indices) if index is not None)
             grid[row][leftmost].tick_params(labelleft=True)
             grid[row][leftmost].set_ylabel(plane.upwards.title if plane.upwards else "")
         for column in range(columns):  # label the lowest panel
-            lowest = max(row for row in range(rows) if panels.runs[row][column] is not None)
+            lowest = max(row for row in range(rows) if panels[row][column] is not None)
             grid[lowest][column].tick_params(labelbottom=True)
             grid[lowest][column].set_xlabel(plane.across.title)
         handles: list[Any] = [
@@ -95,10 +124,12 @@ def draw(
     return figure
 
 
-def _draw_boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane) -> bool:
+def _draw_boundary(axes: Axes, boundaries: pd.DataFrame | None, plane: Plane) -> bool:
     """Draw the boundary if its condition is the upward axis; return whether there is any."""
+    if boundaries is None or plane.upwards is None or not plane.upwards.expands:
+        return False
     exists = boundaries[(boundaries["wins"] == "") & boundaries["boundary"].notna()]
-    if exists.empty or plane.upwards is None or not plane.upwards.expands:
+    if exists.empty:
         return False
     # A line across a value without a boundary would suggest a boundary there.
     line = [float("nan")] * len(plane.columns)
@@ -110,7 +141,7 @@ def _draw_boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane) -> bool:
     return True
 
 
-def _explain(shared: Common, plane: Plane, *, hatched: bool, line: bool) -> str:
+def _explain(shared: Aspects, plane: Plane, *, hatched: bool, line: bool) -> str:
     parts = []
     if hatched:
         parts.append(

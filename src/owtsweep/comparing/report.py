@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from owtsweep.comparing.common import Common
+from owtsweep.comparing.aspects import Aspects
+from owtsweep.comparing.common import Judged
 from owtsweep.io import markdown
 from owtsweep.results.conditions import Condition, show_value
 
@@ -13,33 +14,28 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def make_overview(
-    shared: Common,
-    best: Sequence[pd.DataFrame],
-    boundaries: pd.DataFrame,
-    changed: pd.DataFrame,
-) -> pd.DataFrame:
+def make_overview(runs: Sequence[Judged], shared: Aspects, changed: pd.DataFrame) -> pd.DataFrame:
     """For each run: cells won by each scheme, the boundary, cells changed from the first run."""
     import pandas as pd
 
-    first = shared.runs[0].label
     rows = []
-    for index, run in enumerate(shared.runs):
-        wins = best[index]["best"]
+    for index, judged in enumerate(runs):
+        wins = judged.best["best"]
         row = {f"cells {name}": str(int((wins == name).sum())) for name in shared.schemes}
         if shared.boundary is not None:
-            row["boundary"] = _tell_range(boundaries[boundaries["index"] == index], shared)
-        mine = changed[(changed["from_run"] == first) & (changed["to_run"] == run.label)]
+            row["boundary"] = _tell_range(judged.boundaries, shared)
+        ends = changed["from_run"] == runs[0].run.label, changed["to_run"] == judged.run.label
+        mine = changed[ends[0] & ends[1]]
         established = int(mine["established"].sum())
         row["cells changed"] = "-" if index == 0 else f"{len(mine)} ({established} established)"
         rows.append(row)
     return pd.DataFrame(rows)
 
 
-def _tell_range(boundaries: pd.DataFrame, shared: Common) -> str:
-    exists = boundaries[boundaries["wins"] == ""]
-    if boundaries.empty:
+def _tell_range(boundaries: pd.DataFrame | None, shared: Aspects) -> str:
+    if boundaries is None or boundaries.empty:
         return "not known"
+    exists = boundaries[boundaries["wins"] == ""]
     if exists.empty:
         winners = sorted(set(boundaries["wins"]))
         return f"none ({winners[0]} better)" if len(winners) == 1 else "none"
@@ -51,7 +47,7 @@ def _tell_range(boundaries: pd.DataFrame, shared: Common) -> str:
     return f"{span} at {len(exists)}/{len(boundaries)} {where}" if outer else span
 
 
-def write_sections(shared: Common, tables: Mapping[str, pd.DataFrame]) -> str:
+def write_sections(shared: Aspects, tables: Mapping[str, pd.DataFrame]) -> str:
     """The sections of the report: what the columns mean, what changed, and which files exist."""
     files = [
         "- `runs.csv`: run folders, hashes, swept values",
@@ -105,13 +101,9 @@ def _tell_shifts(moved: pd.DataFrame, outer: Sequence[Condition]) -> str:
     for row in moved.to_dict("records"):
         fields = [row["from_run"], row["to_run"]]
         fields += [show_value(row[condition.name]) for condition in outer]
-        fields += [f"{row['ratio']:.3g}", _tell_interval(row["ratio_low"], row["ratio_high"])]
+        low, high = row["ratio_low"], row["ratio_high"]
+        # an end is unknown if the two schemes did not cross in some draws
+        known = low == low and high == high
+        fields += [f"{row['ratio']:.3g}", f"{low:.3g} to {high:.3g}" if known else "not known"]
         rows.append(fields)
     return markdown.table(header, rows)
-
-
-def _tell_interval(low: float, high: float) -> str:
-    """Format an interval; an end is unknown if the two schemes did not cross in some draws."""
-    if low == low and high == high:
-        return f"{low:.3g} to {high:.3g}"
-    return "not known"

@@ -5,32 +5,15 @@ in order. After that no OmegaConf objects are used.
 """
 
 from owtsweep.config.axes import Axis
-from owtsweep.config.checks import require
 from owtsweep.config.common import Compute, Config
-from owtsweep.config.composition import Tree, compose_plain, conf_directory, group_options
-from owtsweep.config.identity import as_mapping
+from owtsweep.config.composition import Tree, compose_plain, conf_directory
 from owtsweep.config.section import Finite, NotNegative, Positive, Section, key
 from owtsweep.config.stored import dump
-from owtsweep.config.typed import changed, checked, typed, with_values
+from owtsweep.config.typed import as_mapping, changed, checked, typed, with_values
+from owtsweep.errors import require
 
 __all__ = [
-    "Axis",
-    "Compute",
-    "Config",
-    "Finite",
-    "NotNegative",
-    "Positive",
-    "Section",
-    "Tree",
-    "as_mapping",
-    "changed",
-    "checked",
-    "compose_plain",
-    "conf_directory",
-    "dump",
-    "group_options",
-    "key",
-    "require",
-    "typed",
-    "with_values",
-]
+    "Axis", "Compute", "Config", "Finite", "NotNegative", "Positive", "Section", "Tree",
+    "as_mapping", "changed", "checked", "compose_plain", "conf_directory", "dump", "key",
+    "require", "typed", "with_values",
+]  # fmt: skip

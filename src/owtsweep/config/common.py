@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import Any, ClassVar, Literal
 
-from owtsweep.config.checks import require
 from owtsweep.config.section import Section, key
+from owtsweep.errors import require
 
 #: The version of the configuration's keys, stored in every run's config.yaml.
 CONFIG_VERSION = 1
@@ -83,7 +83,7 @@ class Config(Section):
 
     def check(self) -> None:
         """Raise `InputError` for values that cannot work together; studies extend it."""
-        self._check_scheduler()
+        self._check_scheduler(self.compute.backend, self.compute.scheduler)
         engine = type(self).model_fields["engine"]
         require(
             engine.annotation is not str or self.engine == engine.default,
@@ -101,8 +101,7 @@ class Config(Section):
                 f"name: {self.name!r} is no plain folder name; use letters, digits, . _ - + = ,",
             )
 
-    def _check_scheduler(self) -> None:
-        backend, scheduler = self.compute.backend, self.compute.scheduler
+    def _check_scheduler(self, backend: str, scheduler: str | None) -> None:
         if backend != "dask":
             require(
                 scheduler is None,

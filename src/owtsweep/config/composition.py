@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config.checks import require
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.config.section import bare_type, is_section
+from owtsweep.config.section import fields_along
 from owtsweep.config.stored import read, resolved
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 
 #: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
 TREES = "studies"
@@ -33,7 +32,7 @@ class Tree:
 
     def options(self, group: str) -> list[str]:
         """The names of a group's files."""
-        return group_options(self.folder, group)
+        return sorted(path.stem for path in (self.folder / group).glob("*.yaml"))
 
     def admit(self, overrides: Sequence[str]) -> list[str]:
         """Put `++` before overrides of keys whose default is in the model, not in the files.
@@ -41,28 +40,20 @@ class Tree:
         Hydra refuses to set a key that the files do not list, unless `++` is put before it.
         """
         listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
-        unlisted = {key for key in _keys_with_default(self.model) if not _holds(listed, key)}
-        keys = [override.partition("=")[0] for override in overrides]
-        groups = set(self.groups())
-        return [
-            f"++{override}" if key in unlisted and key.partition(".")[0] not in groups else override
-            for key, override in zip(keys, overrides, strict=True)
-        ]
+        groups = self.groups()
+        admitted = []
+        for override in overrides:
+            path = override.partition("=")[0].split(".")
+            fields = fields_along(self.model, path)
+            has_default = any(not field.is_required() for field in fields)  # or its section has one
+            unlisted = len(fields) == len(path) and has_default and not _holds(listed, path)
+            admitted.append(f"++{override}" if unlisted and path[0] not in groups else override)
+        return admitted
 
 
-def _keys_with_default(model: Any, prefix: str = "", *, within: bool = False) -> Iterator[str]:
-    """Dotted keys that have a default; `within` a section with a default, all keys."""
-    for name, field in model.model_fields.items():
-        missing = within or not field.is_required()
-        if missing:
-            yield f"{prefix}{name}"
-        if is_section(kind := bare_type(field.annotation)):
-            yield from _keys_with_default(kind, f"{prefix}{name}.", within=missing)
-
-
-def _holds(mapping: Any, key: str) -> bool:
-    """Whether nested mappings contain a dotted key."""
-    for part in key.split("."):
+def _holds(mapping: Any, path: Sequence[str]) -> bool:
+    """Whether nested mappings contain a key."""
+    for part in path:
         if not isinstance(mapping, dict) or part not in mapping:
             return False
         mapping = mapping[part]
@@ -78,9 +69,18 @@ def conf_directory() -> Path:
     raise InputError(f"conf: no sweep.yaml in {package / 'conf'}: the installation is incomplete")
 
 
-def group_options(tree: Path, group: str) -> list[str]:
-    """The names of the files of a config group."""
-    return sorted(path.stem for path in (tree / group).glob("*.yaml"))
+def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> Any:
+    """Hydra's composition of a tree and overrides; with `settings`, also Hydra's own settings.
+
+    Raises
+    ------
+    InputError
+        With a one-line message, for errors of Hydra and OmegaConf.
+    """
+    from hydra import compose, initialize_config_dir
+
+    with hydra_in_one_line(tree), initialize_config_dir(str(tree.folder), version_base="1.3"):
+        return compose(tree.primary, overrides=list(overrides), return_hydra_config=settings)
 
 
 def compose_plain(
@@ -100,8 +100,6 @@ def compose_plain(
     InputError
         With a one-line message, for anything that Hydra refuses.
     """
-    from hydra import compose, initialize_config_dir
-
     for override in overrides:
         require(
             not override.lstrip("+~").startswith("hydra"),
@@ -113,11 +111,7 @@ def compose_plain(
         require(directory.is_dir(), f"--config-dir: {config_dir} is no folder")
         search = [f"hydra.searchpath=[file://{directory}]"]
     try:
-        with (
-            hydra_in_one_line(tree),
-            initialize_config_dir(config_dir=str(tree.folder), version_base="1.3"),
-        ):
-            composed = compose(tree.primary, overrides=[*search, *overrides])
+        return resolved(compose_hydra(tree, [*search, *overrides]))
     except InputError:
         raise
     except (ValueError, TypeError) as error:  # a number where Hydra expects an option's name
@@ -126,4 +120,3 @@ def compose_plain(
             text = " ".join(str(error).split())
             raise InputError(f"{' '.join(overrides)}: this cannot be composed ({text})") from error
         raise InputError(f"{wrong[0]}: this is a config group; name one of its options") from error
-    return resolved(composed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
@@ -15,6 +16,8 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 #: Attributes that hold the bounds of a number.
 BOUNDS = ("gt", "ge", "lt", "le")
+#: What `key` says of a field besides its type, default and bounds, if it says nothing.
+NO_FACTS = {"unit": "", "form": "", "advice": "", "younger": False}
 #: How messages and docs/configuration.md name a type.
 TYPE_NAMES = {bool: "true or false", str: "text", int: "a whole number", float: "a number"}
 
@@ -48,9 +51,7 @@ class Section(BaseModel):
     @field_validator("*", mode="before")
     @classmethod
     def _keep_true_and_false_apart(cls, value: Any, info: ValidationInfo) -> Any:
-        kind = bare_type(cls.model_fields[str(info.field_name)].annotation)
-        if get_origin(kind) is list:
-            kind = bare_type(get_args(kind)[0])
+        kind = item_type(cls.model_fields[str(info.field_name)].annotation)
         if kind in TYPE_NAMES:
             for item in value if isinstance(value, list) else [value]:
                 if item is not None and isinstance(item, bool) != (kind is bool):
@@ -95,7 +96,7 @@ def key(
 def read_facts(field: FieldInfo) -> dict[str, Any]:
     """The facts that `key` declared for a field, other than type, default and bounds."""
     extra = field.json_schema_extra
-    return dict(extra) if isinstance(extra, dict) else {}
+    return NO_FACTS | extra if isinstance(extra, dict) else NO_FACTS
 
 
 def bare_type(annotation: Any) -> Any:
@@ -105,6 +106,26 @@ def bare_type(annotation: Any) -> Any:
     if get_origin(annotation) in (UnionType, Union):
         return bare_type(next(kind for kind in get_args(annotation) if kind is not type(None)))
     return annotation
+
+
+def item_type(annotation: Any) -> Any:
+    """The bare type of a value or, if it is a list, of each item."""
+    kind = bare_type(annotation)
+    return bare_type(get_args(kind)[0]) if get_origin(kind) is list else kind
+
+
+def fields_along(model: Any, path: Iterable[str | int]) -> list[FieldInfo]:
+    """The fields of the sections that a path leads through, and of the key at its end.
+
+    Shorter than the path if it leads into a list or a mapping, or if there is no such key.
+    """
+    fields = []
+    for name in path:
+        if not is_section(model) or name not in model.model_fields:
+            break
+        fields.append(model.model_fields[name])
+        model = bare_type(fields[-1].annotation)
+    return fields
 
 
 def is_section(kind: Any) -> bool:

@@ -11,11 +11,10 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-from owtsweep.config.checks import require
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.config.identity import as_plain
-from owtsweep.errors import InputError
+from owtsweep.config.typed import as_plain
+from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_text
 
 #: Most bytes of a stored configuration: the largest grid fits a hundred times.
@@ -107,7 +106,7 @@ def _texts(value: Any) -> Iterator[str]:
 
 
 def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
-    """The plain data of an OmegaConf object or mapping; `resolve` replaces interpolations.
+    """The plain data of an OmegaConf object; `resolve` replaces interpolations.
 
     Raises
     ------
@@ -117,8 +116,7 @@ def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
     from omegaconf import OmegaConf
 
     with hydra_in_one_line():
-        loaded = mapping if OmegaConf.is_config(mapping) else OmegaConf.create(dict(mapping))
-        plain = OmegaConf.to_container(loaded, resolve=resolve)
+        plain = OmegaConf.to_container(mapping, resolve=resolve)
     if not isinstance(plain, dict):
         raise InputError("config: this is a list, not a mapping of keys")
     return {str(key): value for key, value in plain.items()}

@@ -1,4 +1,4 @@
-"""Make frozen objects of a given model from plain data, and changed copies of such objects."""
+"""Plain data become frozen objects of a given model, and these plain data again."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from owtsweep.config.common import Config
-from owtsweep.config.identity import as_plain
-from owtsweep.config.section import Section
+from owtsweep.config.section import Section, read_facts
 from owtsweep.config.wording import in_one_line
 from owtsweep.errors import InputError
 
@@ -47,6 +46,29 @@ def checked(model: type[C], plain: Any) -> C:
 def changed(section: S, **values: Any) -> S:
     """A copy with some fields replaced; types and bounds are not checked."""
     return section.model_copy(update=values)
+
+
+def as_plain(section: Section) -> dict[str, Any]:
+    """A configuration or a section with every key, as dicts, lists and scalars."""
+    return section.model_dump(warnings=False)  # `changed` checks no types, so nor does this
+
+
+def as_mapping(section: Section) -> dict[str, Any]:
+    """The identifying part of a configuration or a section: dicts, lists and scalars.
+
+    A key that is younger than stored runs is left out while it has its default value. So is a
+    younger section whose keys all have their defaults. So hashes and block keys of stored runs do
+    not change.
+    """
+    mapping = as_plain(section)
+    for name, field in type(section).model_fields.items():
+        value = getattr(section, name)
+        if isinstance(value, Section):
+            mapping[name] = as_mapping(value)
+        default = field.get_default(call_default_factory=True)
+        if read_facts(field)["younger"] and (value == default or mapping[name] == {}):
+            del mapping[name]
+    return mapping
 
 
 def with_values(section: S, values: Mapping[str, Any]) -> S:

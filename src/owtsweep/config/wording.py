@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, get_args, get_origin
+from typing import Any, get_args
 
 from pydantic import ValidationError
-from pydantic_core import ErrorDetails
 
 from owtsweep.config.hints import explain_unknown_key, list_keys
-from owtsweep.config.section import TYPE_NAMES, bare_type, is_section, read_facts
+from owtsweep.config.section import TYPE_NAMES, fields_along, item_type, read_facts
 
 #: First words of pydantic's names of type errors -> the type expected.
 TYPES = {"bool": bool, "string": str, "int": int, "float": float}
@@ -19,47 +17,44 @@ def in_one_line(error: ValidationError, model: Any) -> str:
     """The first error in one line; unknown and missing keys come before wrong values."""
     order = {"extra_forbidden": 0, "missing": 1}
     first = min(error.errors(include_url=False), key=lambda e: order.get(e["type"], 2))
-    return _line(first, model)
-
-
-def _line(error: ErrorDetails, model: Any) -> str:
-    kind, value, limits = error["type"], error["input"], error.get("ctx", {})
-    key = _dotted(error["loc"])
+    kind, value, limits, path = first["type"], first["input"], first.get("ctx", {}), first["loc"]
+    steps = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
+    key = "".join(steps).removeprefix(".")
     if kind == "extra_forbidden":
         return explain_unknown_key(key, list_keys(model))
     if kind == "missing":
         return f"{key}: this key has no value; give it one"
-    if kind in ("model_type", "model_attributes_type", "dict_type"):
-        if kind == "dict_type":
-            return f"{key}: {value!r} is no mapping of names"
+    if kind == "dict_type":
+        return f"{key}: {value!r} is no mapping of names"
+    if kind == "model_type":
         prefix = f"{key}." if key else ""
         return f"{key}: {value!r} is one value where keys are expected; use {prefix}<key>=..."
     if kind == "list_type":
         return f"{key}: {value!r} is no list; use e.g. {key}=[{value}]"
     if kind == "value_error":
         return f"{key}: {limits['error']}"
-    field = _field(model, error["loc"])
-    facts = {} if field is None else read_facts(field)
-    unit = str(facts.get("unit", ""))
+    field = fields_along(model, path)[-1]
+    facts = read_facts(field)
+    unit, form = facts["unit"], facts["form"]
     if kind == "literal_error":
-        options = _options(field.annotation) if field else ()
+        options = get_args(item_type(field.annotation))
         return f"{key}: {value!r} is none of {', '.join(map(str, options))}"
     if kind in ("too_short", "too_long"):
-        if form := facts.get("form"):
+        if form:
             return f"{key}: {value} must be {form}"
         return f"{key}: the list is empty; give at least one value" + (f", in {unit}" * bool(unit))
     if kind.split("_")[0] in TYPES:
         return f"{key}: {value!r} is not {TYPE_NAMES[TYPES[kind.split('_')[0]]]}"
-    fault = _beyond(kind, limits, value, unit, str(facts.get("advice") or "use 0 or more"))
-    return f"{key}: {fault}" + (f"; use {form}" if (form := facts.get("form")) else "")
+    fault = _beyond(kind, limits, value, unit, facts["advice"] or "use 0 or more")
+    return f"{key}: {fault}" + (f"; use {form}" if form else "")
 
 
 def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: str) -> str:
     """A sentence about a number beyond its bound."""
     number = f"{value:g} {unit}".strip()
-    limit = limits.get("gt", limits.get("ge", limits.get("le", limits.get("lt"))))
     if kind == "finite_number":
         return f"{number} must be a finite number"
+    limit = next(iter(limits.values()), None)
     if kind == "greater_than":
         above = "zero" if limit == 0 else f"{limit:g}"
         return f"{number} must be a finite number above {above}"
@@ -72,28 +67,3 @@ def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: st
     if kind in ("less_than", "less_than_equal"):
         return f"{value} is more than {limit}; lower it"
     return f"{value!r} cannot be taken ({kind.replace('_', ' ')})"
-
-
-def _options(annotation: Any) -> tuple[Any, ...]:
-    """The allowed values of a choice, or of each item of a list of choices."""
-    kind = bare_type(annotation)
-    if get_origin(kind) is list:
-        kind = bare_type(get_args(kind)[0])
-    return get_args(kind)
-
-
-def _dotted(location: Sequence[str | int]) -> str:
-    text = ""
-    for part in location:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
-    return text
-
-
-def _field(model: Any, location: Sequence[str | int]) -> Any:
-    """The field that contains a location of an error."""
-    field = None
-    for part in location:
-        if isinstance(part, str) and is_section(model):
-            field = model.model_fields.get(part)
-            model = bare_type(field.annotation) if field else None
-    return field

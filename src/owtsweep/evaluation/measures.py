@@ -70,9 +70,7 @@ def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[
     }
     for quantity in judged:
         total, *rest = (means[name].products for name in quantity.components)
-        for product in rest:
-            total = total + product
-        means[quantity.name] = Mean(total, len(state[0]))
+        means[quantity.name] = Mean(sum(rest, total), len(state[0]))
     if errors.covariance is not None:
         _add_weighted(means, "nees", state, errors.covariance[first:])
     if errors.innovation and errors.innovation_covariance is not None:

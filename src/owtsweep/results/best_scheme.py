@@ -82,7 +82,7 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
             part = part.assign(best=names[result.best], runner_up=names[result.runner_up])
             parts.append(part[result.judged])
         table = pd.concat(parts)
-        tables.append(table.assign(distinguishable=holm(table["p"].to_list())))
+        tables.append(table.assign(distinguishable=holm(table["p"])))
     if not tables:
         return pd.DataFrame(columns=columns)
     order = dict(zip(cube.names, cube.levels, strict=True))
@@ -109,7 +109,7 @@ def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]
             compared |= bool(both.any())
         return compared
 
-    return [] if cube.empty else group_coinciding(cube.schemes, coincide)
+    return group_coinciding(cube.schemes, coincide)
 
 
 def _find_place(labels: Sequence[str], label: str, argument: str) -> int:

@@ -69,7 +69,8 @@ def find_boundary(
     import pandas as pd
 
     lines = []
-    for cell, products in subtract_schemes(rows, conditions, schemes, measure, window).items():
+    difference = subtract_schemes(rows, conditions, schemes, measure, window)
+    for cell, products in split_cells(difference).items():
         value, low, high, wins = _find_mean_crossing(products), np.nan, np.nan, ""
         if not 0.0 < value < np.inf:
             wins = {0.0: schemes[1], np.inf: schemes[0]}.get(value, "neither")
@@ -103,7 +104,7 @@ def find_boundary_ratio(
     InputError
         As `find_boundary`, and if a cell is not among the rows.
     """
-    by_cell = subtract_schemes(rows, conditions, schemes, measure, window)
+    by_cell = split_cells(subtract_schemes(rows, conditions, schemes, measure, window))
     products = []
     for cell in cells:
         near = [there for there in by_cell if _same(there, cell)]
@@ -125,11 +126,11 @@ def subtract_schemes(
     schemes: tuple[str, str],
     measure: str,
     window: str,
-) -> dict[Cell, Array]:
-    """Cell -> (records, 3): products of the first scheme minus those of the second.
+) -> pd.DataFrame:
+    """Products of the first scheme minus those of the second, of records that both finished.
 
-    Parameters and errors are those of `find_boundary`. Cells are sorted, and records are sorted by
-    replicate.
+    Parameters and errors are those of `find_boundary`. The columns are `PRODUCTS`; the index is the
+    other conditions and the replicate, sorted.
     """
     *outer, last = [condition.name for condition in conditions]
     used = rows[(rows["status"] == OK) & rows[last].isna()]
@@ -144,13 +145,16 @@ def subtract_schemes(
             )
         parts.append(part[list(PRODUCTS)].sort_index())
     common = parts[0].index.intersection(parts[1].index)
-    difference = (parts[0].loc[common] - parts[1].loc[common]).sort_index().reset_index()
-    products = difference[list(PRODUCTS)].to_numpy(dtype=float)
+    return (parts[0].loc[common] - parts[1].loc[common]).sort_index()
+
+
+def split_cells(difference: pd.DataFrame) -> dict[Cell, Array]:
+    """Cell -> (records, 3), from what `subtract_schemes` returns."""
+    products = difference.to_numpy(dtype=float)
+    outer = difference.index.names[:-1]
     cells: dict[Cell, list[int]] = {}
-    for place, cell in enumerate(zip(*(difference[name] for name in outer), strict=True)):
-        cells.setdefault(cell, []).append(place)
-    if not outer:
-        cells[()] = list(range(len(products)))
+    for place, *cell in difference.reset_index()[outer].itertuples(name=None):
+        cells.setdefault(tuple(cell), []).append(place)
     # column by column in memory: NumPy's means group their terms by the layout
     return {cell: np.asfortranarray(products[places]) for cell, places in cells.items()}
 

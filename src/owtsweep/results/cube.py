@@ -29,7 +29,7 @@ class Cube:
 
     Attributes
     ----------
-    schemes, measures, windows
+    schemes, measures, windows, replicates
         The labels of these axes.
     conditions, levels
         The study's conditions, and the values of each.
@@ -47,6 +47,7 @@ class Cube:
     levels: tuple[list[Value], ...]
     measures: tuple[str, ...]
     windows: tuple[str, ...]
+    replicates: tuple[int, ...]
     products: Array | None
     direct: Array | None
     unable: pd.DataFrame
@@ -62,8 +63,12 @@ class Cube:
         return [condition.name for condition in self.conditions]
 
     def outer_places(self) -> Iterator[tuple[int, ...]]:
-        """Every combination of the outer conditions as indices; the last index changes fastest."""
-        return np.ndindex(*(len(levels) for levels in self.levels[:-1]))
+        """Every combination of the outer conditions as indices; the last index changes fastest.
+
+        None if the cube is empty.
+        """
+        if not self.empty:
+            yield from np.ndindex(*(len(levels) for levels in self.levels[:-1]))
 
     def name_outer(self, place: tuple[int, ...]) -> dict[str, Value]:
         """The values of the outer conditions at these indices."""
@@ -94,6 +99,36 @@ class Cube:
             raise ValueError("the cube is empty")
         return result
 
+    def label(
+        self, scheme: int, place: tuple[int, ...], indices: Sequence[NDArray[np.intp]]
+    ) -> dict[str, Any]:
+        """The labels of some of `values(scheme, place)` as columns, given their indices per axis.
+
+        Without indices of the replicates there is no column for them.
+        """
+        import pandas as pd
+
+        names = [self.names[-1], "measure", "window", "replicate"]
+        axes: Any = self.levels[-1], self.measures, self.windows, self.replicates
+        columns: dict[str, Any] = {"scheme": self.schemes[scheme], **self.name_outer(place)}
+        for name, axis, index in zip(names, axes, indices, strict=False):
+            columns[name] = pd.Index(axis).take(index)
+        return columns
+
+    def to_table(self) -> pd.DataFrame:
+        """One line per value: scheme, conditions, measure, window, replicate, value."""
+        import pandas as pd
+
+        columns = ["scheme", *self.names, "measure", "window", "replicate", "value"]
+        parts = []
+        for i in range(len(self.schemes)):
+            for place in self.outer_places():
+                values = self.values(i, place)
+                present = np.nonzero(np.isfinite(values))
+                part = self.label(i, place, present) | {"value": values[present]}
+                parts.append(pd.DataFrame(part, columns=columns))
+        return join_lines(parts, columns)
+
     @classmethod
     def of_rows(
         cls,
@@ -104,7 +139,7 @@ class Cube:
         *,
         measures: Sequence[str] = (),
     ) -> Cube:
-        """Make the cube from a run's rows; it takes a tenth of the memory of `expand`.
+        """Make the cube from a run's rows; it takes a tenth of the memory of `to_table`.
 
         Parameters
         ----------
@@ -136,14 +171,9 @@ class Cube:
         labels[last] = order_values(every, grid.get(last, ()))
         products = values = None
         if superposed.any():
-            place, shape = _places(rows, superposed, labels, ["scheme", *outer, *inner])
-            products = np.full((len(PRODUCTS), *shape), np.nan)
-            for part, name in zip(products, PRODUCTS, strict=True):
-                part.reshape(-1)[place] = _of(rows, name, superposed)
+            products = _arrange(rows, superposed, labels, ["scheme", *outer, *inner], PRODUCTS)
         if direct.any():
-            place, shape = _places(rows, direct, labels, ["scheme", *names, *inner])
-            values = np.full(shape, np.nan)
-            values.reshape(-1)[place] = _of(rows, "value", direct)
+            values = _arrange(rows, direct, labels, ["scheme", *names, *inner], ["value"])[0]
         if products is not None and values is not None:
             both = np.isfinite(np.expand_dims(products[0], 1 + len(outer))) & np.isfinite(values)
             _require_once(not both.any())
@@ -153,10 +183,19 @@ class Cube:
             levels=tuple(list(labels[name]) for name in names),
             measures=tuple(labels["measure"]),
             windows=tuple(labels["window"]),
+            replicates=tuple(labels["replicate"]),
             products=products,
             direct=values,
             unable=unable,
         )
+
+
+def join_lines(parts: Sequence[pd.DataFrame], columns: Sequence[str]) -> pd.DataFrame:
+    """The lines of some tables with these columns as one table."""
+    import pandas as pd
+
+    filled = [part for part in parts if len(part)]
+    return pd.concat(filled, ignore_index=True) if filled else pd.DataFrame(columns=list(columns))
 
 
 def _choose(
@@ -189,17 +228,18 @@ def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
     return np.asarray(superpose(motion, cross, noise, N)).transpose(3, 1, 2, 0)
 
 
-def _places(
+def _arrange(
     rows: pd.DataFrame,
     chosen: NDArray[np.bool_],
     labels: Mapping[str, Sequence[Any]],
-    names: Sequence[str],
-) -> tuple[NDArray[np.intp], tuple[int, ...]]:
-    """The indices of the chosen rows in a flat array over these axes, and the array's shape."""
+    axes: Sequence[str],
+    columns: Sequence[str],
+) -> Array:
+    """(columns, *axes): columns of the chosen rows, NaN where there is no row."""
     import pandas as pd
 
     place = np.zeros(int(chosen.sum()), dtype=np.intp)
-    for name in names:
+    for name in axes:
         column = _of(rows, name, chosen)
         if pd.api.types.is_numeric_dtype(column):
             codes = np.searchsorted(np.asarray(labels[name]), column)
@@ -208,11 +248,11 @@ def _places(
             codes = pd.Index(labels[name]).get_indexer(texts.categories)[texts.codes]
         place *= len(labels[name])
         place += codes
-    shape = tuple(len(labels[name]) for name in names)
-    taken = np.zeros(shape, dtype=bool).reshape(-1)
-    taken[place] = True
-    _require_once(int(taken.sum()) == place.size)
-    return place, shape
+    arrays = np.full((len(columns), *(len(labels[name]) for name in axes)), np.nan)
+    for flat, name in zip(arrays.reshape(len(columns), -1), columns, strict=True):
+        flat[place] = _of(rows, name, chosen)
+    _require_once(np.count_nonzero(np.isfinite(arrays[0])) == place.size)
+    return arrays
 
 
 def _of(rows: pd.DataFrame, name: str, chosen: NDArray[np.bool_]) -> Any:

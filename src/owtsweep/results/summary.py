@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.results.conditions import order_values, sort_lines
-from owtsweep.results.cube import Cube
+from owtsweep.results.cube import Cube, join_lines
 from owtsweep.results.unable import tell_in_summary
 from owtsweep.statistics.student import t_quantile
 from owtsweep.statistics.sums import mean_and_error
@@ -35,29 +35,21 @@ def summarise(cube: Cube) -> pd.DataFrame:
     import pandas as pd
 
     columns = name_columns(cube.names)
-    last = cube.names[-1]
-    axes = {last: cube.levels[-1], "measure": cube.measures, "window": cube.windows}
-    parts: list[pd.DataFrame] = []
-    for i, scheme in enumerate(cube.schemes if not cube.empty else ()):
+    parts = []
+    for i in range(len(cube.schemes)):
         for place in cube.outer_places():
             with np.errstate(invalid="ignore"):  # 0 / 0 in cells without values
                 mean, error, n = mean_and_error(cube.values(i, place))
             cells = np.nonzero(n)
             mean, error, n = mean[cells], error[cells], n[cells]
             margin = t_quantile(n - 1) * error
-            table: dict[str, Any] = {"scheme": scheme, **cube.name_outer(place)}
-            for (name, axis), index in zip(axes.items(), cells, strict=True):
-                table[name] = pd.Index(axis).take(index)
+            table = cube.label(i, place, cells)
             table |= {"mean": mean, "ci_low": mean - margin, "ci_high": mean + margin, "n": n}
             parts.append(pd.DataFrame(table, columns=columns))
-    filled = [part for part in parts if len(part)]
-    whole = pd.concat(filled, ignore_index=True) if filled else pd.DataFrame(columns=columns)
-    return _sort(tell_in_summary(whole, cube.unable), cube) if len(cube.unable) else whole
-
-
-def _sort(table: pd.DataFrame, cube: Cube) -> pd.DataFrame:
-    """Sort all lines, with those of cells without results, by scheme and condition."""
-    order: dict[str, list[Any]] = {"scheme": list(cube.schemes)}
+    whole = join_lines(parts, columns)
+    if cube.unable.empty:
+        return whole
+    order: dict[str, Sequence[Any]] = {"scheme": cube.schemes}
     for name, levels in zip(cube.names, cube.levels, strict=True):
         order[name] = order_values([*levels, *cube.unable[name]], levels)
-    return sort_lines(table, order)
+    return sort_lines(tell_in_summary(whole, cube.unable), order)

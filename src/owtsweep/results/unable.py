@@ -47,13 +47,10 @@ def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.Da
 def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
     """A summary with `status` and `reason`, and a line for each scheme and cell that it left.
 
-    Such a line has neither measure nor mean. Lines are in no order. If no scheme left a cell, the
-    table is returned as it is.
+    Such a line has neither measure nor mean. Lines are in no order.
     """
     import pandas as pd
 
-    if unable.empty:
-        return table
     told = table.assign(status=OK, reason="")
     lines = unable.assign(measure="", window="", n=0, status=UNABLE).reindex(columns=told.columns)
     return pd.concat([told, lines]) if len(told) else lines

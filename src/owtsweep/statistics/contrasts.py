@@ -6,8 +6,7 @@ method on its logarithm: log(b/a) has the influence b_r/mean(b) - a_r/mean(a) of
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,8 +15,7 @@ from owtsweep.statistics.student import p_value, t_quantile
 from owtsweep.statistics.sums import mean_and_error
 
 
-@dataclass(frozen=True)
-class Contrast:
+class Contrast(NamedTuple):
     """An estimate with its 95 % interval, two-sided p-value (1 where untestable) and counts."""
 
     value: Array
@@ -62,7 +60,7 @@ def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
         else:
             error, freedom = _welch(error_a / a, n_a, error_b / b, n_b)
         logs = _student(np.log(b / a), error, freedom, n_a, n_b)
-        return replace(logs, value=b / a, low=np.exp(logs.low), high=np.exp(logs.high))
+        return logs._replace(value=b / a, low=np.exp(logs.low), high=np.exp(logs.high))
 
 
 def _welch(error_a: Array, n_a: Any, error_b: Array, n_b: Any) -> tuple[Array, Array]:
@@ -75,7 +73,6 @@ def _welch(error_a: Array, n_a: Any, error_b: Array, n_b: Any) -> tuple[Array, A
 
 def _student(value: Array, error: Array, freedom: Any, n_a: Any, n_b: Any) -> Contrast:
     testable = np.isfinite(value) & np.isfinite(error) & (freedom > 0)
-    quantile = t_quantile(np.where(testable, freedom, 1.0))
-    margin = np.where(testable, quantile * error, np.nan)
+    margin = np.where(testable, t_quantile(freedom) * error, np.nan)
     p = p_value(value, error, freedom)
     return Contrast(value, value - margin, value + margin, p, n_a, n_b)

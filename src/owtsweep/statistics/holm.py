@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from owtsweep.statistics.student import CONFIDENCE
 
 
-def holm(p_values: Sequence[float]) -> NDArray[np.bool_]:
+def holm(p_values: ArrayLike) -> NDArray[np.bool_]:
     """Holm's step-down test: which hypotheses are rejected at a family-wise error of 5 %.
 
     Source: Holm (1979), A simple sequentially rejective multiple test procedure.

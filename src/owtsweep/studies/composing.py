@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from owtsweep.config import Config, Tree, checked, compose_plain, require
 from owtsweep.config.stored import resolved
@@ -12,8 +11,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies import registry
 
 
-@dataclass(frozen=True)
-class Located:
+class Located(NamedTuple):
     """The study, tree and overrides that a configuration is composed from.
 
     Attributes
@@ -42,7 +40,8 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
     """
     name, others = _take_out_study(overrides)
     if name is None:
-        tree = registry.find_tree(_default(primary))
+        default = next(n for n, entry in registry.OURS.items() if entry.primary == primary)
+        tree = registry.find_tree(default)
         return Located(None, tree, tree.admit(others))
     entry = registry.find_entry(name)
     _check_command(name, primary)
@@ -89,6 +88,8 @@ def from_mapping(mapping: Any, study: str | None = None) -> Config:
 
     Parameters
     ----------
+    mapping
+        An OmegaConf object.
     study
         The study's name; if None, the mapping names the study.
 
@@ -104,11 +105,6 @@ def from_mapping(mapping: Any, study: str | None = None) -> Config:
 def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
     name = study or str(plain.get("study", registry.DEFAULT))
     return checked(registry.get_study(name).config_type(), {**plain, "study": name})
-
-
-def _default(primary: str) -> str:
-    """The default study for a primary file: the command's study, or the hub."""
-    return next(name for name, entry in registry.OURS.items() if entry.primary == primary)
 
 
 def _check_command(study: str, primary: str) -> None:

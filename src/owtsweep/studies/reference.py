@@ -1,13 +1,22 @@
-"""Write docs/configuration.md: `python -m owtsweep.studies.reference docs/configuration.md`."""
+"""Write docs/configuration.md: `python -m owtsweep.studies.reference docs/configuration.md`.
+
+The page is made from the models of all studies: type, unit, default, bounds, meaning of each key.
+"""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Annotated, Any, Literal, get_args, get_origin
+
+from pydantic.fields import FieldInfo
 
 from owtsweep.config import Config
-from owtsweep.config.identity import as_plain
-from owtsweep.config.reference import Row, describe, page
+from owtsweep.config.axes import is_axis
+from owtsweep.config.section import bare_type, is_section, item_type, read_facts
+from owtsweep.config.typed import as_plain
+from owtsweep.io.markdown import table
 from owtsweep.studies.composing import compose
 from owtsweep.studies.registry import OURS
 
@@ -25,20 +34,99 @@ and 20 m. Numbers between the ends are rounded to 12 digits. `config.yaml` store
 
 This page is written by `python -m owtsweep.studies.reference docs/configuration.md`."""
 
+COLUMNS = ("key", "type", "unit", "default", "bounds", "meaning")
+#: A key of the page: the texts of its columns.
+Row = tuple[str, ...]
+TYPES: dict[Any, str] = {
+    bool: "true or false", str: "text", int: "whole number", float: "number", Literal: "choice",
+    dict: "mapping",
+}  # fmt: skip
+#: pydantic's name of a bound -> its sign.
+LIMITS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤", "min_length": "", "max_length": ""}
+#: A default with more characters is not shown; `--cfg` prints it.
+LONGEST = 72
+
 
 def reference() -> str:
     """The page: keys of all studies, then the keys that each built-in study adds or changes."""
-    common = describe(Config, as_plain(Config(study="")))[1:]
-    chapters: dict[str, tuple[str, list[Row]]] = {
-        "Every study": ("`study=NAME` says which; without it the study is `hub`.", common)
-    }
-    seen = set(common)
+    seen = dict.fromkeys(_describe(Config, as_plain(Config(study="")))[1:])
+    sentence = "`study=NAME` says which; without it the study is `hub`."
+    parts = [INTRODUCTION, "## Every study", sentence, table(COLUMNS, seen)]
     for name, entry in OURS.items():
         config = compose([f"study={name}"], primary=entry.primary)
-        rows = [row for row in describe(type(config), as_plain(config)) if row not in seen]
-        seen |= set(rows)
-        chapters[f"`{name}`"] = ("What it adds or changes, besides the keys above.", rows)
-    return page(chapters, INTRODUCTION)
+        rows = [row for row in _describe(type(config), as_plain(config)) if row not in seen]
+        seen |= dict.fromkeys(rows)
+        sentence = "What it adds or changes, besides the keys above."
+        parts += [f"## `{name}`", sentence, table(COLUMNS, rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _describe(model: Any, defaults: Mapping[str, Any], prefix: str = "") -> list[Row]:
+    """A row for each key of a model.
+
+    Parameters
+    ----------
+    defaults
+        Values in a configuration without overrides; no default is shown for a key missing here.
+    """
+    rows: list[Row] = []
+    for name, field in model.model_fields.items():
+        kind = bare_type(field.annotation)
+        unit, bounds = read_facts(field)["unit"], ", ".join(dict.fromkeys(_bounds(field)))
+        key, meaning = f"`{prefix}{name}`", str(field.description or "")
+        if is_section(kind):
+            rows.append((key, "section", unit, "", bounds, meaning))
+            rows += _describe(kind, defaults.get(name) or {}, f"{prefix}{name}.")
+        else:
+            default = _shown(defaults[name]) if name in defaults else ""
+            rows.append((key, _type(field), unit, default, bounds, meaning))
+    return rows
+
+
+def _type(field: FieldInfo) -> str:
+    kind = bare_type(field.annotation)
+    if get_origin(kind) is list:
+        item = TYPES.get(item_type(kind))
+        text = ("axis" if is_axis(field) else "list") + (f" of {item}s" if item else "")
+    else:
+        text = TYPES.get(get_origin(kind) or kind, "any")
+    return text + (" or null" if type(None) in get_args(field.annotation) else "")
+
+
+def _bounds(field: FieldInfo) -> Iterator[str]:
+    """The bounds of a value, in words."""
+    kind = bare_type(field.annotation)
+    if get_origin(kind) is Literal:
+        yield from (f"`{option}`" for option in get_args(kind))
+    marks = [*field.metadata, *_nested(field.annotation)]
+    limits = {name: getattr(m, name) for m in marks for name in LIMITS if hasattr(m, name)}
+    lengths = limits.pop("min_length", None), limits.pop("max_length", None)
+    if lengths[0] is not None:
+        yield f"{lengths[0]} values" if lengths[0] == lengths[1] else "not empty"
+    yield from (f"{LIMITS[name]} {limit}" for name, limit in limits.items())
+    if not limits and any(getattr(m, "allow_inf_nan", None) is False for m in marks):
+        yield "finite"
+
+
+def _nested(annotation: Any) -> Iterator[Any]:
+    """The bounds inside a type: of the items of a list, or of a type that also allows null."""
+    for argument in get_args(annotation):
+        yield from argument.metadata if isinstance(argument, FieldInfo) else _nested(argument)
+    if get_origin(annotation) is Annotated:
+        yield from annotation.__metadata__
+
+
+def _shown(value: Any) -> str:
+    """A default as a user would write it."""
+    if value is None:
+        text = "null"
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, list):
+        text = f"[{', '.join(map(str, value))}]"
+    else:
+        text = str(value)
+    return f"`{text}`" if 0 < len(text) <= LONGEST else "shown by `--cfg`"
 
 
 if __name__ == "__main__":

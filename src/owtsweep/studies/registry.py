@@ -63,7 +63,7 @@ OURS = {
 
 def names() -> list[str]:
     """The names of all studies: built-in ones first, then those of other packages."""
-    return [*OURS, *sorted(_of_others())]
+    return [*OURS, *sorted({name for name, _ in _of_others()})]
 
 
 def find_entry(name: str) -> Entry:
@@ -76,14 +76,13 @@ def find_entry(name: str) -> Entry:
     """
     if name in OURS:
         return OURS[name]
-    others = _of_others()
-    if name not in others:
-        hint = suggest_name(name, [*OURS, *sorted(others)])
-        raise InputError(f"study: there is no study {name!r}; {hint}")
-    first, *more = others[name]
-    packages = " and ".join(entry.package for entry in others[name])
-    require(not more, f"study: {name!r} is in the packages {packages}; uninstall all but one")
-    return first
+    entries = [entry for other, entry in _of_others() if other == name]
+    if not entries:
+        raise InputError(f"study: there is no study {name!r}; {suggest_name(name, names())}")
+    packages = " and ".join(entry.package for entry in entries)
+    one = len(entries) == 1
+    require(one, f"study: {name!r} is in the packages {packages}; uninstall all but one")
+    return entries[0]
 
 
 def get_study(name: str) -> Study:
@@ -102,8 +101,7 @@ def get_study(name: str) -> Study:
         lacks = _lacks(study)
         require(not lacks, f"it lacks {', '.join(lacks)}")
         require(study.name == name, f"it calls itself {study.name!r}")
-        if entry.package:
-            require(issubclass(study.config_type(), Config), "its configuration is no Config")
+        require(issubclass(study.config_type(), Config), "its configuration is no Config")
     return study  # type: ignore[no-any-return]
 
 
@@ -129,14 +127,13 @@ def blame_package(name: str) -> Iterator[None]:
         ) from error
 
 
-def _of_others() -> dict[str, list[Entry]]:
-    """The studies of other packages, without those named like a built-in study."""
-    others: dict[str, list[Entry]] = {}
-    for point in entry_points(group=GROUP):
-        if point.name not in OURS:
-            package = point.dist.name if point.dist else point.value
-            others.setdefault(point.name, []).append(Entry(point.value, package=package))
-    return others
+def _of_others() -> list[tuple[str, Entry]]:
+    """Names and entries of other packages' studies, without those named like a built-in study."""
+    return [
+        (point.name, Entry(point.value, package=point.dist.name if point.dist else point.value))
+        for point in entry_points(group=GROUP)
+        if point.name not in OURS
+    ]
 
 
 def _lacks(study: Any) -> list[str]:

@@ -8,8 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.comparing.comparison import Candidate, Comparable, Comparison, Findings
-from owtsweep.comparing.values import rank_values, show
+from owtsweep.comparing.comparison import (
+    Candidate,
+    Comparable,
+    Comparison,
+    Findings,
+    rank_values,
+    show,
+)
 from owtsweep.config import as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.io import markdown
@@ -55,6 +61,8 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
         If there are fewer than two runs with a succeeded case, their studies differ or cannot
         compare, or they have nothing in common. Nothing has been written then.
     """
+    import pandas as pd
+
     runs, preferred, notes = _open(paths, load)
     studies = list(dict.fromkeys(run.config.study for run in runs))
     require(
@@ -69,13 +77,14 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     study = loaded[0][0].study
     if not isinstance(study, Comparable):
         raise InputError(f"compare: the study {study.name!r} has no comparison of its runs")
-    comparison = _arrange(loaded, preferred, notes)
+    comparison = _arrange(loaded, preferred)
     hashes = " ".join(candidate.hash for candidate in comparison.runs)
     folder = _folder(paths, [run for run, _ in loaded])
     check_writable(folder)
     findings = study.compare(comparison, folder, metadata={"runs": hashes, "folder": folder.name})
-    every_note = (*comparison.notes, *findings.notes)
-    overview = _overview(comparison, findings)
+    every_note = (*notes, *findings.notes)
+    swept = pd.DataFrame([run.shown for run in comparison.runs], columns=list(comparison.keys))
+    overview = pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in findings.tables.items():
         if len(table.columns):  # a file without columns could not be read back
@@ -144,14 +153,12 @@ def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.D
     return loaded
 
 
-def _arrange(
-    loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str], notes: Sequence[str]
-) -> Comparison:
+def _arrange(loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str]) -> Comparison:
     mappings = [as_mapping(run.config) for run, _ in loaded]
     keys, following = swept_keys(mappings, preferred)
     values: list[dict[str, Any]] = [{k: _value(m, k) for k in keys} for m in mappings]
-    shown = [tuple(show(value) for value in of_run.values()) for of_run in values]
-    if len(set(shown)) < len(shown):  # e.g. the runs differ in their grids or schemes
+    shown = {tuple(show(value) for value in of_run.values()) for of_run in values}
+    if len(shown) < len(values):  # e.g. the runs differ in their grids or schemes
         names = [run.folder.name for run, _ in loaded]
         unique = len(set(names)) == len(names)
         for of_run, (run, _) in zip(values, loaded, strict=True):
@@ -167,7 +174,7 @@ def _arrange(
         for run, rows in [loaded[i]]
     )
     pairs = make_pairs([places[i] for i in order], keys)
-    return Comparison(tuple(keys), tuple(following), runs, tuple(pairs), tuple(notes))
+    return Comparison(tuple(keys), tuple(following), runs, tuple(pairs))
 
 
 def _value(mapping: Any, key: str) -> Any:
@@ -182,16 +189,6 @@ def _folder(paths: Sequence[str], runs: Sequence[Run]) -> Path:
     identity = "\n".join(sorted(f"{run.folder.name} {run.hash}" for run in runs))
     digest = hashlib.blake2b(identity.encode(), digest_size=5).hexdigest()
     return runs[0].folder.parent / f"comparison-{digest}"
-
-
-def _overview(comparison: Comparison, findings: Findings) -> pd.DataFrame:
-    import pandas as pd
-
-    swept = pd.DataFrame(
-        [[show(run.values[key]) for key in comparison.keys] for run in comparison.runs],
-        columns=list(comparison.keys),
-    )
-    return pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
 
 
 def _report(

@@ -6,8 +6,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-from owtsweep.comparing.comparison import Pair
-from owtsweep.comparing.values import identify
+from owtsweep.comparing.comparison import Pair, identify
 
 #: Sections and keys that say on which grid, where and how a run is computed; these are not swept.
 NOT_SWEPT = frozenset({"grid", "schemes", "compute", "results", "name", "config_version"})
@@ -69,7 +68,7 @@ def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pai
     ----------
     places
         For each run, the index of its value on the axis of each key
-        (`comparing.values.rank_values`).
+        (`comparing.comparison.rank_values`).
     keys
         The keys.
     """

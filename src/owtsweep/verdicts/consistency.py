@@ -15,15 +15,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from owtsweep.verdicts.evidence import Evidence
-from owtsweep.verdicts.inference import UNDECIDED, mean_ratio
+from owtsweep.verdicts.inference import NOTHING, UNDECIDED, mean_ratio
 
 if TYPE_CHECKING:
     import pandas as pd
 
-OPTIMISTIC, CONSISTENT, PESSIMISTIC = "optimistic", "consistent", "pessimistic"
 #: An interval that extends beyond this factor is too wide for a verdict on consistency.
 WIDEST = 2.0
-MIXED, UNKNOWN = "mixed", "unknown"
 
 
 def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.DataFrame:
@@ -54,12 +52,10 @@ def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.Da
         intervals = []
         for measure, degrees in freedom.items():
             samples = evidence.samples(scheme, cell, measure)
-            mean, low, high = np.nan, np.nan, np.nan
-            if samples is not None:
-                ratio = mean_ratio("", samples, degrees, 1.0, "above")
-                mean, low, high = ratio.value, ratio.low, ratio.high
-            row |= {measure: mean, f"{measure}_low": low, f"{measure}_high": high}
-            intervals.append((low, high))
+            ratio = NOTHING if samples is None else mean_ratio("", samples, degrees, 1.0, "above")
+            row |= {measure: ratio.value}
+            row |= {f"{measure}_low": ratio.low, f"{measure}_high": ratio.high}
+            intervals.append((ratio.low, ratio.high))
         rows.append(row | {"verdict": judge_intervals(intervals)})
     return pd.DataFrame(rows)
 
@@ -70,10 +66,10 @@ def judge_intervals(intervals: list[tuple[float, float]]) -> str:
     above = any(low > 1.0 for low, _ in finite)
     below = any(high < 1.0 for _, high in finite)
     if not finite:
-        return UNKNOWN
+        return "unknown"
     if above and below:
-        return MIXED
+        return "mixed"
     if above or below:
-        return OPTIMISTIC if above else PESSIMISTIC
+        return "optimistic" if above else "pessimistic"
     tight = all(low >= 1.0 / WIDEST and high <= WIDEST for low, high in finite)
-    return CONSISTENT if tight else UNDECIDED
+    return "consistent" if tight else UNDECIDED

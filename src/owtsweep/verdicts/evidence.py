@@ -8,20 +8,20 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.results.conditions import Condition, Grid
-from owtsweep.results.expand import expand
+from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
 from owtsweep.statistics.contest import find_alike, find_least
+from owtsweep.verdicts.inference import Decision, Side, mean_ratio
 
 if TYPE_CHECKING:
     import pandas as pd
 
 #: A published condition and one of the run are the same if they agree to this many decimal places.
 DIGITS = 9
-#: A cell: one number per condition, in the order of the conditions.
+#: A cell: one number per condition, in the order of the conditions. `str(cell)` names it.
 Cell = tuple[float, ...]
 
 
@@ -57,47 +57,51 @@ class Evidence:
     def values(self) -> pd.DataFrame:
         """One value per scheme, cell, measure and replicate, in the chosen window."""
         inside = self.rows[self.rows["window"] == self.window]
-        return expand(inside, self.conditions, self.grid)
+        schemes = list(inside["scheme"].unique())
+        return Cube.of_rows(inside, schemes, self.conditions, self.grid).to_table()
 
     @cached_property
-    def _by_case(self) -> dict[tuple[Any, ...], tuple[Array, Array]]:
-        """(scheme, measure, *cell) -> replicates in order, and their values in the window."""
-        values = self.values.sort_values("replicate", kind="stable")
-        replicate, value = values["replicate"].to_numpy(), values["value"].to_numpy()
+    def _by_case(self) -> dict[Any, pd.Series[float]]:
+        """(scheme, measure, *cell) -> values in the window, by replicate."""
         names = [condition.name for condition in self.conditions]
-        exact = values.round(dict.fromkeys(names, DIGITS))
-        groups: dict[Any, Any] = exact.groupby(["scheme", "measure", *names]).indices
-        return {case: (replicate[index], value[index]) for case, index in groups.items()}
+        exact = self.values.round(dict.fromkeys(names, DIGITS)).set_index("replicate").sort_index()
+        return dict(iter(exact.groupby(["scheme", "measure", *names])["value"]))
 
     def common(self, keys: Sequence[tuple[str, Cell, str]]) -> list[Array] | None:
         """(replicates,) for each (scheme, cell, measure), over the replicates that all share.
 
         Returns None if one has no values or if no replicate is common to all.
         """
-        cases = []
-        for scheme, cell, measure in keys:
-            case = self._by_case.get((scheme, measure, *(round(number, DIGITS) for number in cell)))
-            if case is None:
-                return None
-            cases.append(case)
-        shared = cases[0][0]
-        for replicates, _ in cases[1:]:
-            shared = np.intersect1d(shared, replicates, assume_unique=True)
-        if not len(shared):
-            return None
-        return [values[np.isin(replicates, shared)] for replicates, values in cases]
+        import pandas as pd
 
-    def paired(
-        self, schemes: Sequence[str], cell: Cell, measure: str = "position"
-    ) -> dict[str, Array] | None:
-        """Scheme -> (replicates,) in one cell, over the replicates that all of them finished."""
-        values = self.common([(scheme, cell, measure) for scheme in schemes])
+        cases = [
+            (scheme, measure, *(round(number, DIGITS) for number in cell))
+            for scheme, cell, measure in keys
+        ]
+        if not all(case in self._by_case for case in cases):
+            return None
+        shared = pd.concat([self._by_case[case] for case in cases], axis=1, join="inner")
+        return list(shared.to_numpy().T) if len(shared) else None
+
+    def paired(self, schemes: Sequence[str], cell: Cell) -> dict[str, Array] | None:
+        """Scheme -> (replicates,) position MSE in a cell, over the replicates that all finished."""
+        values = self.common([(scheme, cell, "position") for scheme in schemes])
         return None if values is None else dict(zip(schemes, values, strict=True))
 
     def samples(self, scheme: str, cell: Cell, measure: str) -> Array | None:
         """(replicates,) values of one scheme, or None."""
         values = self.common([(scheme, cell, measure)])
         return None if values is None else values[0]
+
+    def compare(
+        self, label: str, ratio: Sequence[tuple[str, Cell, str]], threshold: float, side: Side
+    ) -> Decision | None:
+        """Compare the ratio of two means with a threshold, over the replicates that both share.
+
+        `ratio` holds (scheme, cell, measure) of both means. Returns None if the run lacks one.
+        """
+        values = self.common(ratio)
+        return None if values is None else mean_ratio(label, values[0], values[1], threshold, side)
 
     def best_other(self, scheme: str, cell: Cell) -> tuple[str, Array, Array] | None:
         """The best other rival by mean position MSE, with its values and those of `scheme`.
@@ -113,23 +117,18 @@ class Evidence:
         paired = self.paired(self.rivals, cell)
         if paired is None:
             return None
-        means, alike = _one_cell(paired)
-        others = ~alike[self.rivals.index(scheme)]
-        if not others.any():
-            return None
-        best = self.rivals[int(find_least(means, others, alike)[0][0])]
-        return best, paired[scheme], paired[best]
+        best = find_best(paired, other_than=scheme)
+        return None if best is None else (best, paired[scheme], paired[best])
 
 
-def find_best(paired: Mapping[str, Array]) -> str:
-    """The scheme of least mean; of coinciding schemes the last, as in the map."""
-    means, alike = _one_cell(paired)
-    return list(paired)[int(find_least(means, np.ones(means.shape, dtype=bool), alike)[0][0])]
+def find_best(paired: Mapping[str, Array], *, other_than: str = "") -> str | None:
+    """The scheme of least mean; of coinciding schemes the last, as in the map.
 
-
-def _one_cell(paired: Mapping[str, Array]) -> tuple[Array, NDArray[np.bool_]]:
-    """Means (schemes, 1) and whether two schemes coincide (schemes, schemes, 1)."""
-    values = np.array(list(paired.values()))[:, np.newaxis]
+    A scheme that coincides with `other_than` is left out; None if no other one is left.
+    """
+    names, values = list(paired), np.array(list(paired.values()))[:, np.newaxis]
     means = np.array([[np.mean(samples)] for samples in paired.values()])
-    everywhere = np.ones(values.shape[1:], dtype=bool)
-    return means, find_alike(values, np.ones(means.shape, dtype=bool), everywhere)
+    everyone = np.ones(means.shape, dtype=bool)
+    alike = find_alike(values, everyone, np.ones(values.shape[1:], dtype=bool))
+    chosen = ~alike[names.index(other_than)] if other_than else everyone
+    return names[int(find_least(means, chosen, alike)[0][0])] if chosen.any() else None

@@ -22,7 +22,8 @@ NOT_REPRODUCED = "not reproduced"
 UNDECIDED = "undecided"
 MISSING = "missing"
 
-Side = Literal["below", "above"]
+#: The claimed side of a threshold; "" where nothing is claimed.
+Side = Literal["below", "above", ""]
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,10 @@ class Decision:
     side: Side
     t: float
     p: float
+
+
+#: The decision on nothing.
+NOTHING = Decision("", np.nan, np.nan, np.nan, np.nan, "", -np.inf, 1.0)
 
 
 def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: Side) -> Decision:
@@ -89,15 +94,23 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
     return Decision(label, A / B, low, high, threshold, side, t, p)
 
 
-def interval(
-    label: str, value: float, low: float, high: float, threshold: float, side: Side
-) -> Decision:
-    """Compare a quantity with a threshold; its interval is given, for example from a bootstrap."""
-    wholly_above, wholly_below = low > threshold, high < threshold
-    t = 0.0
-    if wholly_above or wholly_below:
-        t = np.inf if wholly_above == (side == "above") else -np.inf
-    return Decision(label, value, low, high, threshold, side, t, 1.0 if t == 0.0 else 0.0)
+@dataclass(frozen=True)
+class Estimate:
+    """A quantity and its 95 % interval, for example from a bootstrap; NaN where there is none."""
+
+    label: str
+    value: float
+    low: float
+    high: float
+
+    def against(self, threshold: float, side: Side) -> Decision:
+        """Compare the quantity with a threshold; undecided where it has no interval."""
+        wholly_above, wholly_below = self.low > threshold, self.high < threshold
+        t = 0.0
+        if wholly_above or wholly_below:
+            t = np.inf if wholly_above == (side == "above") else -np.inf
+        p = 1.0 if t == 0.0 else 0.0
+        return Decision(self.label, self.value, self.low, self.high, threshold, side, t, p)
 
 
 @dataclass(frozen=True)
@@ -134,15 +147,20 @@ class Claim:
         return REPRODUCED if np.all(told & held) else UNDECIDED
 
     @property
-    def deciding(self) -> Decision | None:
-        """The decision that supports the claim least (smallest `t`)."""
-        return min(self.decisions, key=lambda c: c.t, default=None)
+    def deciding(self) -> Decision:
+        """The decision that supports the claim least (smallest `t`); `NOTHING` if there is none."""
+        return min(self.decisions, key=lambda c: c.t, default=NOTHING)
+
+    @property
+    def holding(self) -> int:
+        """The number of decisions whose value is on the claimed side, whatever their intervals."""
+        return sum(
+            c.value < c.threshold if c.side == "below" else c.value > c.threshold
+            for c in self.decisions
+        )
 
 
 def all_of(claims: Sequence[Claim]) -> str:
     """The verdict on a statement that makes several claims at once."""
-    verdicts = [claim.verdict for claim in claims]
-    for verdict in (NOT_REPRODUCED, MISSING, UNDECIDED):
-        if verdict in verdicts:
-            return verdict
-    return REPRODUCED
+    worst_first = (NOT_REPRODUCED, MISSING, UNDECIDED, REPRODUCED)
+    return min((claim.verdict for claim in claims), key=worst_first.index, default=REPRODUCED)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import base64
 import html
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from owtsweep.io import markdown
 
@@ -33,30 +33,26 @@ CLASSES = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Heading:
+class Heading(NamedTuple):
     """A heading of level 1 to 3."""
 
     text: str
     level: int = 2
 
 
-@dataclass(frozen=True)
-class Paragraph:
+class Paragraph(NamedTuple):
     """Running text."""
 
     text: str
 
 
-@dataclass(frozen=True)
-class Bullets:
+class Bullets(NamedTuple):
     """A list."""
 
     items: Sequence[str]
 
 
-@dataclass(frozen=True)
-class TextTable:
+class TextTable(NamedTuple):
     """A table of texts; the columns named in `numbers` are aligned to the right."""
 
     columns: Sequence[str]
@@ -64,8 +60,7 @@ class TextTable:
     numbers: Sequence[str] = ()
 
 
-@dataclass(frozen=True)
-class Picture:
+class Picture(NamedTuple):
     """A PNG file and what it shows."""
 
     path: Path
@@ -121,22 +116,19 @@ def _html(block: Block) -> str:
                 f"<figcaption>{text}</figcaption></figure>"
             )
         case TextTable(columns, rows, numbers):
-            head = "".join(_cell("th", column, column in numbers) for column in columns)
-            lines = [
-                "".join(
-                    _cell("td", cell, column in numbers)
-                    for column, cell in zip(columns, row, strict=True)
-                )
-                for row in rows
-            ]
-            inside = "\n".join(f"<tr>{line}</tr>" for line in lines)
+            are_numbers = [column in numbers for column in columns]
+            head = _line("th", columns, are_numbers)
+            body = "\n".join(_line("td", row, are_numbers) for row in rows)
             return (
-                f'<div class="scroll"><table>\n<thead><tr>{head}</tr></thead>\n'
-                f"<tbody>\n{inside}\n</tbody></table></div>"
+                f'<div class="scroll"><table>\n<thead>{head}</thead>\n'
+                f"<tbody>\n{body}\n</tbody></table></div>"
             )
 
 
-def _cell(tag: str, text: str, number: bool) -> str:
-    classes = [*(["number"] if number else []), *([CLASSES[text]] if text in CLASSES else [])]
-    attribute = f' class="{" ".join(classes)}"' if classes else ""
-    return f"<{tag}{attribute}>{html.escape(text)}</{tag}>"
+def _line(tag: str, cells: Sequence[str], are_numbers: Sequence[bool]) -> str:
+    line = ""
+    for text, is_number in zip(cells, are_numbers, strict=True):
+        classes = " ".join(filter(None, ["number" if is_number else "", CLASSES.get(text, "")]))
+        attribute = f' class="{classes}"' if classes else ""
+        line += f"<{tag}{attribute}>{html.escape(text)}</{tag}>"
+    return f"<tr>{line}</tr>"

@@ -42,7 +42,7 @@ def scatter(
         _scatter_panel(axes, present[present["measure"].isin(measures)], schemes)
         axes.set_title(title)
     handles = [
-        *_handles(schemes, linestyle="none"),
+        *_handles(schemes, "none"),
         Line2D([], [], color="0.3", linewidth=1.0, label="95 % of single\nrecords"),
         Line2D([], [], color="0.3", linewidth=0.8, linestyle=":", label="equal"),
         Patch(label="factor of 2", **BAND),
@@ -51,26 +51,23 @@ def scatter(
     return figure
 
 
-def _handles(schemes: Sequence[str], **look: Any) -> list[Any]:
-    handles = []
-    for name in schemes:
-        scheme = style_of(name, schemes)
-        handles.append(Line2D([], [], color=scheme.color, marker=scheme.marker, label=name, **look))
-    return handles
+def _handles(schemes: Sequence[str], line: Any) -> list[Any]:
+    looks = [(name, style_of(name, schemes)) for name in schemes]
+    return [
+        Line2D([], [], color=look.color, marker=look.marker, linestyle=line, label=name)
+        for name, look in looks
+    ]
 
 
 def _scatter_panel(axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str]) -> None:
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log", aspect="equal")
     if len(numbers):
         ends = numbers[["published", "reproduced", "record_low", "record_high"]].to_numpy()
         low, high = 0.6 * float(np.min(ends)), float(np.max(ends)) / 0.6
         line = np.array([low, high])
         axes.fill_between(line, line / 2.0, line * 2.0, **BAND)
         axes.plot(line, line, color="0.3", linewidth=0.8, linestyle=":")
-        axes.set_xlim(low, high)
-        axes.set_ylim(low, high)
-    axes.set_aspect("equal")
+        axes.set(xlim=(low, high), ylim=(low, high))
     for scheme in schemes:
         rows, look = numbers[numbers["scheme"] == scheme], style_of(scheme, schemes)
         axes.vlines(
@@ -80,8 +77,7 @@ def _scatter_panel(axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str]) ->
             rows["published"], rows["reproduced"], look.marker, color=look.color, markersize=5.5,
             markeredgecolor="white", markeredgewidth=0.6,
         )  # fmt: skip
-    axes.set_xlabel("published")
-    axes.set_ylabel("this run, mean of the records")
+    axes.set(xlabel="published", ylabel="this run, mean of the records")
 
 
 def ratios(
@@ -110,13 +106,12 @@ def ratios(
         of_table = numbers[numbers["table"] == number]
         _ratio_panel(axes, of_table, schemes, list(measures))
         axes.set_xticks(range(len(measures)), list(measures.values()))
-        axes.set_xlim(-0.6, len(measures) - 0.4)
-        axes.set_title(f"Table {number}: {cell}")
+        axes.set(xlim=(-0.6, len(measures) - 0.4), title=f"Table {number}: {cell}")
         if of_table["reproduced"].isna().all():
             middle = 0.5 * (len(measures) - 1)
             axes.text(middle, 0.0, "not in this run", ha="center", va="center")
     figure.axes[0].set_ylabel("log$_2$(this run / published)")
-    handles = [*_handles(schemes, linestyle="-"), Patch(label="factor of 2", **BAND)]
+    handles = [*_handles(schemes, "-"), Patch(label="factor of 2", **BAND)]
     figure.legend(handles=handles, loc="outside right center", frameon=False)
     return figure
 
@@ -127,11 +122,10 @@ def _ratio_panel(
     axes.axhspan(-1.0, 1.0, **BAND)
     axes.axhline(0.0, color="0.3", linewidth=0.8, linestyle=":")
     for shift, scheme in zip(np.linspace(-0.3, 0.3, len(schemes)), schemes, strict=True):
-        color, marker = style_of(scheme, schemes).color, style_of(scheme, schemes).marker
+        look = style_of(scheme, schemes)
         rows = numbers[numbers["scheme"] == scheme].dropna(subset="reproduced")
         place = np.array([measures.index(m) for m in rows["measure"]]) + shift
-        low, high = (
-            np.log2(rows[end] / rows["published"]) for end in ("record_low", "record_high")
-        )
-        axes.vlines(place, low, high, color=color, alpha=0.6)
-        axes.plot(place, rows["log2"], marker, color=color, markersize=5.5)
+        low = np.log2(rows["record_low"] / rows["published"])
+        high = np.log2(rows["record_high"] / rows["published"])
+        axes.vlines(place, low, high, color=look.color, alpha=0.6)
+        axes.plot(place, rows["log2"], look.marker, color=look.color, markersize=5.5)

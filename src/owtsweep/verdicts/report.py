@@ -19,19 +19,18 @@ if TYPE_CHECKING:
 def write_report(
     folder: Path,
     *,
-    name: str,
     title: str,
     tables: Mapping[str, pd.DataFrame],
     figures: Mapping[str, Callable[[], Figure]],
     contents: Callable[[Mapping[str, Path]], Sequence[Block]],
-    metadata: Mapping[str, str] | None = None,
+    metadata: Mapping[str, str],
 ) -> list[Path]:
     """Write all files of the report that compares a run with published results.
 
     Parameters
     ----------
     folder
-        Made if it does not exist. It gets the tables, `<name>.md`, `<name>.html` and figures/.
+        Made if it does not exist. It gets the tables, fidelity.md, fidelity.html and figures/.
     title
         Title of the HTML file.
     tables, figures
@@ -55,8 +54,8 @@ def write_report(
         files += saved
     blocks = contents(pictures)
     for path, text in {
-        folder / f"{name}.md": to_markdown(blocks, folder),
-        folder / f"{name}.html": to_html(blocks, title),
+        folder / "fidelity.md": to_markdown(blocks, folder),
+        folder / "fidelity.html": to_html(blocks, title),
     }.items():
         write_atomically(path, text)
         files.append(path)

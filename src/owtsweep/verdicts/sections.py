@@ -60,23 +60,24 @@ def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Bloc
     ]
 
 
-def number_table(numbers: Any) -> TextTable:
-    """Published numbers beside the run's; rows as `compare_number` gives them, with attributes."""
-    rows = [[row.scheme, row.measure, f"{row.published:.2e}", *_cells(row)] for row in numbers]
+def number_table(numbers: pd.DataFrame) -> TextTable:
+    """Published numbers beside the run's.
+
+    `numbers` has the columns scheme, measure, published, and those of `compare_number`.
+    """
+    rows = []
+    each: Any = numbers.itertuples()
+    for row in each:
+        agrees, of_run = lies_within_records(row), [NO_VALUE] * 4
+        if agrees != MISSING:
+            of_run = [
+                f"{row.reproduced:.2e} [{row.ci_low:.2e}, {row.ci_high:.2e}]",
+                f"{row.record_low:.2e} to {row.record_high:.2e}",
+                f"{row.quantile:.2f}",
+                f"{row.ratio:.2f}",
+            ]
+        rows.append([row.scheme, row.measure, f"{row.published:.2e}", *of_run, agrees])
     return TextTable(["scheme", "measure", *NUMBER_COLUMNS, "agrees"], rows, NUMBER_COLUMNS)
-
-
-def _cells(row: Any) -> list[str]:
-    agrees = lies_within_records(row)
-    if agrees == MISSING:
-        return [*[NO_VALUE] * 4, agrees]
-    return [
-        f"{row.reproduced:.2e} [{row.ci_low:.2e}, {row.ci_high:.2e}]",
-        f"{row.record_low:.2e} to {row.record_high:.2e}",
-        f"{row.quantile:.2f}",
-        f"{row.ratio:.2f}",
-        agrees,
-    ]
 
 
 def consistency_section(

@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from owtsweep.verdicts.evidence import Evidence
 from owtsweep.verdicts.inference import Claim, Decision, all_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: The object from which a study's tests read a run's values.
-Evidence = TypeVar("Evidence")
+#: The evidence that a study's tests read.
+OfStudy = TypeVar("OfStudy", bound=Evidence)
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class JudgedStatement:
     def settling(self) -> Claim:
         """The claim that determines the verdict; if all claims hold, the least certain one."""
         chosen = [claim for claim in self.claims if claim.verdict == self.verdict]
-        return min(chosen, key=lambda c: c.deciding.t if c.deciding else -np.inf)
+        return min(chosen, key=lambda claim: claim.deciding.t)
 
     @property
     def why(self) -> str:
@@ -58,8 +59,8 @@ class JudgedStatement:
 
 def judge(
     texts: Mapping[str, str],
-    tests: Mapping[str, Callable[[Evidence], list[Claim]]],
-    evidence: Evidence,
+    tests: Mapping[str, Callable[[OfStudy], list[Claim]]],
+    evidence: OfStudy,
 ) -> list[JudgedStatement]:
     """All statements in their order.
 
@@ -83,8 +84,8 @@ def judge(
 def explain(claim: Claim) -> str:
     """A claim's verdict and the decision that settles it."""
     parts = [claim.verdict]
-    if claim.deciding is not None:
-        parts.append(f"{_count_holding(claim)} of {len(claim.decisions)} hold in the mean")
+    if claim.decisions:
+        parts.append(f"{claim.holding} of {len(claim.decisions)} hold in the mean")
         parts.append(describe(claim.deciding))
     if claim.missing:
         parts.append(f"{name_missing(claim.missing)} missing")
@@ -102,43 +103,31 @@ def describe(decision: Decision) -> str:
     return f"{decision.label} {decision.value:.3g} {interval}, {claimed}"
 
 
-def name_missing(missing: tuple[str, ...], most: int = 4) -> str:
-    """Name what is missing; a long list is shortened."""
-    named = [f"({item})" if "," in item else item for item in missing[:most]]
-    more = f" and {len(missing) - most} more" if len(missing) > most else ""
-    return ", ".join(named) + more
+def name_missing(missing: tuple[str, ...]) -> str:
+    """Name what is missing; of a long list the first four."""
+    named = [f"({item})" if "," in item else item for item in missing[:4]]
+    return ", ".join(named) + (f" and {len(missing) - 4} more" if len(missing) > 4 else "")
 
 
 def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
     """One row per claim, with the decision that supports the claim least."""
     import pandas as pd
 
-    rows = []
-    for statement in judged:
-        for claim in statement.claims:
-            worst, nan = claim.deciding, float("nan")
-            rows.append(
-                {
-                    "statement": statement.name,
-                    "claim": claim.text,
-                    "verdict": claim.verdict,
-                    "decided_at": worst.label if worst else "",
-                    "value": worst.value if worst else nan,
-                    "ci_low": worst.low if worst else nan,
-                    "ci_high": worst.high if worst else nan,
-                    "side": worst.side if worst else "",
-                    "threshold": worst.threshold if worst else nan,
-                    "holding": _count_holding(claim),
-                    "comparisons": len(claim.decisions),
-                    "missing": "; ".join(claim.missing),
-                }
-            )
-    return pd.DataFrame(rows)
-
-
-def _count_holding(claim: Claim) -> int:
-    """The number of decisions whose value is on the claimed side, regardless of their intervals."""
-    return sum(
-        c.value < c.threshold if c.side == "below" else c.value > c.threshold
-        for c in claim.decisions
+    return pd.DataFrame(
+        {
+            "statement": statement.name,
+            "claim": claim.text,
+            "verdict": claim.verdict,
+            "decided_at": claim.deciding.label,
+            "value": claim.deciding.value,
+            "ci_low": claim.deciding.low,
+            "ci_high": claim.deciding.high,
+            "side": claim.deciding.side,
+            "threshold": claim.deciding.threshold,
+            "holding": claim.holding,
+            "comparisons": len(claim.decisions),
+            "missing": "; ".join(claim.missing),
+        }
+        for statement in judged
+        for claim in statement.claims
     )

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, Decision
+from owtsweep.verdicts.inference import MISSING, NOT_REPRODUCED, REPRODUCED, Decision, Estimate
 from owtsweep.verdicts.numbers import lies_within_records
 from owtsweep.verdicts.statements import JudgedStatement
 
 if TYPE_CHECKING:
     import pandas as pd
 
-COLUMNS = (
-    "item", "kind", "published", "reproduced", "ci_low", "ci_high", "ratio", "agrees", "why",
-)  # fmt: skip
 NAN = float("nan")
 
 
@@ -38,32 +35,31 @@ class Item:
     agrees: str = MISSING
     why: str = ""
 
-    def decided(self, decision: Decision | None, agrees: str) -> Item:
-        """The same item with a run's decision; without a decision only `agrees` changes."""
-        row = replace(self, agrees=agrees)
-        if decision is None:
-            return row
-        return replace(row, reproduced=decision.value, ci_low=decision.low, ci_high=decision.high)
+    def judged(self, result: Decision | Estimate, verdict: str, why: str) -> Item:
+        """The same item with a run's result; `agrees` is yes, no, undecided, missing or empty."""
+        return replace(
+            self, reproduced=result.value, ci_low=result.low, ci_high=result.high, why=why,
+            agrees={REPRODUCED: "yes", NOT_REPRODUCED: "no"}.get(verdict, verdict),
+        )  # fmt: skip
 
 
 def make_table(rows: Sequence[Item]) -> pd.DataFrame:
-    """Make the table with `COLUMNS`; ratio = reproduced / published."""
+    """Make the table with the columns of `Item` and, before `agrees`, reproduced / published."""
     import pandas as pd
 
-    table = pd.DataFrame([asdict(row) for row in rows], columns=list(COLUMNS))
-    return table.assign(ratio=table["reproduced"] / table["published"])
-
-
-def agreement(verdict: str) -> str:
-    """Translate a verdict for the column `agrees`: yes, no, undecided or missing."""
-    return {REPRODUCED: "yes", NOT_REPRODUCED: "no"}.get(verdict, verdict)
+    table = pd.DataFrame(rows)
+    ratio = table["reproduced"] / table["published"]
+    table.insert(list(table).index("agrees"), "ratio", ratio)
+    return table
 
 
 def statement_row(judged: JudgedStatement) -> Item:
     """The row of a statement; `published` is the threshold of the decision behind its verdict."""
     worst = judged.settling.deciding
-    row = Item(judged.name, "statement", worst.threshold if worst else NAN, why=judged.why)
-    return row.decided(worst, judged.verdict)
+    return Item(
+        judged.name, "statement", worst.threshold, worst.value, worst.low, worst.high,
+        agrees=judged.verdict, why=judged.why,
+    )  # fmt: skip
 
 
 def number_rows(numbers: pd.DataFrame) -> Iterator[Item]:
@@ -74,15 +70,9 @@ def number_rows(numbers: pd.DataFrame) -> Iterator[Item]:
     rows: Any = numbers.itertuples(index=False)
     for row in rows:
         yield Item(
-            item=f"table {row.table} {row.scheme} {row.measure}",
-            kind="number",
-            published=row.published,
-            reproduced=row.reproduced,
-            ci_low=row.ci_low,
-            ci_high=row.ci_high,
-            agrees=lies_within_records(row),
-            why=row.why,
-        )
+            f"table {row.table} {row.scheme} {row.measure}", "number", row.published,
+            row.reproduced, row.ci_low, row.ci_high, lies_within_records(row), row.why,
+        )  # fmt: skip
 
 
 def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float]) -> Iterator[Item]:
@@ -98,23 +88,15 @@ def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float])
     for schemes, goal in goals.items():
         chosen = numbers[numbers["scheme"].isin(schemes)]
         distances = chosen["log2"].abs().dropna()
+        complete = len(distances) == len(chosen)
         for label, quantile, limit in (("median", 0.5, goal), ("80th percentile", 0.8, NAN)):
-            value = float(distances.quantile(quantile)) if len(distances) else NAN
-            agrees = ""
+            value = float(distances.quantile(quantile))
+            agrees, why = "", f"over {len(distances)} of {len(chosen)} numbers"
+            if np.isfinite(value):
+                why += f", a factor of {2.0**value:.2f}"
             if np.isfinite(limit):
                 # If numbers are missing, the distance is that of a different set of numbers.
-                complete = len(distances) == len(chosen)
                 agrees = ("yes" if value <= limit else "no") if complete else MISSING
-            yield Item(
-                item=f"{label} |log2 ratio|, {', '.join(schemes)}",
-                kind="summary",
-                reproduced=value,
-                agrees=agrees,
-                why=_describe_distance(f"{len(distances)} of {len(chosen)} numbers", value, limit),
-            )
-
-
-def _describe_distance(size: str, value: float, limit: float) -> str:
-    factor = f", a factor of {2.0**value:.2f}" if np.isfinite(value) else ""
-    goal = f"; agreement: at most {limit:g}" if np.isfinite(limit) else ""
-    return f"over {size}{factor}{goal}"
+                why += f"; agreement: at most {limit:g}"
+            name = f"{label} |log2 ratio|, {', '.join(schemes)}"
+            yield Item(name, "summary", reproduced=value, agrees=agrees, why=why)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 
-from owtsweep.errors import InputError
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
 
 #: The quantities that a channel can hold, with their dimensions (see `units`). `_x` points north or
 #: along the first horizontal axis, `_y` east or along the second.
@@ -91,9 +91,7 @@ def guess_roles(names: Sequence[str]) -> dict[str, str]:
         return next((name for name, text in bare.items() if re.fullmatch(pattern, text)), None)
 
     roles: dict[str, str] = {}
-    time = next((hit for pattern in TIME_NAMES if (hit := first(pattern))), None)
-    if time is None:
-        time = first("time.*")
+    time = next((hit for pattern in (*TIME_NAMES, "time.*") if (hit := first(pattern))), None)
     if time is not None:
         roles["time"] = time
     for quantity, pairs in NAME_PAIRS.items():
@@ -111,13 +109,13 @@ def guess_roles(names: Sequence[str]) -> dict[str, str]:
     return roles
 
 
-def assign_roles(names: Sequence[str], given: Mapping[str, str | None]) -> dict[str, str]:
+def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[str, str]:
     """role -> channel: as given, else as guessed.
 
     Parameters
     ----------
-    names
-        The channels of the file.
+    table
+        The file.
     given
         role -> channel name; None or "" leaves a role out. A channel that is given a role is not
         guessed for another one. If only one axis of a quantity is given, the other axis is the
@@ -128,12 +126,14 @@ def assign_roles(names: Sequence[str], given: Mapping[str, str | None]) -> dict[
     InputError
         For an unknown role, or a channel that the file does not have.
     """
+    names = table.names
     chosen: dict[str, str] = {}
     for role, name in given.items():
+        where = f"columns.{role}"
         if role not in ROLES:
-            raise InputError(f"columns.{role}: no such role: use one of {', '.join(ROLES)}")
+            raise refuse(table.path, f"{where}: no such role: use one of {', '.join(ROLES)}")
         if name is not None and str(name).strip():
-            chosen[role] = find_channel(names, str(name).strip(), f"columns.{role}")
+            chosen[role] = find_channel(table, str(name).strip(), where)
     taken = set(chosen.values())
     for role, name in guess_roles([name for name in names if name not in taken]).items():
         axes = (role, role[:-1] + OTHER.get(role[-1], ""))
@@ -159,7 +159,7 @@ def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
     return None
 
 
-def find_channel(names: Sequence[str], wanted: str, argument: str) -> str:
+def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
     """The channel of that name. Case matters only if two names differ by nothing else.
 
     Raises
@@ -167,6 +167,7 @@ def find_channel(names: Sequence[str], wanted: str, argument: str) -> str:
     InputError
         If there is none. The message lists up to 12 channels, those with similar names first.
     """
+    names = table.names
     if wanted in names:
         return wanted
     without_unit = re.sub(r"[\s_]*[\[(][^\[\]()]*[\])]\s*$", "", wanted)
@@ -178,4 +179,5 @@ def find_channel(names: Sequence[str], wanted: str, argument: str) -> str:
     near = [lower[text] for text in get_close_matches(wanted.lower(), lower, n=12, cutoff=0.4)]
     listed = (near + [name for name in names if name not in near])[:12]
     more = f" and {len(names) - len(listed)} more (--describe)" if len(names) > len(listed) else ""
-    raise InputError(f"{argument}: no channel {wanted!r}; there are {', '.join(listed)}{more}")
+    reason = f"{argument}: no channel {wanted!r}; there are {', '.join(listed)}{more}"
+    raise refuse(table.path, reason)

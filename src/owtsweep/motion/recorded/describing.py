@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from textwrap import wrap
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import LONGEST_GAP, describe_gaps, find_gaps
-from owtsweep.motion.recorded.columns import ROLES, assign_roles
-from owtsweep.motion.recorded.formats import ChannelTable, open_table
-from owtsweep.motion.recorded.formats.table import refuse
+from owtsweep.motion.recorded.columns import QUANTITIES, ROLES, assign_roles
+from owtsweep.motion.recorded.formats import open_table
+from owtsweep.motion.recorded.formats.table import ChannelTable
 from owtsweep.motion.recorded.timing import fit_comb
 from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_factor, normalise_unit
 
@@ -132,25 +134,19 @@ def describe(
     """
     table = open_table(path)
     loaded = _load(table)
-    try:
-        mapping = assign_roles(table.names, columns or {})
-    except InputError as error:
-        raise refuse(table.path, str(error)) from None
+    mapping = assign_roles(table, columns or {})
     table = _with_units(table, mapping, units or {})
-    mapping = {role: name for role, name in mapping.items() if loaded.get(name) is not None}
+    mapping = {role: name for role, name in mapping.items() if name in loaded}
     time: Array | None = None
     clock = "no time column found: set columns.time=CHANNEL"
     if "time" in mapping:
         name = mapping["time"]
         to_seconds = DIMENSIONS["time"][1].get(normalise_unit(table.unit(name) or "s"), 1.0)
-        values = loaded[name]
-        assert values is not None
-        time = values * to_seconds
+        time = loaded[name] * to_seconds
         clock = _describe_clock(name, time)
         if len(time) < 2 or not np.all(np.diff(time) > 0.0):
             time = None
-    lengths = [len(values) for values in loaded.values() if values is not None]
-    rows = max(lengths, default=0)
+    rows = max((len(values) for values in loaded.values()), default=0)
     channels = tuple(
         _summarise(name, unit, loaded.get(name), time)
         for name, unit in zip(table.names, table.units, strict=True)
@@ -169,18 +165,16 @@ def _with_units(
     return replace(table, units=tuple(stated[name] for name in table.names))
 
 
-def _load(table: ChannelTable) -> dict[str, Array | None]:
-    """channel -> its values; None for a column that does not hold numbers."""
+def _load(table: ChannelTable) -> Mapping[str, Array]:
+    """channel -> its values, without the columns that do not hold numbers."""
     try:
-        return dict(table.load(table.names, MOST_ROWS))
+        return table.load(table.names, MOST_ROWS)
     except InputError:
-        loaded: dict[str, Array | None] = {}
+        loaded: dict[str, Array] = {}
         for name in table.names:
-            try:
-                loaded[name] = table.load([name], MOST_ROWS)[name]
-            except InputError:
-                loaded[name] = None
-        if all(values is None for values in loaded.values()):
+            with suppress(InputError):
+                loaded |= table.load([name], MOST_ROWS)
+        if not loaded:
             raise
         return loaded
 
@@ -193,11 +187,9 @@ def _describe_clock(name: str, time: Array) -> str:
         row = int(np.argmin(step > 0.0)) + 2
         return f"time ({name}) does not increase in data row {row}"
     comb = fit_comb(time)
-    regular = (
-        "regular" + (f" but for rounding to {comb.resolution:g} s" if comb.rounded else "")
-        if comb.uniform
-        else f"irregular (up to {comb.jitter:.3g} s off)"
-    )
+    regular = "regular" if comb.uniform else f"irregular (up to {comb.jitter:.3g} s off)"
+    if comb.rounded:
+        regular += f" but for rounding to {comb.resolution:g} s"
     return (
         f"time ({name}): {time[0]:.6g} s to {time[-1]:.6g} s, every {comb.step:.6g} s "
         f"({1 / comb.step:.6g} Hz), {regular}"
@@ -233,13 +225,9 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
 
 def _is_likely(channel: Channel) -> bool:
     """Whether a channel varies, and its unit is missing or is one of motion or acceleration."""
-    if not channel.numeric or not channel.deviation > 0.0:
+    if not channel.deviation > 0.0:  # NaN without numbers
         return False
-    return not channel.unit or find_dimension(channel.unit) in (
-        "length",
-        "velocity",
-        "acceleration",
-    )
+    return not channel.unit or find_dimension(channel.unit) in QUANTITIES.values()
 
 
 def _describe_values(channel: Channel, role: str | None = None) -> str:
@@ -248,33 +236,26 @@ def _describe_values(channel: Channel, role: str | None = None) -> str:
         unit = f"{DIMENSIONS[ROLES[role]][0]}?" if role else "no unit"
     if np.isnan(channel.mean):
         return f"{unit}, no value at all"
-    parts = [
+    if role == "time":
+        return f"{unit}, {channel.smallest:.6g} to {channel.largest:.6g}"
+    text = (
         f"{unit}, {channel.smallest:.4g} to {channel.largest:.4g}, mean {channel.mean:.4g}, "
         f"deviation {channel.deviation:.3g}"
-    ]
-    if role != "time":
-        if not np.isnan(channel.rate):
-            parts.append(f"{channel.rate:.4g} Hz")
-        if channel.missing:
-            parts.append(f"{channel.missing} missing")
-        if channel.gaps:
-            parts.append(f"{len(channel.gaps)} gap(s): {describe_gaps(list(channel.gaps), 2)}")
-        return ", ".join(parts)
-    return f"{unit}, {channel.smallest:.6g} to {channel.largest:.6g}"
+    )
+    if not np.isnan(channel.rate):
+        text += f", {channel.rate:.4g} Hz"
+    if channel.missing:
+        text += f", {channel.missing} missing"
+    if channel.gaps:
+        text += f", {len(channel.gaps)} gap(s): {describe_gaps(list(channel.gaps), 2)}"
+    return text
 
 
 def _wrap(words: list[str]) -> list[str]:
-    from textwrap import wrap
-
+    """The words, separated by commas, in lines of `WIDTH`; a word with blanks is not broken."""
     text = ", ".join(word.replace(" ", "\0") for word in words)
-    return [
-        line.replace("\0", " ")
-        for line in wrap(
-            text,
-            WIDTH,
-            initial_indent="  ",
-            subsequent_indent="  ",
-            break_long_words=False,
-            break_on_hyphens=False,
-        )
-    ]
+    lines = wrap(
+        text, WIDTH, initial_indent="  ", subsequent_indent="  ", break_long_words=False,
+        break_on_hyphens=False,
+    )  # fmt: skip
+    return [line.replace("\0", " ") for line in lines]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,8 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import check_channels, check_time
 from owtsweep.motion.recorded.columns import ROLES, assign_roles
-from owtsweep.motion.recorded.formats import ChannelTable, open_table
-from owtsweep.motion.recorded.formats.table import refuse
+from owtsweep.motion.recorded.formats import open_table
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.units import DIMENSIONS, find_factor
 
@@ -60,8 +61,7 @@ def read(
     for values in channels.values():
         values[~np.isfinite(values)] = np.nan
     bare = Recording(table.path, time, channels, chosen, ())
-    notes += check_channels(bare, gaps)
-    return Recording(table.path, time, channels, chosen, tuple(notes))
+    return replace(bare, notes=(*notes, *check_channels(bare, gaps)))
 
 
 def _scale_to_si(
@@ -84,10 +84,7 @@ def _assign_roles(table: ChannelTable, columns: Mapping[str, str | None]) -> dic
     InputError
         If there is no time, or no other channel with a role.
     """
-    try:
-        chosen = assign_roles(table.names, columns)
-    except InputError as error:
-        raise refuse(table.path, str(error)) from None
+    chosen = assign_roles(table, columns)
     listed = ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
     if "time" not in chosen:
         raise refuse(table.path, f"no time column found among {listed}: set columns.time=NAME")
@@ -117,8 +114,7 @@ def _find_factors(
             try:
                 factors[role] = find_factor(stated, ROLES[role], where)
             except InputError as error:
-                hint = f"; or give it by units.{role}"
-                raise InputError(f"{error}{hint}") from None
+                raise InputError(f"{error}; or give it by units.{role}") from None
         else:
             factors[role] = 1.0
             assumed.append(f"{role} in {DIMENSIONS[ROLES[role]][0]}")

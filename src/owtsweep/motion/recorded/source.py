@@ -62,8 +62,6 @@ class RecordedSource:
                 f"{history * step:g} s that delayed sensors need, not {steps * step:g} s; ask for "
                 "a shorter record or use a longer file"
             )
-        position, velocity, acceleration = (
-            gridded.pairs[name] for name in ("position", "velocity", "acceleration")
-        )
-        part = slice(history, history + steps)
-        return Motion(step, position[part], velocity[part], acceleration[part], position[:history])
+        whole = [gridded.pairs[name] for name in ("position", "velocity", "acceleration")]
+        position, velocity, acceleration = (series[history : history + steps] for series in whole)
+        return Motion(step, position, velocity, acceleration, whole[0][:history])

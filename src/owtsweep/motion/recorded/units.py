@@ -10,62 +10,27 @@ STANDARD_GRAVITY = 9.80665  # m/s^2, by definition
 
 #: dimension -> (SI unit, unit -> factor to SI)
 DIMENSIONS: dict[str, tuple[str, dict[str, float]]] = {
-    "time": (
-        "s",
-        {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
-    ),
-    "length": (
-        "m",
-        {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "ft": 0.3048, "in": 0.0254},
-    ),
-    "velocity": (
-        "m/s",
-        {
-            "m/s": 1.0,
-            "mm/s": 1e-3,
-            "cm/s": 1e-2,
-            "km/h": 1 / 3.6,
-            "kt": 1852 / 3600,
-            "ft/s": 0.3048,
-        },
-    ),
-    "acceleration": (
-        "m/s^2",
-        {
-            "m/s^2": 1.0,
-            "mm/s^2": 1e-3,
-            "cm/s^2": 1e-2,
-            "g": STANDARD_GRAVITY,
-            "mg": 1e-3 * STANDARD_GRAVITY,
-            "ft/s^2": 0.3048,
-        },
-    ),
+    "time": ("s", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}),
+    "length": ("m", {
+        "m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "ft": 0.3048, "in": 0.0254,
+    }),
+    "velocity": ("m/s", {
+        "m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "kt": 1852 / 3600, "ft/s": 0.3048,
+    }),
+    "acceleration": ("m/s^2", {
+        "m/s^2": 1.0, "mm/s^2": 1e-3, "cm/s^2": 1e-2,
+        "g": STANDARD_GRAVITY, "mg": 1e-3 * STANDARD_GRAVITY, "ft/s^2": 0.3048,
+    }),
     "angle": ("rad", {"rad": 1.0, "deg": math.pi / 180, "mrad": 1e-3}),
-}
+}  # fmt: skip
 
 #: Other spellings of units, in lower case and without blanks.
 SPELLINGS = {
-    "sec": "s",
-    "secs": "s",
-    "second": "s",
-    "seconds": "s",
-    "msec": "ms",
-    "µs": "us",
-    "minutes": "min",
-    "hours": "h",
-    "meter": "m",
-    "metre": "m",
-    "meters": "m",
-    "metres": "m",
-    "µm": "um",
-    "knots": "kt",
-    "gee": "g",
-    "gn": "g",
-    "degree": "deg",
-    "degrees": "deg",
-    "°": "deg",
-    "radians": "rad",
-}
+    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "µs": "us",
+    "minutes": "min", "hours": "h", "meter": "m", "metre": "m", "meters": "m", "metres": "m",
+    "µm": "um", "knots": "kt", "gee": "g", "gn": "g", "degree": "deg", "degrees": "deg",
+    "°": "deg", "radians": "rad",
+}  # fmt: skip
 
 
 def normalise_unit(unit: str) -> str:

@@ -75,7 +75,7 @@ class HubStudy:
         """Compare a run with the numbers and statements of the paper."""
         from owtsweep.studies.hub.fidelity.report import write_report
 
-        return write_report(config, rows, folder, name=metadata["folder"], metadata=metadata)
+        return write_report(config, rows, folder, metadata)
 
     def write_spectrum(
         self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]

@@ -9,9 +9,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from owtsweep.config import require
-from owtsweep.config.checks import GRAIN, require_multiple
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import lines
 from owtsweep.studies.hub.contract import Scheme
@@ -22,6 +20,8 @@ if TYPE_CHECKING:
 
 #: Longest record that fits a machine's memory: 1e8 steps take gigabytes.
 MOST_STEPS = 100_000_000
+#: A time counts as a multiple of a step if it is one within this fraction of the step.
+GRAIN = 1e-6
 
 
 def check(config: HubConfig) -> None:
@@ -77,7 +77,19 @@ def _check_sensors(config: HubConfig) -> None:
             f"sensors.gnss.rate: {gnss.rate:g} Hz does not divide the IMU's {imu.rate:g} Hz; use "
             f"{low:.10g} or {high:.10g}"
         )
-    require_multiple("sensors.gnss.delay", gnss.delay, 1.0 / imu.rate, "IMU step")
+    _check_steps("sensors.gnss.delay", gnss.delay, imu.rate)
+
+
+def _check_steps(key: str, value: float, rate: float) -> None:
+    """Refuse a time (s) that is not a whole number of IMU steps; suggest the two nearest times."""
+    step = 1.0 / rate
+    count = value / step
+    if abs(count - round(count)) > GRAIN * max(1.0, count):
+        low, high = math.floor(count) * step, math.ceil(count) * step
+        raise InputError(
+            f"{key}: {value:g} s is no multiple of the IMU step {step:g} s; use {low:.10g} or "
+            f"{high:.10g}"
+        )
 
 
 def _check_record(config: HubConfig) -> None:
@@ -88,7 +100,7 @@ def _check_record(config: HubConfig) -> None:
         f"record.duration: {config.record.duration:g} s is longer than {longest:g} s "
         f"({MOST_STEPS:.0e} IMU steps); shorten it",
     )
-    require_multiple("record.duration", config.record.duration, 1.0 / imu.rate, "IMU step")
+    _check_steps("record.duration", config.record.duration, imu.rate)
     require(
         config.sensors.gnss.delay < config.record.duration,
         f"sensors.gnss.delay: {config.sensors.gnss.delay:g} s is no shorter than record.duration "

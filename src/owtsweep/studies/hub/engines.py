@@ -34,13 +34,9 @@ class _Engine:
         """The map as a coloured grid."""
         from owtsweep.figures.terminal import grid
 
-        return grid(
-            tables["best_scheme"],
-            scheme_names(config),
-            CONDITIONS,
-            config.measures.criterion,
-            config.measures.window,
-        )
+        best, measures = tables["best_scheme"], config.measures
+        schemes = scheme_names(config)
+        return grid(best, schemes, CONDITIONS, measures.criterion, measures.window)
 
     def overview(self, config: HubConfig) -> str:
         """The map, figure 18."""

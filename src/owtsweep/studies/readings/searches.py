@@ -7,13 +7,14 @@ target judges. All trials are kept, including bad ones.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from owtsweep.config import as_mapping, conf_directory, group_options, require, with_values
+from owtsweep.config import as_mapping, conf_directory, require, with_values
+from owtsweep.config.stored import read
 from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.public import (
     Lanes,
@@ -25,6 +26,7 @@ from owtsweep.studies.hub.public import (
 )
 from owtsweep.studies.readings.config import ReadingsConfig
 from owtsweep.sweep.study import FAILED, OK, Block
+from owtsweep.sweep.swept import flatten
 
 #: Columns of every trial besides its parameters.
 COLUMNS = (
@@ -38,10 +40,7 @@ KINDS = ("published", "settled")
 SPREAD = 0.03
 
 #: Keys that change no number, and keys that a search takes from its target.
-_NOT_SHARED = frozenset({
-    "compute", "results", "name", "calibration", "schemes", "experiment", "tuning",
-    "ekf", "mkf", "hme1", "hme2", "hme",
-})  # fmt: skip
+_NOT_SHARED = ReadingsConfig.inert - {"study", "config_version"} | {"calibration", "schemes"}
 
 #: The score of a trial that diverges.
 DIVERGED = 50.0
@@ -51,6 +50,7 @@ def plan(config: ReadingsConfig) -> list[Block]:
     """One block per target, truth and sampler seed; a settled target has a single truth."""
     _require_optuna()
     calibration = config.calibration
+    shared = {key: value for key, value in as_mapping(config).items() if key not in _NOT_SHARED}
     blocks = []
     for name, target in calibration.targets.items():
         kind = str(target.get("kind"))
@@ -66,7 +66,7 @@ def plan(config: ReadingsConfig) -> list[Block]:
             for seed in calibration.sampler_seeds:
                 label = f"{name}, {truth}, sampler seed {seed}"
                 content = {
-                    "config": _collect_shared(config),
+                    "config": shared,
                     "target": {**target, "values": values},
                     "target_name": name,
                     "truth": dict(overrides),
@@ -96,12 +96,9 @@ def _choose_truths(
 
 def read_tuning(name: str) -> dict[str, Any]:
     """The values of a tuning file by dotted key."""
-    from omegaconf import OmegaConf
-
-    options = group_options(conf_directory(), "tuning")
-    require(name in options, f"tuning: there is no {name!r}; use {' or '.join(options)}")
-    path = conf_directory() / "tuning" / f"{name}.yaml"
-    return dict(_flatten(OmegaConf.to_container(OmegaConf.load(path))))
+    files = {path.stem: path for path in sorted((conf_directory() / "tuning").glob("*.yaml"))}
+    require(name in files, f"tuning: there is no {name!r}; use {' or '.join(files)}")
+    return flatten(read(files[name], resolve=False))
 
 
 def take_fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]:
@@ -117,19 +114,6 @@ def take_fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]
         for key, value in values.items()
         if key.split(".")[0] in sections and key not in searched
     }
-
-
-def _flatten(section: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    for key, value in section.items():
-        if isinstance(value, Mapping):
-            yield from _flatten(value, f"{prefix}{key}.")
-        else:
-            yield f"{prefix}{key}", value
-
-
-def _collect_shared(config: ReadingsConfig) -> dict[str, Any]:
-    """The part of the configuration that every search depends on."""
-    return {key: value for key, value in as_mapping(config).items() if key not in _NOT_SHARED}
 
 
 def _require_optuna() -> None:
@@ -154,7 +138,11 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
     optuna.logging.set_verbosity(optuna.logging.ERROR)
     target = content["target"]
     base = with_values(config, {**target["values"], **content["truth"]})
-    judge = _make_judge(base, target, content["replicates"])
+    replicates = range(content["replicates"])  # every trial is judged on the same records
+    if target["kind"] == "settled":
+        judge, lanes = _score_settled, make_lanes(base, replicates, base.grid.natural_period)
+    else:
+        judge, lanes = _score_published, make_lanes(base, replicates)
     study = optuna.create_study(sampler=_make_sampler(target, content["sampler_seed"]))
     study.enqueue_trial(dict(target["start"]))
     search = f"{content['target_name']}/{content['truth_name']}/{content['sampler_seed']}"
@@ -175,7 +163,9 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
         }
         try:
             values = {key: value for keys, value in chosen.items() for key in keys.split("+")}
-            row |= judge(with_values(base, values))
+            row |= judge(with_values(base, values), target["schemes"], lanes)
+            if not np.isfinite(row["score"]):
+                row["score"] = DIVERGED
         except (InputError, ArithmeticError, np.linalg.LinAlgError) as error:
             row |= {"score": DIVERGED, "status": FAILED, "reason": as_text(error)}
         rows.append(row)
@@ -208,19 +198,6 @@ def suggest(trial: Any, key: str, bounds: Any) -> Any:
     return trial.suggest_float(key, low, high, log=scale == "log")
 
 
-Judge = Callable[[Any], dict[str, Any]]
-
-
-def _make_judge(base: ReadingsConfig, target: Mapping[str, Any], replicates: int) -> Judge:
-    """A function that scores configurations, all on the same records."""
-    schemes = list(target["schemes"])
-    if target["kind"] == "settled":
-        lanes = make_lanes(base, range(replicates), base.grid.natural_period)
-        return lambda config: _score_settled(config, schemes, lanes)
-    lanes = make_lanes(base, range(replicates))
-    return lambda config: _score_published(config, schemes, lanes)
-
-
 def _score_settled(
     config: ReadingsConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
 ) -> dict[str, Any]:
@@ -230,8 +207,7 @@ def _score_settled(
         for products in scheme_products(settled, scheme, lanes).values():
             position = products[:2].sum(axis=0)
             logs += [np.log(at_amplitude(position, N)) for N in config.grid.amplitude]
-    value = float(np.exp(np.mean(logs)))
-    return {"score": value if np.isfinite(value) else DIVERGED}
+    return {"score": float(np.exp(np.mean(logs)))}
 
 
 def _score_published(
@@ -251,6 +227,4 @@ def _score_published(
         result["winners"] = " ".join(all_four.winners)
         for period in (4.0, 6.0, 8.0):
             result[f"boundary_{period:g}s"] = all_four.boundaries[period]
-    if not np.isfinite(result["score"]):
-        result["score"] = DIVERGED
     return result

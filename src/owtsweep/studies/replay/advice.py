@@ -30,12 +30,6 @@ COLUMNS = (
 )  # fmt: skip
 
 
-_NO_RUNNER_UP = {
-    "runner_up": "", "value_runner_up": np.nan, "margin": np.nan, "difference": np.nan,
-    "ci_low": np.nan, "ci_high": np.nan, "matters": False,
-}  # fmt: skip
-
-
 def compare(
     samples: Array, schemes: Sequence[str], *, whole: Array | None = None
 ) -> dict[str, Any] | None:
@@ -54,8 +48,9 @@ def compare(
     Returns
     -------
     dict or None
-        Columns `best` to `matters` of the advice; None if no scheme has a value. With a single
-        sample there is no interval, and only the margin decides.
+        Columns `best` to `matters` of the advice, without numbers of a runner-up if there is none;
+        None if no scheme has a value. With a single sample there is no interval, and only the
+        margin decides.
     """
     common = np.isfinite(samples).any(axis=0)
     took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
@@ -77,7 +72,7 @@ def compare(
         "n": int(kept.shape[1]),
     }
     if not ranking.told_apart[0]:
-        return {**_NO_RUNNER_UP, **row}
+        return row | {"runner_up": "", "matters": False}
     _, error, n = mean_and_error(kept[second] - kept[best])
     difference = mean[second] - mean[best]
     half = float(t_quantile(n - 1) * error) if n > 1 else np.nan
@@ -157,9 +152,8 @@ def _describe_margin(row: Any) -> str:
     if row["source"] != "map" and np.isfinite(row["ci_low"]):
         parts += [row[key] / row["value_best"] for key in ("ci_low", "ci_high")]
     if row["margin"] >= MARGIN_IN_TIMES:
-        told = [f"{1.0 + part:.3g}" for part in parts]
-        interval = f" (95 %: {told[1]} to {told[2]} times)" if len(told) > 1 else ""
-        return f"{told[0]} times as much{interval}"
-    told = [f"{100.0 * part:.3g}" for part in parts]
-    interval = f" (95 %: {told[1]} to {told[2]} %)" if len(told) > 1 else ""
-    return f"{told[0]} % more{interval}"
+        told, unit, word = [f"{1.0 + part:.3g}" for part in parts], "times", "as much"
+    else:
+        told, unit, word = [f"{100.0 * part:.3g}" for part in parts], "%", "more"
+    interval = f" (95 %: {told[1]} to {told[2]} {unit})" if len(told) > 1 else ""
+    return f"{told[0]} {unit} {word}{interval}"

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
-from functools import lru_cache
 from pathlib import Path
 from threading import BoundedSemaphore
 from typing import TYPE_CHECKING, Any
@@ -13,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.config import as_mapping
-from owtsweep.errors import InputError, as_text
+from owtsweep.errors import as_text
 from owtsweep.studies.hub.public import (
     WIDTH,
     Scheme,
@@ -27,10 +25,9 @@ from owtsweep.studies.hub.public import (
 from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
-from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.long_records import LONG, release_memory
+from owtsweep.studies.replay.loading import hash_file, label_files, load_record
 from owtsweep.studies.replay.measuring import count_replicates, listen
-from owtsweep.studies.replay.record import ReplayRecord
+from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
 from owtsweep.sweep.study import FAILED, OK, Block
 
 if TYPE_CHECKING:
@@ -39,53 +36,13 @@ if TYPE_CHECKING:
 COLUMNS = (
     "file", "scheme", "measure", "window", "replicate", "value", "n_samples", "status", "reason",
 )  # fmt: skip
+Row = tuple[str, str, str, str, int, float, int, str, str]
 #: Most steps of estimates, over all replicates of a scheme, in memory at once; 50 bytes each.
 STEPS_AT_ONCE = 2_000_000
 #: At most two schemes run on long records at once, to save memory.
 _LONG_RUNS = BoundedSemaphore(2)
 #: Values in the column `scheme` for the record itself, and for holding the last fix.
 RECORD, LAST_FIX = "", "last_fix"
-
-
-def label_files(files: Sequence[str]) -> dict[str, str]:
-    """Label -> file. A label is the file's name without endings, numbered if two are equal."""
-    labels: dict[str, str] = {}
-    for file in files:
-        stem = Path(file).name.split(".")[0] or Path(file).name
-        label, number = stem, 2
-        while label in labels:
-            label, number = f"{stem}-{number}", number + 1
-        labels[label] = file
-    return labels
-
-
-def hash_file(file: str) -> str:
-    """Hash of the bytes of a file and of its companion file (a HAWC2 .sel has a .dat).
-
-    Raises
-    ------
-    InputError
-        If it cannot be read.
-    """
-    path = Path(file)
-    try:
-        parts = [path]
-        if path.suffix.lower() in (".sel", ".dat"):
-            parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
-        states = tuple((str(p), p.stat().st_size, p.stat().st_mtime_ns) for p in parts)
-        return _hash(states)
-    except OSError as error:
-        raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
-
-
-@lru_cache(maxsize=4096)
-def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
-    result = hashlib.blake2b(digest_size=16)
-    for name, _, _ in states:
-        with open(name, "rb") as stream:
-            while chunk := stream.read(1 << 20):
-                result.update(chunk)
-    return result.hexdigest()
 
 
 def plan(config: ReplayConfig) -> list[Block]:
@@ -96,26 +53,22 @@ def plan(config: ReplayConfig) -> list[Block]:
     apart = (
         config.compute.backend in ("auto", "threading") and backend(config, schemes) == "threading"
     )
+    contents = [scheme_content(config, e, s) for e, s in zip(config.schemes, schemes, strict=True)]
     blocks = []
     for label, file in label_files(config.grid.files).items():
         content = {**shared, "file": label, "digest": hash_file(file)}
         content["ending"] = "".join(Path(file).suffixes[-2:]).lower()
-        of_schemes = [
-            scheme_content(config, e, s) for e, s in zip(config.schemes, schemes, strict=True)
-        ]
         first = {
             **content,
             "scheme": RECORD,
             "window": config.measures.window,
-            "estimator": of_schemes[facts.choose_describer(config)],
+            "estimator": contents[facts.choose_describer(config)],
         }
         blocks.append(Block(label, f"{label}, the record", first, 1))
-        for scheme, entry, part in zip(schemes, config.schemes, of_schemes, strict=True):
-            group = f"{label}, {scheme.name}" if apart else label
-            anew = explain_anew(entry, scheme)
-            blocks.append(
-                Block(group, f"{label}, {scheme.name}", {**content, **part}, 1, anew=anew)
-            )
+        for scheme, entry, part in zip(schemes, config.schemes, contents, strict=True):
+            name, anew = f"{label}, {scheme.name}", explain_anew(entry, scheme)
+            group = name if apart else label
+            blocks.append(Block(group, name, {**content, **part}, 1, anew=anew))
     return blocks
 
 
@@ -130,6 +83,8 @@ def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one record, which is read once."""
+    import pandas as pd
+
     sensors = make_sensors(config.sensors)
     files = label_files(config.grid.files)
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
@@ -142,12 +97,13 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         else:
             rows = _run_scheme(config, record, label, schemes[name], sensors, settled)
         release_memory(record)
-        yield block, _make_frame(rows)
+        table = pd.DataFrame(rows, columns=list(COLUMNS))
+        yield block, table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
 
 
 def _describe_record(
     config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
-) -> list[dict[str, Any]]:
+) -> list[Row]:
     """The rows for the record itself, and for holding the last fix."""
     rows = [_make_row(label, RECORD, 0, fact) for fact in facts.measure_record(config, record)]
     for replicate in range(count_replicates(config, record)):
@@ -164,9 +120,9 @@ def _run_scheme(
     scheme: Scheme,
     sensors: Sensors,
     settled: int,
-) -> list[dict[str, Any]]:
+) -> list[Row]:
     """The rows of all replicates (several run at once), or a row for the failed replicate."""
-    rows: list[dict[str, Any]] = []
+    rows: list[Row] = []
     count = count_replicates(config, record)
     edges = measures.cut_into_parts(settled, record.steps)
     at_once = choose_replicates_at_once(config, scheme, int(np.max(np.diff(edges))))
@@ -183,7 +139,7 @@ def _run_scheme(
             for number, tally in zip(numbers, tallies, strict=True):
                 rows += [_make_row(label, scheme.name, number, m) for m in tally.measures()]
         except (Exception, SystemExit) as error:  # a user's scheme may fail; the others continue
-            return [_make_failed_row(label, scheme.name, first, as_text(error))]
+            return [(label, scheme.name, "", "", first, np.nan, 0, FAILED, as_text(error))]
     return rows
 
 
@@ -197,23 +153,6 @@ def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int
     return max(1, min(WIDTH // 2, STEPS_AT_ONCE // max(longest, 1)))
 
 
-def _make_row(
-    file: str, scheme: str, replicate: int, measured: measures.Measured
-) -> dict[str, Any]:
+def _make_row(file: str, scheme: str, replicate: int, measured: measures.Measured) -> Row:
     name, window, value, count = measured
-    return {
-        "file": file, "scheme": scheme, "measure": name, "window": window, "replicate": replicate,
-        "value": value, "n_samples": count, "status": OK, "reason": "",
-    }  # fmt: skip
-
-
-def _make_failed_row(file: str, scheme: str, replicate: int, reason: str) -> dict[str, Any]:
-    row = _make_row(file, scheme, replicate, ("", "", float("nan"), 0))
-    return {**row, "status": FAILED, "reason": reason}
-
-
-def _make_frame(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    import pandas as pd
-
-    table = pd.DataFrame(rows, columns=list(COLUMNS))
-    return table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
+    return (file, scheme, name, window, replicate, value, count, OK, "")

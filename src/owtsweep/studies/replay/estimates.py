@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +18,8 @@ from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub.public import make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
-from owtsweep.studies.replay.long_records import LONG, release_memory
 from owtsweep.studies.replay.measuring import cut_into_pieces, listen
-from owtsweep.studies.replay.record import ReplayRecord
+from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
 from owtsweep.studies.replay.session import SchemeFailed, run_scheme
 
 STATES = ("x", "y", "vx", "vy")
@@ -31,10 +30,8 @@ PIECE = 500_000
 ROW = (160, 60)
 
 
-def write(
-    config: ReplayConfig, file: str, folder: Path, say: Callable[[str], None] = lambda text: None
-) -> list[Path]:
-    """Write estimates.parquet and estimates/<scheme>.csv of a record; return the files.
+def write(config: ReplayConfig, file: str, folder: Path, say: Callable[[str], None]) -> None:
+    """Write estimates.parquet and estimates/<scheme>.csv of a record.
 
     Columns `COLUMNS`, replicate 0: time in s on the file's clock; x, y in m with the origin added
     again, so that they can be compared with the positions in the file; velocities in m/s; standard
@@ -62,38 +59,36 @@ def write(
             for name, scheme in schemes.items()
         }
         try:
-            files = _write_all(record, pieces, folder)
-            release_memory(record)
-            return files
+            _write_all(record, pieces, folder)
+            break
         except SchemeFailed as error:  # start again, so that the files hold no part of this scheme
             del schemes[error.name]
+    release_memory(record)
 
 
 def _write_all(
     record: ReplayRecord, schemes: Mapping[str, Iterator[Trajectory]], folder: Path
-) -> list[Path]:
+) -> None:
     import pyarrow as pa
     import pyarrow.csv as pc
     import pyarrow.parquet as pq
 
-    files = [folder / "estimates.parquet"]
     fields = [(name, pa.string() if name == "scheme" else pa.float64()) for name in COLUMNS]
     schema = pa.schema(fields)
     schema_of_csv = schema.remove(schema.get_field_index("scheme"))
-    with ExitStack() as stack:
-        target = stack.enter_context(_replace_when_written(files[0]))
-        writer = stack.enter_context(pq.ParquetWriter(target, schema, write_page_checksum=True))
+    with (
+        _replace_when_written(folder / "estimates.parquet") as target,
+        pq.ParquetWriter(target, schema, write_page_checksum=True) as writer,
+    ):
         for name, pieces in schemes.items():
-            files.append(folder / "estimates" / f"{name}.csv")
             with (
-                _replace_when_written(files[-1]) as temporary,
+                _replace_when_written(folder / "estimates" / f"{name}.csv") as temporary,
                 pc.CSVWriter(temporary, schema_of_csv) as text,
             ):
                 for columns in _make_columns(record, pieces, name):
                     table = pa.table(columns, schema=schema)
                     writer.write_table(table)
                     text.write_table(table.drop_columns(["scheme"]))
-    return files
 
 
 @contextmanager

@@ -14,10 +14,10 @@ from owtsweep.motion.whittle import Fit, fit_lines, periodogram
 from owtsweep.studies.hub.public import Scheme, make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
-from owtsweep.studies.replay.long_records import release_memory
+from owtsweep.studies.replay.loading import hash_file, load_record
 from owtsweep.studies.replay.measures import Measured
 from owtsweep.studies.replay.measuring import cut_into_pieces, listen
-from owtsweep.studies.replay.record import ReplayRecord
+from owtsweep.studies.replay.record import ReplayRecord, release_memory
 
 #: The periodogram is kept up to this multiple of the upper edge of the band.
 BEYOND = 2.0
@@ -49,11 +49,6 @@ class MotionSummary:
     power: Array
     fit: Fit | str
 
-    @property
-    def moves(self) -> bool:
-        """Whether the record moves at all."""
-        return self.size["peak"] > 0.0
-
 
 #: The summaries of the last few records.
 _SUMMARIES: OrderedDict[tuple[str, ...], MotionSummary] = OrderedDict()
@@ -62,8 +57,6 @@ _MOST_KEPT = 4
 
 def summarise_motion(config: ReplayConfig, file: str) -> MotionSummary:
     """Summarise the motion of a file's record."""
-    from owtsweep.studies.replay.blocks import hash_file
-
     key = (file, hash_file(file), repr(config))
     summary = _SUMMARIES.get(key)
     if summary is None:
@@ -74,8 +67,6 @@ def summarise_motion(config: ReplayConfig, file: str) -> MotionSummary:
 
 
 def _summarise(config: ReplayConfig, file: str) -> MotionSummary:
-    from owtsweep.studies.replay.loading import load_record
-
     record = load_record(config, file)
     xy, source = _take_displacement(config, record)
     angle, share = find_main_direction(xy)

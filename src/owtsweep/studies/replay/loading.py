@@ -1,9 +1,13 @@
-"""Load the record in a file."""
+"""Load the record in a file; labels and hashes of files."""
 
 from __future__ import annotations
 
+import hashlib
 from collections import OrderedDict
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
 from threading import Lock
 from typing import Any
 
@@ -12,15 +16,55 @@ from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Recording, read
 from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.long_records import release_memory
 from owtsweep.studies.replay.of_motion import make_record_of_motion
 from owtsweep.studies.replay.of_sensors import make_record_of_sensors
-from owtsweep.studies.replay.record import ReplayRecord
+from owtsweep.studies.replay.record import ReplayRecord, release_memory
 
 #: Number of records kept in memory, and the bytes above which older ones are dropped.
 _MOST_KEPT, _MOST_BYTES = 2, 1 << 28
 _RECORDS: OrderedDict[Any, ReplayRecord] = OrderedDict()
 _LOCK = Lock()
+
+
+def label_files(files: Sequence[str]) -> dict[str, str]:
+    """Label -> file. A label is the file's name without endings, numbered if two are equal."""
+    labels: dict[str, str] = {}
+    for file in files:
+        stem = Path(file).name.split(".")[0] or Path(file).name
+        label, number = stem, 2
+        while label in labels:
+            label, number = f"{stem}-{number}", number + 1
+        labels[label] = file
+    return labels
+
+
+def hash_file(file: str) -> str:
+    """Hash of the bytes of a file and of its companion file (a HAWC2 .sel has a .dat).
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+    """
+    path = Path(file)
+    try:
+        parts = [path]
+        if path.suffix.lower() in (".sel", ".dat"):
+            parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
+        states = tuple((str(p), p.stat().st_size, p.stat().st_mtime_ns) for p in parts)
+        return _hash(states)
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
+
+
+@lru_cache(maxsize=4096)
+def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
+    result = hashlib.blake2b(digest_size=16)
+    for name, _, _ in states:
+        with open(name, "rb") as stream:
+            while chunk := stream.read(1 << 20):
+                result.update(chunk)
+    return result.hexdigest()
 
 
 def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
@@ -31,8 +75,6 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     InputError
         For any error in the file; the one-line message names it.
     """
-    from owtsweep.studies.replay.blocks import hash_file
-
     settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
     key = (file, hash_file(file), repr(settings), config.measures.settling_time)
     with _LOCK:

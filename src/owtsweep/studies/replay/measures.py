@@ -55,7 +55,6 @@ class Tally:
         self._innovations: list[tuple[NDArray[np.int64], Array, Array]] = [
             (np.empty(0, dtype=np.int64), nothing, nothing)
         ]
-        self._steps_added = 0
         reported = sensors.fix_interval * np.arange(len(fixes)) - sensors.delay
         # Without a delay the estimate has already used the fix of the same time.
         judged = (reported >= 0) & (reported < record.steps) & (sensors.delay > 0)
@@ -64,10 +63,7 @@ class Tally:
 
     def add(self, estimated: Trajectory) -> None:
         """Take the next piece: the steps between two of `edges`."""
-        begin = self._steps_added
-        self._steps_added = end = begin + len(estimated.state)
-        if (begin, end) != (self.edges[len(self._sums)], self.edges[len(self._sums) + 1]):
-            raise ValueError(f"steps {begin} to {end} are no piece")
+        begin, end = self.edges[len(self._sums) : len(self._sums) + 2]
         self._sums.append(_sum_errors(self.record, estimated, begin))
         inside = slice(*np.searchsorted(self._reported, [begin, end]))
         position = estimated.state[self._reported[inside] - begin, :2]
@@ -80,8 +76,6 @@ class Tally:
 
     def measures(self) -> Iterator[Measured]:
         """All measures; the last piece must have been added."""
-        if self._steps_added != self.record.steps:
-            raise ValueError(f"{self._steps_added} of {self.record.steps} steps have been added")
         yield from _average_errors(self._sums)
         at, innovation, variance = map(np.concatenate, zip(*self._innovations, strict=True))
         for window, begin in {"full": 0, "settled": self.settled}.items():
@@ -220,7 +214,6 @@ def cut_into_parts(settled: int, steps: int) -> list[int]:
 
 
 def _average(name: str, window: str, values: Array) -> Iterator[Measured]:
-    finite = np.isfinite(values)
-    count = int(np.count_nonzero(finite))
+    total, count = _sum_finite(values)
     if count:
-        yield (name, window, float(np.mean(values[finite])), count)
+        yield (name, window, total / count, count)

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Gridded, Recording, to_motion
-from owtsweep.studies.hub.public import Sensors
-from owtsweep.studies.replay import fixes as fixing
+from owtsweep.studies.hub.public import Sensors, fix_count
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.record import ReplayRecord
 
@@ -46,7 +46,6 @@ def make_record_of_motion(
     )
     return ReplayRecord(
         file=str(recording.path),
-        kind="motion",
         gnss="simulated",
         begin=gridded.grid.start + first / rate,
         step=sensors.step,
@@ -55,11 +54,28 @@ def make_record_of_motion(
         position=position[first:],
         velocity=gridded.pairs["velocity"][first:],
         acceleration=gridded.pairs["acceleration"][first:],
-        specific_force=None,
-        fixes=fixing.make_fixes(position, first, steps, sensors),
+        fixes=make_fixes(position, first, steps, sensors),
         truth="the recorded motion",
         notes=(*recording.notes, *gridded.notes),
     )
+
+
+def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Array:
+    """Make fixes without noise: the reference `delay` steps before each moment, (fixes, 2) m.
+
+    Parameters
+    ----------
+    position
+        (n, 2) the reference in m on the IMU's grid, NaN in its gaps. It begins `first` steps
+        before the first moment.
+    first
+        At least `sensors.delay`.
+    steps
+        IMU steps from the first moment on.
+    """
+    count = fix_count(steps, sensors.fix_interval)
+    at = first - sensors.delay + sensors.fix_interval * np.arange(count)
+    return np.array(position[at])
 
 
 def derive(recording: Recording, rate: float, **settings: Any) -> Gridded:

@@ -2,20 +2,44 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import Recording, TimeGrid, find_common_grid, to_grid
-from owtsweep.studies.hub.public import Sensors
-from owtsweep.studies.replay import fixes as fixing
+from owtsweep.studies.hub.public import Sensors, fix_count
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.of_motion import derive
+from owtsweep.studies.replay.of_motion import derive, make_fixes
 from owtsweep.studies.replay.record import ReplayRecord
 
+#: A record with fewer fixes is refused.
+LEAST_FIXES = 3
 #: Largest time between a fix and its due moment, as a fraction of the GNSS interval.
 LARGEST_JITTER = 0.25
+
+
+class Aligned(NamedTuple):
+    """Recorded fixes, moved to the moments at which fixes are due.
+
+    Attributes
+    ----------
+    offset
+        Time of the first moment, s after the beginning of the record; less than one GNSS interval.
+    values
+        (fixes, 2) m, NaN where no fix came.
+    jitter
+        The largest time between a fix and its moment, s.
+    dropped
+        How many fixes were left out because another fix was nearer to the same moment.
+    """
+
+    offset: float
+    values: Array
+    jitter: float
+    dropped: int
 
 
 def make_record_of_sensors(
@@ -65,11 +89,10 @@ def make_record_of_sensors(
     if position is not None and velocity is not None:
         position -= origin
         if fixes is None:
-            fixes = fixing.make_fixes(position, offset, grid.steps, sensors)
+            fixes = make_fixes(position, offset, grid.steps, sensors)
         position, velocity = position[offset:], velocity[offset:]
     return ReplayRecord(
         file=str(recording.path),
-        kind="sensors",
         gnss=gnss,
         begin=grid.start,
         step=sensors.step,
@@ -77,7 +100,6 @@ def make_record_of_sensors(
         origin=origin,
         position=position,
         velocity=velocity,
-        acceleration=None,
         specific_force=force,
         fixes=np.asarray(fixes),
         truth="the reference" if position is not None else "",
@@ -103,17 +125,22 @@ def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
     return wanted
 
 
-def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> fixing.Aligned:
+def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> Aligned:
     time = recording.time - grid.start
     axes = [recording.channels.get(f"fix_{axis}") for axis in "xy"]
     values = np.stack([np.zeros(len(time)) if a is None else a for a in axes], axis=1)
-    inside = (time >= 0.0) & (time <= (grid.steps - 1) / grid.rate)
-    try:
-        aligned = fixing.align(time[inside], values[inside], (grid.steps - 1) / grid.rate, sensors)
-    except InputError as error:
-        raise InputError(f"{recording.path}: {error}") from None
+    duration = (grid.steps - 1) / grid.rate
+    came = np.all(np.isfinite(values), axis=1)
+    inside = came & (time >= 0.0) & (time <= duration)
+    count = int(np.count_nonzero(inside))
+    require(
+        count >= LEAST_FIXES,
+        f"{recording.path}: columns.fix_x: the record holds {count} position fixes, and "
+        f"{LEAST_FIXES} are needed; without fixes give a reference and replay.gnss=from_reference",
+    )
+    aligned = align(time[inside], values[inside], duration, sensors)
     if aligned.jitter > LARGEST_JITTER * sensors.fix_step:
-        median = np.median(np.diff(time[np.all(np.isfinite(values), axis=1)]))
+        median = np.median(np.diff(time[came]))
         raise InputError(
             f"{recording.path}: fixes come up to {aligned.jitter:.3g} s away from a grid of "
             f"{1.0 / sensors.fix_step:g} Hz (their median interval is {median:.4g} s); "
@@ -122,7 +149,42 @@ def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> fixi
     return aligned
 
 
-def _note_fixes(aligned: fixing.Aligned, sensors: Sensors) -> list[str]:
+def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Aligned:
+    """Move irregular fixes to the grid of the GNSS, each to the nearest moment.
+
+    The phase of the grid is the circular mean of the phases of the fixes, so the grid follows a
+    constant offset of the fixes.
+
+    Parameters
+    ----------
+    time
+        (n,) times of the fixes, s after the beginning of the record.
+    values
+        (n, 2) m, without NaN.
+    duration
+        Duration of the record, s.
+    """
+    interval = sensors.fix_step
+    phase = np.angle(np.mean(np.exp(2j * np.pi * time / interval))) / (2.0 * np.pi)
+    offset = float(phase * interval)
+    if offset < -1e-9:  # the first moment must lie inside the record
+        offset += interval
+    # ... and at a sample of the IMU
+    offset = max(round(offset / sensors.step), 0) * sensors.step
+    steps = int((duration - offset) / sensors.step + 1e-9) + 1
+    count = fix_count(steps, sensors.fix_interval)
+    number = np.rint((time - offset) / interval).astype(int)
+    away = np.abs(time - offset - number * interval)
+    inside = (number >= 0) & (number < count)
+    result = np.full((count, 2), np.nan)
+    nearest_last = np.lexsort((-away[inside], number[inside]))  # the last assignment stays
+    result[number[inside][nearest_last]] = values[inside][nearest_last]
+    dropped = int(np.count_nonzero(inside) - np.count_nonzero(np.isfinite(result[:, 0])))
+    jitter = float(np.max(away[inside])) if np.any(inside) else 0.0
+    return Aligned(offset, result, jitter, dropped)
+
+
+def _note_fixes(aligned: Aligned, sensors: Sensors) -> list[str]:
     notes = []
     if aligned.jitter > 1e-6:
         notes.append(

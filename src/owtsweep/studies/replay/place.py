@@ -1,18 +1,87 @@
-"""The place of a record in the expected best-scheme map."""
+"""The place of a record in the expected best-scheme map, and what is expected of a scheme there."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum, spectrum
 from owtsweep.results.superposition import superpose
-from owtsweep.studies.hub.public import make_sensors, resolve_all
+from owtsweep.studies.hub.public import (
+    Chain,
+    ErrorSpectrum,
+    HubConfig,
+    NoiseFloor,
+    Scheme,
+    Sensors,
+    error_spectrum,
+    expected_mse,
+    make_sensors,
+    noise_floor,
+    resolve_all,
+)
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.expectation import Expectation, expect_errors
+
+#: Number of frequencies in the band at which an error spectrum is computed.
+NODES = 64
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """A scheme's settled error per unit of motion, and its error from sensor noise."""
+
+    spectrum: ErrorSpectrum
+    floor: NoiseFloor
+
+    def mse(
+        self, density: Callable[[Array], Array], band: tuple[float, float], rms: float
+    ) -> tuple[float, float]:
+        """Expected MSE of position (m^2) and velocity ((m/s)^2), x + y.
+
+        Parameters
+        ----------
+        density
+            Spectral density S(f) in any unit, zero outside `band` (Hz).
+        rms
+            Root mean square of the displacement, m.
+        """
+        position, velocity = expected_mse(self.spectrum, density, band, rms=rms)
+        return position + self.floor.of("position"), velocity + self.floor.of("velocity")
+
+
+def expect_errors(
+    config: HubConfig, scheme: Scheme, sensors: Sensors, steps: int, band: tuple[float, float]
+) -> Expectation:
+    """The expectation of a scheme under a configuration, for motions inside a band (Hz).
+
+    Raises
+    ------
+    InputError
+        If the scheme has no kernel, or does not settle.
+    """
+    kernel: Any = getattr(scheme, "kernel", None)
+    if kernel is None:
+        raise InputError(f"schemes: {scheme.name} has no kernel, so nothing can be expected of it")
+    chain = kernel(sensors, config, steps)
+    return _compute(chain, sensors, *band)
+
+
+@lru_cache(maxsize=8)
+def _compute(chain: Chain, sensors: Sensors, low: float, high: float) -> Expectation:
+    frequencies = np.geomspace(low, high, NODES)
+    return Expectation(error_spectrum(chain, sensors, frequencies), noise_floor(chain, sensors))
+
+
+def find_place(config: ReplayConfig, record: Any) -> Spectrum | None:
+    """The fit of Eq. (1) to a record if it has its peak inside the band, else None."""
+    shape, (low, high) = read_fit(record), config.fit_band
+    return shape if shape is not None and low <= shape.peak_frequency <= high else None
 
 
 def read_fit(record: Any) -> Spectrum | None:
@@ -33,13 +102,12 @@ def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float
 
     None if the fit has no peak inside the band.
     """
-    shape = read_fit(record)
-    band = config.fit_band
-    if shape is None or not band[0] <= shape.peak_frequency <= band[1]:
+    shape = find_place(config, record)
+    if shape is None:
         return None
     rms = compute_rms_in_band(record)
     return {
-        name: expectation.mse(shape.density, band, rms)
+        name: expectation.mse(shape.density, config.fit_band, rms)
         for name, expectation in _expect_all(config, record)
     }
 

@@ -7,9 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.freed_memory import give_back_freed_memory
+
+#: Steps beyond which a record is long: its memory is watched, and slow work is announced.
+LONG = 1_000_000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ReplayRecord:
     """A record for a replay: series in NED relative to the origin, SI units.
 
@@ -17,8 +21,6 @@ class ReplayRecord:
     ----------
     file
         The file that it was read from.
-    kind
-        "motion" or "sensors".
     gnss
         Where the fixes come from: "simulated" (motion), "recorded" or "from_reference" (sensors).
     begin, step, steps
@@ -40,24 +42,23 @@ class ReplayRecord:
     """
 
     file: str
-    kind: str
     gnss: str
     begin: float
     step: float
     steps: int
     origin: Array
-    position: Array | None
-    velocity: Array | None
-    acceleration: Array | None
-    specific_force: Array | None
+    position: Array | None = None
+    velocity: Array | None = None
+    acceleration: Array | None = None
+    specific_force: Array | None = None
     fixes: Array
     truth: str
     notes: tuple[str, ...]
 
     @property
-    def time(self) -> Array:
-        """(steps,) s, on the file's clock."""
-        return self.time_at(slice(None))
+    def end(self) -> float:
+        """Time of the last step, s, on the file's clock."""
+        return self.begin + self.step * (self.steps - 1)
 
     def time_at(self, part: slice) -> Array:
         """Times of some steps, s, on the file's clock."""
@@ -75,3 +76,9 @@ class ReplayRecord:
         if series is None:
             raise TypeError(f"{self.file}: the record has no {name}")
         return series
+
+
+def release_memory(record: ReplayRecord) -> None:
+    """Return freed memory (some 100 MB) to the system after the pieces of a long record."""
+    if record.steps > LONG:
+        give_back_freed_memory()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,8 +13,9 @@ from owtsweep.statistics.student import t_quantile
 from owtsweep.statistics.sums import mean_and_error
 from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice
-from owtsweep.studies.replay.blocks import LAST_FIX, RECORD, label_files
+from owtsweep.studies.replay.blocks import LAST_FIX, RECORD
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.loading import label_files
 from owtsweep.studies.replay.measures import WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
 from owtsweep.sweep.study import OK
@@ -30,18 +32,15 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     labels = list(label_files(config.grid.files))
     errors = average_errors(done[done["scheme"] != RECORD], labels, [*names, LAST_FIX])
-    values = errors[["file", "scheme", "measure", "window", "mean"]].rename(
-        columns={"mean": "value"}
-    )
+    kept = ["scheme", "measure", "window", "mean"]
+    values = errors[kept if len(labels) == 1 else ["file", *kept]]
     records = list_records(config, done[done["scheme"] == RECORD], labels)
-    advised = pd.DataFrame(
-        [*_advise(config, done, names, labels, records)], columns=list(advice.COLUMNS)
-    )
+    advised = [*_advise(config, done, names, labels, records)]
     return {
-        "replay": values.drop(columns="file") if len(labels) == 1 else values,
+        "replay": values.rename(columns={"mean": "value"}),
         "errors": errors,
         "records": records,
-        "advice": advised,
+        "advice": pd.DataFrame(advised, columns=list(advice.COLUMNS)),
     }
 
 
@@ -90,24 +89,18 @@ def _advise(
     schemes: Sequence[str],
     files: Sequence[str],
     records: pd.DataFrame,
-) -> Any:
+) -> Iterator[dict[str, Any]]:
     for file in files:
+        advised = []
         values = rows[(rows["file"] == file) & rows["scheme"].isin(schemes)]
         if not values.empty:
-            advised = advice.advise_from_record(
-                values, schemes, config.measures.criterion, config.measures.window
-            )
-            if advised is not None:
-                yield {"file": file, **advised}
+            criterion, window = config.measures.criterion, config.measures.window
+            advised.append(advice.advise_from_record(values, schemes, criterion, window))
         record = records[records["file"] == file]
-        if record.empty:
-            continue
-        try:
-            advised = advise_from_map(config, schemes, record.iloc[0])
-        except InputError:  # a scheme has no expectation; the report says so
-            continue
-        if advised is not None:
-            yield {"file": file, **advised}
+        if not record.empty:
+            with suppress(InputError):  # a scheme has no expectation; the report says so
+                advised.append(advise_from_map(config, schemes, record.iloc[0]))
+        yield from ({"file": file, **row} for row in advised if row is not None)
 
 
 def advise_from_map(

@@ -5,17 +5,23 @@ from __future__ import annotations
 import glob
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import changed, require
 from owtsweep.errors import InputError
-from owtsweep.studies import compose
+from owtsweep.studies import compose, get_study
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.loading import label_files, load_record
+from owtsweep.studies.replay.seastates import read_sea_states, read_table
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from owtsweep.sweep.progress import Progress
     from owtsweep.sweep.run import Outcome
+    from owtsweep.sweep.runs import Run
 
 
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
@@ -48,16 +54,13 @@ def configure(
         If the overrides are wrong, or no file exists.
     """
     config = compose_replay(overrides, config_dir)
-    words = [*files, *config.grid.files]
-    if not words and config.replay.table is not None:
-        from owtsweep.studies.replay.seastates import list_files
-
-        words = list_files(config.replay.table)
+    words, table = [*files, *config.grid.files], config.replay.table
+    if not words and table is not None:
+        words = list(read_table(table)["file"])
     paths = expand(words)
     require(len(paths) > 0, "FILE: name a record, a pattern, or replay.table=FILE.csv")
     # Absolute, so that the run can be read from another folder.
     grid = changed(config.grid, files=paths)
-    table = config.replay.table
     if table is not None:
         config = changed(config, replay=changed(config.replay, table=str(Path(table).resolve())))
     experiment = config.experiment
@@ -102,9 +105,6 @@ def verify(config: ReplayConfig) -> list[str]:
     InputError
         The one-line message names the file.
     """
-    from owtsweep.studies.replay.loading import load_record
-    from owtsweep.studies.replay.seastates import read_sea_states
-
     read_sea_states(config)
     notes: dict[str, None] = {}
     for file in config.grid.files:
@@ -134,23 +134,66 @@ def execute(
     InputError
         Before anything is written, for a bad record or configuration.
     """
-    from owtsweep.studies import get_study
     from owtsweep.studies.replay import estimates
-    from owtsweep.studies.replay.blocks import label_files
     from owtsweep.sweep.run import sweep
 
     for note in verify(config):
         say(f"note: {note}")
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
-    files = label_files(config.grid.files)
-    for label, folder in locate_estimates(config, outcome.run.folder).items():
-        estimates.write(config, files[label], folder, say)
+    folders = locate_estimates(config, outcome.run.folder).values()
+    for file, folder in zip(config.grid.files, folders, strict=True):
+        estimates.write(config, file, folder, say)
     return outcome
 
 
 def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
     """Label -> folder of a record's estimates: the run's, or records/<label> if there are many."""
-    from owtsweep.studies.replay.blocks import label_files
-
     labels = list(label_files(config.grid.files))
     return {label: run if len(labels) == 1 else run / "records" / label for label in labels}
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A finished replay."""
+
+    run: Run
+
+    @property
+    def folder(self) -> Path:
+        """The run folder."""
+        return self.run.folder
+
+    def errors(self) -> pd.DataFrame:
+        """Means over replicates, 95 % intervals: file, scheme, measure, window, mean, ..., n."""
+        return self.run.table("errors")
+
+    def advice(self) -> pd.DataFrame:
+        """The best scheme and the runner-up, by the record itself and by the expected map."""
+        return self.run.table("advice")
+
+    def records(self) -> pd.DataFrame:
+        """One row per record: duration, size, direction and fitted spectrum."""
+        return self.run.table("records")
+
+    def estimates(self, record: str | None = None) -> pd.DataFrame:
+        """Columns time, scheme, x, y, vx, vy and their standard deviations (replicate 0).
+
+        Parameters
+        ----------
+        record
+            The record's name, a value of `records().file`; needed if there are several.
+
+        Raises
+        ------
+        InputError
+            If there are several records and none is named, or none has that name.
+        """
+        import pandas as pd
+
+        assert isinstance(self.run.config, ReplayConfig)
+        folders = locate_estimates(self.run.config, self.run.folder)
+        if record is None and len(folders) == 1:
+            record = next(iter(folders))
+        if record not in folders:
+            raise InputError(f"record: {record!r} is none of {', '.join(folders)}")
+        return pd.read_parquet(folders[record] / "estimates.parquet")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import require
-from owtsweep.studies.replay.blocks import label_files
+from owtsweep.errors import InputError
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.loading import label_files
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,11 +32,9 @@ def read_table(path: str) -> pd.DataFrame:
         table = pd.read_csv(path, skipinitialspace=True)
     except (ValueError, OSError) as error:
         text = " ".join(str(error).split())
-        require(False, f"{where}: it cannot be read as CSV ({text})")
-        raise
-    require(
-        "file" in table.columns, f"{where}: it has no column `file`; it has {_list_columns(table)}"
-    )
+        raise InputError(f"{where}: it cannot be read as CSV ({text})") from None
+    columns = ", ".join(str(name) for name in table.columns[:8])
+    require("file" in table.columns, f"{where}: it has no column `file`; it has {columns}")
     require(len(table) > 0, f"{where}: it has no row")
     require(
         len(find_axes(table)) > 0,
@@ -55,11 +53,6 @@ def find_axes(table: pd.DataFrame) -> list[str]:
     """Names of the columns of numbers, in order; the first two are the axes of the map."""
     numbers = table.select_dtypes("number").columns
     return [str(name) for name in numbers if name != "file"]
-
-
-def list_files(path: str) -> list[str]:
-    """The files that a table names."""
-    return [str(name) for name in read_table(path)["file"]]
 
 
 def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
@@ -86,8 +79,3 @@ def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
 
 def _resolve(file: str) -> str:
     return str(Path(file).resolve())
-
-
-def _list_columns(table: pd.DataFrame) -> str:
-    names: Sequence[str] = [str(name) for name in table.columns]
-    return ", ".join(names[:8])

@@ -6,8 +6,9 @@ kept. From all other steps two results are kept: the largest errors, and which s
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -15,13 +16,12 @@ from owtsweep.arrays import Array
 from owtsweep.errors import as_text
 from owtsweep.evaluation.trajectory import Trajectory, join
 from owtsweep.studies.hub.public import Scheme, Sensors, make_sensors, resolve_all
-from owtsweep.studies.replay.alike import Alike
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.measuring import Signals, cut_into_pieces, listen
 from owtsweep.studies.replay.record import ReplayRecord
-from owtsweep.studies.replay.windows import LargestMotion, choose_windows
+from owtsweep.studies.replay.windows import choose_windows
 
 #: Quantity -> its columns of the state.
 COLUMNS = {"position": slice(0, 2), "velocity": slice(2, 4)}
@@ -58,6 +58,25 @@ class Session:
     def names(self) -> list[str]:
         """The schemes that have estimates."""
         return list(next(iter(self.seen.values())))
+
+
+class Alike:
+    """Compares named series; two series are alike if all their pieces are equal."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._pairs = list(combinations(names, 2))
+
+    def add(self, pieces: Mapping[str, Array]) -> None:
+        """Take the next piece of every series, by name."""
+        self._pairs = [
+            (one, other)
+            for one, other in self._pairs
+            if np.allclose(pieces[one], pieces[other], rtol=1e-9, atol=1e-12, equal_nan=True)
+        ]
+
+    def repeated(self) -> frozenset[str]:
+        """Names of the series that are equal to a later one."""
+        return frozenset(one for one, _ in self._pairs)
 
 
 def skip_start(record: ReplayRecord) -> int:
@@ -120,39 +139,41 @@ def _run_side_by_side(
     failed: Mapping[str, str],
 ) -> Session:
     edges = cut_into_pieces(record.steps)
-    largest = LargestMotion(record)
-    if record.position is not None:
-        largest.add(record.position)
+    truth = record.position
+    positions: Iterable[Array] = ()
+    if truth is not None:
+        positions = (truth[first:last] for first, last in pairwise(edges))
     elif schemes:
-        first = next(iter(schemes.values()))
-        for piece in run_scheme(config, first, sensors, signals, edges):
-            largest.add(piece.state[:, :2])
-    windows = choose_windows(record, largest)
+        any_scheme = next(iter(schemes.values()))
+        run = run_scheme(config, any_scheme, sensors, signals, edges)
+        positions = (piece.state[:, :2] for piece in run)
+    windows = choose_windows(record, positions)
     kept: dict[str, dict[str, list[Trajectory]]] = {
         window: {name: [] for name in schemes} for window in windows
     }
-    alike = {quantity: Alike(list(schemes)) for quantity in COLUMNS}
+    alike = {quantity: Alike(schemes) for quantity in COLUMNS}
     bounds = {quantity: dict.fromkeys(schemes, 0.0) for quantity in COLUMNS}
     runs = [run_scheme(config, scheme, sensors, signals, edges) for scheme in schemes.values()]
     begin, late = 0, skip_start(record)
-    for pieces in zip(*runs, strict=True):
-        end = begin + len(pieces[0].state)
+    for estimates in zip(*runs, strict=True):
+        pieces = dict(zip(schemes, estimates, strict=True))
+        end = begin + len(estimates[0].state)
         for window, steps in windows.items():
             inside = slice(max(steps.start - begin, 0), max(steps.stop - begin, 0))
-            for name, piece in zip(schemes, pieces, strict=True):
+            for name, piece in pieces.items():
                 kept[window][name].append(piece.part(inside).copy())
         for quantity, columns in COLUMNS.items():
-            alike[quantity].add([piece.state[:, columns] for piece in pieces])
-            truth = getattr(record, quantity)
-            if truth is None:
+            alike[quantity].add({name: piece.state[:, columns] for name, piece in pieces.items()})
+            series = getattr(record, quantity)
+            if series is None:
                 continue
             after = slice(max(late - begin, 0), None)
-            for name, piece in zip(schemes, pieces, strict=True):
-                error = piece.state[after, columns.start] - truth[begin:end][after, 0]
+            for name, piece in pieces.items():
+                error = piece.state[after, columns.start] - series[begin:end][after, 0]
                 bounds[quantity][name] = raise_bound(bounds[quantity][name], np.abs(error))
         begin = end
     seen = {
-        window: {name: join(pieces) for name, pieces in of_window.items()}
+        window: {name: join(parts) for name, parts in of_window.items()}
         for window, of_window in kept.items()
     }
     repeated = {quantity: pairs.repeated() for quantity, pairs in alike.items()}

@@ -20,12 +20,11 @@ from owtsweep.studies.hub.public import (
     resolve_all,
     state_chunks,
 )
-from owtsweep.studies.replay.alike import Alike
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.envelope import Envelope
 from owtsweep.studies.replay.estimating import make_lanes
 from owtsweep.studies.replay.measuring import cut_into_pieces, simulate_true_bias
-from owtsweep.studies.replay.session import Session, raise_bound, skip_start
+from owtsweep.studies.replay.session import Alike, Session, raise_bound, skip_start
 
 
 @dataclass
@@ -76,20 +75,16 @@ class FilterStates:
     true_range: Array
 
 
-#: For figures that need no states.
-NO_STATES = FilterStates({}, {}, None, np.empty((0, 2)))
-
-
 def collect_filter_states(config: ReplayConfig, session: Session) -> FilterStates:
     """The states of all filters; none if fixes are missing, because kernels need every fix."""
     record = session.record
-    simulated = record.kind == "motion"
+    simulated = record.gnss == "simulated"
     true_bias = (Envelope(record.steps), Envelope(record.steps)) if simulated else None
     true_range = _empty_range()
     chains = _make_chains(config, session)
     states = {name: _new_state(chain, record.steps) for name, chain in chains.items()}
     accelerating = [name for name, state in states.items() if state.acceleration is not None]
-    alike = {"acceleration": Alike(accelerating), "bias": Alike(list(states))}
+    alike = {"acceleration": Alike(accelerating), "bias": Alike(states)}
     edges = cut_into_pieces(record.steps)
     runs = [_run_shifted(chain, session, edges) for chain in chains.values()]
     biases = simulate_true_bias(config, session.sensors, record.steps, 0) if simulated else None
@@ -98,8 +93,8 @@ def collect_filter_states(config: ReplayConfig, session: Session) -> FilterState
         truth = None if biases is None else next(biases)
         for name, piece in pieces.items():
             _add_piece(states[name], piece, truth, begin, session)
-        alike["acceleration"].add([pieces[name][:, 2] for name in accelerating])
-        alike["bias"].add([piece[:, 3] for piece in pieces.values()])
+        alike["acceleration"].add({name: pieces[name][:, 2] for name in accelerating})
+        alike["bias"].add({name: piece[:, 3] for name, piece in pieces.items()})
         if truth is not None and true_bias is not None:
             _widen(true_range, truth)
             for axis, envelope in enumerate(true_bias):

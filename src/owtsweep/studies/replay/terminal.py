@@ -57,10 +57,8 @@ def _count_advice(advised: pd.DataFrame) -> str:
 
 def make_sentences(advised: pd.DataFrame) -> list[str]:
     """One line per advice; with many records each line begins with the name of its record."""
-    empty = advised[["same_as", "runner_up"]].isna()
-    clean = advised.astype({"same_as": object, "runner_up": object}).mask(
-        empty.reindex(columns=advised.columns, fill_value=False), ""
-    )
+    texts = ["same_as", "runner_up"]  # NaN where a file that was read back has no text
+    clean = advised.astype(dict.fromkeys(texts, object)).fillna(dict.fromkeys(texts, ""))
     many = clean["file"].nunique() > 1
     return [
         (f"{row['file']}: " if many else "") + advice.write_sentence(row)

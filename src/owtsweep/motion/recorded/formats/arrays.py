@@ -50,7 +50,7 @@ def open_npz(path: Path) -> ChannelTable:
         said = f"arrays of different lengths ({', '.join(map(str, lengths[:5]))})"
         raise refuse(path, f"has {said if lengths else 'no array of numbers'}")
 
-    def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
+    def load(names: Sequence[str], rows: int | None) -> Mapping[str, Array]:
         return {name: np.array(arrays[name][:rows], dtype=float) for name in names}
 
     return ChannelTable(path, "NumPy archive", tuple(arrays), ("",) * len(arrays), load)
@@ -80,7 +80,7 @@ def open_parquet(path: Path) -> ChannelTable:
         stated = metadata.get(b"unit", metadata.get(b"units", b"")).decode()
         units.append("s" if pa.types.is_timestamp(field.type) else stated)
 
-    def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
+    def load(names: Sequence[str], rows: int | None) -> Mapping[str, Array]:
         try:
             table = parquet.read_table(
                 path, columns=list(names), page_checksum_verification=True

@@ -21,7 +21,9 @@ from __future__ import annotations
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -55,10 +57,7 @@ def open_fast_binary(path: Path) -> ChannelTable:
         If it is not a FAST binary file, or is cut short.
     """
     header = _read_header(path)
-
-    def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
-        return _load(path, header, names, rows)
-
+    load = partial(_load, path, header)
     return ChannelTable(path, "FAST binary", header.names, header.units, load)
 
 
@@ -67,25 +66,22 @@ def _read_header(path: Path) -> Header:
     not_fast = refuse(path, "is not a FAST binary file (.outb), or is cut short in its header")
     with path.open("rb") as file:
 
-        def take(code: str) -> tuple[float, ...]:
-            raw = file.read(struct.calcsize("<" + code))
-            if len(raw) < struct.calcsize("<" + code):
-                raise not_fast
-            return struct.unpack("<" + code, raw)
+        def take(code: str) -> tuple[Any, ...]:
+            try:
+                return struct.unpack("<" + code, file.read(struct.calcsize("<" + code)))
+            except struct.error:
+                raise not_fast from None
 
         def words(count: int, length: int) -> tuple[str, ...]:
-            if count * length > size:
+            if not 0 <= count * length <= size:
                 raise not_fast
-            raw = file.read(count * length)
-            if len(raw) < count * length:
-                raise not_fast
-            return tuple(_decode(raw[k * length : (k + 1) * length]) for k in range(count))
+            return tuple(_decode(word) for word in take(f"{length}s" * count))
 
-        kind = int(take("h")[0])
+        (kind,) = take("h")
         if kind not in (WITH_TIME, WITHOUT_TIME, UNCOMPRESSED, LONG_NAMES):
             raise not_fast
-        length = int(take("h")[0]) if kind == LONG_NAMES else SHORT
-        channels, steps = (int(value) for value in take("ii"))
+        length = take("h")[0] if kind == LONG_NAMES else SHORT
+        channels, steps = take("ii")
         if channels < 1 or steps < 1 or length < 1 or channels * 2 > size or steps > size:
             raise not_fast
         clock = take("dd")
@@ -93,7 +89,7 @@ def _read_header(path: Path) -> Header:
         if kind != UNCOMPRESSED:
             scale = np.array(take(f"{channels}f"))
             offset = np.array(take(f"{channels}f"))
-        words(1, int(take("i")[0]))  # the description
+        words(1, take("i")[0])  # the description
         names, units = words(channels + 1, length), words(channels + 1, length)
         first = file.tell()
     if not (np.all(np.isfinite(scale)) and np.all(scale != 0) and all(np.isfinite(clock))):
@@ -104,16 +100,7 @@ def _read_header(path: Path) -> Header:
         raise refuse(path, f"is cut short: {steps} time steps announced, {whole} there")
     stated = tuple(unit.strip("()[] ") for unit in units)
     stated = tuple("" if unit == "-" else unit for unit in stated)
-    return Header(
-        kind,
-        steps,
-        (clock[0], clock[1]),
-        scale,
-        offset,
-        number_repeats(names),
-        stated,
-        first,
-    )
+    return Header(kind, steps, clock, scale, offset, number_repeats(names), stated, first)
 
 
 def _load(

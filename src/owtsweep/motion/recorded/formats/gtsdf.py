@@ -40,16 +40,14 @@ def open_gtsdf(path: Path) -> ChannelTable:
             if not blocks or any("data" not in file[block] for block in blocks):
                 raise refuse(path, "is HDF5 but not gtsdf (no block0000/data)")
             count = file[blocks[0]]["data"].shape[1]
-            names = _read_words(file, "attribute_names", count) or [
-                str(k + 1) for k in range(count)
-            ]
-            units = _read_words(file, "attribute_units", count) or [""] * count
+            names = _read_words(file, "attribute_names", count)
+            units = _read_words(file, "attribute_units", count)
     except OSError as error:
         raise refuse(path, f"is not a whole HDF5 file ({shorten(error)})") from None
     names = list(number_repeats([TIME, *(name or str(k + 1) for k, name in enumerate(names))]))
-    units = ["s", *("" if unit in ("-", "") else unit for unit in units)]
+    units = ["s", *("" if unit == "-" else unit for unit in units)]
 
-    def load(wanted: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
+    def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
         with h5py.File(path, "r") as file:
             return _load(file, blocks, {name: names.index(name) for name in wanted}, rows)
 
@@ -57,10 +55,10 @@ def open_gtsdf(path: Path) -> ChannelTable:
 
 
 def _read_words(file: Any, key: str, count: int) -> list[str]:
-    if key not in file:
-        return []
-    raw = [text.decode("utf-8") if isinstance(text, bytes) else str(text) for text in file[key][:]]
-    return [text.strip() for text in raw] if len(raw) == count else []
+    """The names or the units of `count` channels; "" where the file states none."""
+    raw = file[key][:] if key in file else []
+    words = [text.decode("utf-8") if isinstance(text, bytes) else str(text) for text in raw]
+    return [word.strip() for word in words] if len(words) == count else [""] * count
 
 
 def _load(

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -36,10 +37,8 @@ class Selection:
 
 def find_companion(path: Path, suffix: str) -> Path | None:
     """The file of the same name with another extension, in lower or upper case, if it exists."""
-    for candidate in (path.with_suffix(suffix), path.with_suffix(suffix.upper())):
-        if candidate.exists():
-            return candidate
-    return None
+    candidates = (path.with_suffix(suffix), path.with_suffix(suffix.upper()))
+    return next((candidate for candidate in candidates if candidate.exists()), None)
 
 
 def open_hawc2(path: Path) -> ChannelTable:
@@ -57,10 +56,7 @@ def open_hawc2(path: Path) -> ChannelTable:
     sel, dat = (path, other) if wanted == ".dat" else (other, path)
     selection = _read_selection(sel)
     _check_length(dat, selection)
-
-    def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
-        return _load(dat, selection, names, rows)
-
+    load = partial(_load, dat, selection)
     kind = "ASCII" if selection.factors is None else "binary"
     return ChannelTable(path, f"HAWC2, {kind}", selection.names, selection.units, load)
 
@@ -69,28 +65,27 @@ def _read_selection(sel: Path) -> Selection:
     lines = sel.read_text(encoding="latin-1").splitlines()
     strange = refuse(sel, "is not a HAWC2 .sel file (line 9: scans, channels, time, ASCII/BINARY)")
     try:
-        scans, count, length, kind = lines[SUMMARY_LINE].split()[:4]
-        rows = lines[FIRST_CHANNEL : FIRST_CHANNEL + int(count)]
-        total, duration = int(scans), float(length)
+        words = lines[SUMMARY_LINE].split()
+        scans, count, duration, kind = int(words[0]), int(words[1]), float(words[2]), words[3]
     except (IndexError, ValueError):
         raise strange from None
-    if len(rows) != int(count) or kind.upper() not in ("ASCII", "BINARY") or total < 1:
+    rows = lines[FIRST_CHANNEL : FIRST_CHANNEL + count]
+    if len(rows) != count or kind.upper() not in ("ASCII", "BINARY") or scans < 1:
         raise strange
     names = number_repeats([row[NAME].strip() or str(place + 1) for place, row in enumerate(rows)])
-    units = tuple(row[UNIT].strip() for row in rows)
+    units = (row[UNIT].strip() for row in rows)
+    stated = tuple("" if unit == "-" else unit for unit in units)
     factors = None
     if kind.upper() == "BINARY":
-        below = lines[FIRST_CHANNEL + int(count) :]
-        start = next((k for k, text in enumerate(below) if "scale factor" in text.lower()), None)
+        below = lines[FIRST_CHANNEL + count :]
+        start = next((k for k, t in enumerate(below) if "scale factor" in t.lower()), len(below))
         try:
-            numbers = below[(start if start is not None else len(below)) + 1 :]
-            factors = np.array([float(text) for text in " ".join(numbers).split()][: int(count)])
+            factors = np.array([float(n) for n in " ".join(below[start + 1 :]).split()][:count])
         except ValueError:
             raise strange from None
-        if len(factors) != int(count):
+        if len(factors) != count:
             raise refuse(sel, f"has {len(factors)} scale factors for {count} channels")
-    stated = tuple("" if unit == "-" else unit for unit in units)
-    return Selection(total, names, stated, factors, duration)
+    return Selection(scans, names, stated, factors, duration)
 
 
 def _check_length(dat: Path, selection: Selection) -> None:
@@ -111,32 +106,29 @@ def _load(
 ) -> Mapping[str, Array]:
     places = {name: selection.names.index(name) for name in names}
     if selection.factors is not None:
-        scans = selection.scans
-        packed = np.memmap(dat, dtype="<i2", mode="r", shape=(len(selection.names), scans))
-        return {
-            name: _restore_time(packed[k, :rows] * selection.factors[k], k, selection)
-            for name, k in places.items()
-        }
+        shape = len(selection.names), selection.scans
+        packed = np.memmap(dat, dtype="<i2", mode="r", shape=shape)
+        columns = {k: packed[k, :rows] * selection.factors[k] for k in places.values()}
+    else:
+        columns = _load_text(dat, selection, sorted(set(places.values())), rows)
+    return {name: _restore_time(columns[k], k, selection) for name, k in places.items()}
+
+
+def _load_text(
+    dat: Path, selection: Selection, places: list[int], rows: int | None
+) -> dict[int, Array]:
     import pandas as pd
 
     try:
         frame = pd.read_csv(
-            dat,
-            sep=r"\s+",
-            header=None,
-            names=list(range(len(selection.names))),
-            usecols=sorted(set(places.values())),
-            nrows=rows,
-            dtype="float64",
-        )
+            dat, sep=r"\s+", header=None, names=range(len(selection.names)), usecols=places,
+            nrows=rows, dtype="float64",
+        )  # fmt: skip
     except (ValueError, pd.errors.ParserError) as error:
         raise refuse(dat, f"cannot be read as numbers ({shorten(error, 160)})") from None
     if rows is None and len(frame) < selection.scans:
         raise refuse(dat, f"is cut short: {selection.scans} scans announced, {len(frame)} there")
-    return {
-        name: _restore_time(frame[k].to_numpy(dtype=float), k, selection)
-        for name, k in places.items()
-    }
+    return {k: frame[k].to_numpy(dtype=float) for k in places}
 
 
 def _restore_time(values: Array, place: int, selection: Selection) -> Array:

@@ -11,8 +11,9 @@ import gzip
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 import numpy as np
 
@@ -63,11 +64,7 @@ def open_text(path: Path) -> ChannelTable:
         If the file is empty, has no two lines of numbers, or has decimal commas.
     """
     layout = find_layout(path, _read_head(path))
-    read = _load_blanks if layout.delimiter == " " else _load_delimited
-
-    def load(names: Sequence[str], rows: int | None = None) -> Mapping[str, Array]:
-        return read(path, layout, list(names), rows)
-
+    load = partial(_load_blanks if layout.delimiter == " " else _load_delimited, path, layout)
     word = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks"}[layout.delimiter]
     return ChannelTable(path, f"text, columns between {word}", layout.names, layout.units, load)
 
@@ -118,12 +115,8 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
         delimiter = _find_delimiter(line)
         fields = split_fields(line, delimiter)
         follower = next((text for text in lines[first + 1 :] if text.strip()), line)
-        if (
-            len(fields) < 2
-            or not _is_data(fields)
-            or not _is_data(split_fields(follower, delimiter))
-            or len(split_fields(follower, delimiter)) != len(fields)
-        ):
+        below = split_fields(follower, delimiter)
+        if not len(fields) == len(below) > 1 or not (_is_data(fields) and _is_data(below)):
             continue
         with_comma = [field for field in fields if _DECIMAL_COMMA.match(field)]
         if delimiter != "," and with_comma:
@@ -153,11 +146,9 @@ def _find_delimiter(line: str) -> str:
 
 
 def _is_data(fields: list[str]) -> bool:
-    def fits(field: str) -> bool:
-        return bool(_NUMBER.match(field) or _DECIMAL_COMMA.match(field)) or field in MISSING
-
     numbers = sum(1 for f in fields if _NUMBER.match(f) or _DECIMAL_COMMA.match(f))
-    return numbers > 0 and 2 * sum(map(fits, fields)) >= len(fields)
+    missing = sum(1 for f in fields if f in MISSING)  # none of these looks like a number
+    return numbers > 0 and 2 * (numbers + missing) >= len(fields)
 
 
 def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
@@ -180,7 +171,7 @@ def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[st
 
 
 def _load_delimited(
-    path: Path, layout: Layout, names: list[str], rows: int | None
+    path: Path, layout: Layout, names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
     """Load columns with pyarrow, block by block, so that only the wanted ones use memory."""
     import pyarrow as pa
@@ -197,7 +188,7 @@ def _load_delimited(
                 ),
                 parse_options=csv.ParseOptions(delimiter=layout.delimiter),
                 convert_options=csv.ConvertOptions(
-                    include_columns=names,
+                    include_columns=list(names),
                     column_types={name: pa.float64() for name in names},
                     null_values=list(MISSING),
                 ),
@@ -214,10 +205,8 @@ def _load_delimited(
                     break
     except (pa.ArrowInvalid, OSError, EOFError) as error:
         raise _not_numbers(path, error) from None
-    return {
-        name: column[: count if rows is None else min(rows, count)]
-        for name, column in columns.items()
-    }
+    stop = count if rows is None else min(rows, count)
+    return {name: column[:stop] for name, column in columns.items()}
 
 
 def _not_numbers(path: Path, error: Exception) -> InputError:
@@ -235,24 +224,17 @@ def _lengthen(column: Array, count: int, least: int) -> Array:
 
 
 def _load_blanks(
-    path: Path, layout: Layout, names: list[str], rows: int | None
+    path: Path, layout: Layout, names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
     """Load columns with pandas, because pyarrow cannot split at runs of blanks."""
     import pandas as pd
 
-    options: dict[str, Any] = {"dtype": "float64", "na_values": list(MISSING)}
     try:
         with _open(path) as file:
             frame = pd.read_csv(
-                file,
-                sep=r"\s+",
-                skiprows=layout.first,
-                header=None,
-                names=list(layout.names),
-                usecols=names,
-                nrows=rows,
-                **options,
-            )
+                file, sep=r"\s+", skiprows=layout.first, header=None, names=layout.names,
+                usecols=list(names), nrows=rows, dtype="float64", na_values=list(MISSING),
+            )  # fmt: skip
     except (ValueError, OSError, EOFError, pd.errors.ParserError) as error:
         raise _not_numbers(path, error) from None
     return {name: frame[name].to_numpy(dtype=float) for name in names}

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict
 from functools import partial
 from typing import Any
 
@@ -16,7 +17,6 @@ import numpy as np
 import pandas as pd
 
 from owtsweep.arrays import Array
-from owtsweep.config import as_mapping
 from owtsweep.motion.spectra import spectrum
 from owtsweep.results.status import FAILED, OK
 from owtsweep.studies.hub import blocks as sampled
@@ -145,7 +145,7 @@ def curves_of(config: HubConfig, name: str) -> Curves:
     what = {
         "what": "curves",
         "version": EXPECTED_VERSION,
-        "sensors": as_mapping(sensors),
+        "sensors": asdict(sensors),
         "scheme": sampled.scheme_content(config, by_name[name], scheme),
         "steps": steps,
         "settled": settled,

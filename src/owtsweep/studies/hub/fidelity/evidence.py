@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from owtsweep.verdicts import evidence
+from owtsweep.errors import InputError
+from owtsweep.results.boundary import find_boundary, find_boundary_ratio
+from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS
+from owtsweep.verdicts.evidence import DIGITS, Evidence
+from owtsweep.verdicts.inference import Estimate
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.fidelity.history_errors import HistoryErrors
@@ -27,8 +32,26 @@ class Cell(NamedTuple):
         return f"{self.natural_period:g} s, {self.amplitude:g} m"
 
 
+def cells(
+    periods: Sequence[float] = PERIODS, amplitudes: Sequence[float] = AMPLITUDES
+) -> list[Cell]:
+    """The cells of a grid, sorted by period, then by amplitude."""
+    return [Cell(period, amplitude) for period in periods for amplitude in amplitudes]
+
+
+@dataclass(frozen=True)
+class Boundary(Estimate):
+    """The amplitude (m) above which HME1 has the smaller position MSE, below which HME2.
+
+    Its 95 % interval is a bootstrap over the replicates. NaN where there is none; `wins` is then
+    the scheme that is better at every amplitude, or "neither".
+    """
+
+    wins: str = ""
+
+
 @dataclass(frozen=True, kw_only=True)
-class Evidence(evidence.Evidence):
+class HubEvidence(Evidence):
     """The cases of a run in one window, and its time histories.
 
     Attributes
@@ -40,9 +63,34 @@ class Evidence(evidence.Evidence):
 
     history_errors: HistoryErrors | None = None
 
+    @cached_property
+    def boundaries(self) -> dict[float, Boundary]:
+        """Natural period (s) -> boundary, for the run's periods that have both schemes."""
+        try:
+            table = find_boundary(self.rows, CONDITIONS, BOUNDARY, "position", self.window)
+        except InputError:  # a scheme is missing, or cases run directly: they have no products
+            return {}
+        boundaries = {}
+        rows: Any = table.itertuples(index=False)
+        for row in rows:
+            label = f"boundary at {row.natural_period:g} s"
+            if row.wins == "neither":
+                label += " (none: the means cross twice, or the other way round)"
+            elif row.wins:
+                label += f" (none: {row.wins} is better at every amplitude)"
+            boundaries[round(row.natural_period, DIGITS)] = Boundary(
+                label, row.boundary, row.ci_low, row.ci_high, row.wins
+            )
+        return boundaries
 
-def cells(
-    periods: Sequence[float] = PERIODS, amplitudes: Sequence[float] = AMPLITUDES
-) -> list[Cell]:
-    """The cells of a grid, sorted by period, then by amplitude."""
-    return [Cell(period, amplitude) for period in periods for amplitude in amplitudes]
+    @cached_property
+    def growth(self) -> Estimate | None:
+        """The boundary at 8 s over that at 4 s; None where the run lacks either."""
+        periods = (8.0,), (4.0,)
+        try:
+            ratio = find_boundary_ratio(
+                self.rows, CONDITIONS, periods, BOUNDARY, "position", self.window
+            )
+        except InputError:
+            return None
+        return Estimate("boundary at 8 s over that at 4 s", *ratio)

@@ -6,6 +6,7 @@ amplitude.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -59,8 +60,8 @@ def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     if not all(name in schemes and hasattr(schemes[name], "kernel") for name in SCHEMES):
         return None
-    inside: dict[str, list[float]] = {name: [] for name in SCHEMES}
-    accumulated: dict[tuple[str, str], list[float]] = {}
+    inside: dict[str, list[float]] = defaultdict(list)
+    accumulated: dict[tuple[str, str], list[float]] = defaultdict(list)
     # One record at a time: 2000 s of one record take tens of megabytes.
     for replicate in range(min(config.grid.replicates, MOST_REPLICATES)):
         try:
@@ -75,8 +76,7 @@ def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
             errors = absolute_errors(chain, records, bias)
             inside[name].append(float(np.mean(errors["velocity"][settled:] <= VELOCITY_BOUND)))
             for quantity, error in errors.items():
-                total = float(np.sum(error)) * records.sensors.step
-                accumulated.setdefault((name, quantity), []).append(total)
+                accumulated[name, quantity].append(float(np.sum(error)) * records.sensors.step)
     return HistoryErrors(
         {name: np.array(shares) for name, shares in inside.items()},
         {key: np.array(sums) for key, sums in accumulated.items()},

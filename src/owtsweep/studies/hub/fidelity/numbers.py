@@ -4,46 +4,41 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
+from owtsweep.studies.hub.fidelity.evidence import Cell, HubEvidence
 from owtsweep.studies.hub.fidelity.reasons import reason
 from owtsweep.studies.hub.fidelity.score import published_numbers
-from owtsweep.verdicts import numbers
 from owtsweep.verdicts.numbers import compare_number
 
 if TYPE_CHECKING:
     import pandas as pd
 
-KEYS = ("table", "natural_period", "amplitude", "scheme", "measure", "published")
-COLUMNS = (*KEYS, *numbers.COLUMNS, "why")
-NOT_IN_RUN = "not in this run"
 
-
-def compare_numbers(evidence: Evidence) -> pd.DataFrame:
+def compare_numbers(evidence: HubEvidence) -> pd.DataFrame:
     """Published and reproduced numbers, one per row, in the order of the paper.
 
     Returns
     -------
     DataFrame
-        `COLUMNS`; those about the run are as in `compare_number`. `why` says where the published
-        number lies among the records, and for a number missed by more than a factor of 2, the
-        cause. MSE of x and y in m^2, of vx and vy in m^2/s^2. Table 7's v_x of EKF is judged at
-        1.98e-3, not at the print's 1.98e-2. A number whose condition or scheme the run lacks is
-        NaN, "not in this run".
+        table, natural_period, amplitude, scheme, measure, published, the keys of `compare_number`,
+        why. `why` says where the published number lies among the records, and for a number missed
+        by more than a factor of 2, the cause. MSE of x and y in m^2, of vx and vy in m^2/s^2. Table
+        7's v_x of EKF is judged at 1.98e-3, not at the print's 1.98e-2. A number whose condition or
+        scheme the run lacks is NaN, "not in this run".
     """
     import pandas as pd
 
     rows = [_row(evidence, printed) for printed in published_numbers().to_dict("records")]
-    return pd.DataFrame(rows, columns=list(COLUMNS))
+    return pd.DataFrame(rows).drop(columns="note")
 
 
-def _row(evidence: Evidence, printed: dict[Any, Any]) -> dict[str, Any]:
+def _row(evidence: HubEvidence, printed: dict[Any, Any]) -> dict[Any, Any]:
     cell = Cell(printed["natural_period"], printed["amplitude"])
     scheme, measure, published = printed["scheme"], printed["measure"], printed["published"]
     samples = evidence.samples(scheme, cell, measure)
     compared = compare_number(samples, published)
     notes = [f"judged at {published:.2e}: {printed['note']}"] if printed["note"] else []
     if samples is None:
-        notes.append(NOT_IN_RUN)
+        notes.append("not in this run")
     else:
         place = (
             f"the print lies at quantile {compared['quantile']:.2f} of {len(samples)} records, "
@@ -52,4 +47,4 @@ def _row(evidence: Evidence, printed: dict[Any, Any]) -> dict[str, Any]:
         notes.insert(0, place)
     if compared["missed_by_factor_2"]:
         notes.append(reason(evidence, scheme, cell, measure, published))
-    return {**{key: printed[key] for key in KEYS}, **compared, "why": "; ".join(notes)}
+    return {**printed, **compared, "why": "; ".join(notes)}

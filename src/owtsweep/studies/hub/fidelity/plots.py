@@ -11,7 +11,8 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MultipleLocator, NullLocator
 
 from owtsweep.figures import style
-from owtsweep.studies.hub.fidelity.boundaries import PUBLISHED, Boundary, tolerated
+from owtsweep.studies.hub.fidelity.boundaries import PUBLISHED, tolerated
+from owtsweep.studies.hub.fidelity.evidence import Boundary
 from owtsweep.verdicts.plots import BAND
 
 if TYPE_CHECKING:
@@ -23,11 +24,16 @@ def draw_boundaries(boundaries: Mapping[float, Boundary], amplitudes: Sequence[f
     figure = style.new_figure(7.0, 4.2)
     axes = figure.subplots()
     axes.set_yscale("log")
+    diamond: Any = {"marker": "D", "color": "0.3", "markerfacecolor": "none", "linestyle": "none"}
     # room for the published boundaries, whatever the run's amplitudes are
     bottom, top = min(*amplitudes, 0.1), max(*amplitudes, 5.0)
     for period, printed in PUBLISHED.items():
         axes.fill_between([period - 0.25, period + 0.25], *tolerated(period), **BAND)
-        axes.plot(period, printed, "D", markersize=8, color="0.3", markerfacecolor="none")
+        axes.plot(period, printed, markersize=8, **diamond)
+    for period, none in boundaries.items():
+        if none.wins:
+            text = f"none:\n{none.wins} better\nthroughout"
+            axes.text(period, 0.92 * top, text, ha="center", va="top", fontsize=8)
     finite = {p: b for p, b in boundaries.items() if np.isfinite(b.value)}
     if finite:
         value = np.array([b.value for b in finite.values()])
@@ -35,32 +41,20 @@ def draw_boundaries(boundaries: Mapping[float, Boundary], amplitudes: Sequence[f
         high = np.clip([b.high for b in finite.values()], bottom, top)
         axes.plot(list(finite), value, "o-", color="black", markersize=5)
         axes.vlines(list(finite), low, high, color="black", linewidth=1.5)
-    for period, none in boundaries.items():
-        if none.wins:
-            text = f"none:\n{none.wins} better\nthroughout"
-            axes.text(period, 0.92 * top, text, ha="center", va="top", fontsize=8)
-    if finite:
         axes.text(0.02, 0.97, "HME1 better", transform=axes.transAxes, va="top")
         axes.text(0.98, 0.03, "HME2 better", transform=axes.transAxes, ha="right")
     shown = [*boundaries, *PUBLISHED]
-    axes.set_xlim(min(shown) - 0.5, max(shown) + 0.5)
-    axes.set_ylim(bottom, top)
+    axes.set(xlim=(min(shown) - 0.5, max(shown) + 0.5), ylim=(bottom, top))
+    axes.set(xlabel="natural period (s)", ylabel="motion amplitude (m)")
     axes.xaxis.set_major_locator(MultipleLocator(1.0))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
     axes.yaxis.set_minor_locator(NullLocator())
-    axes.set_xlabel("natural period (s)")
-    axes.set_ylabel("motion amplitude (m)")
-    hollow: dict[str, Any] = {"color": "0.3", "markerfacecolor": "none", "linestyle": "none"}
-    handles: list[Any] = [
+    handles = [
         Line2D([], [], color="black", marker="o", label="this run, 95 % interval"),
-        Line2D([], [], marker="D", label="published", **hollow),
+        Line2D([], [], label="published", **diamond),
         Patch(label="factor of 2", **BAND),
     ]
     axes.legend(
-        handles=handles,
-        loc="lower center",
-        bbox_to_anchor=(0.5, 1.0),
-        ncols=3,
-        frameon=False,
+        handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False
     )
     return figure

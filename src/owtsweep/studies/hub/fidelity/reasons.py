@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from owtsweep.arrays import Array
-from owtsweep.results.superposition import superpose
-from owtsweep.studies.hub.fidelity.evidence import Cell, Evidence
+from owtsweep.results.superposition import PRODUCTS, superpose
+from owtsweep.studies.hub.fidelity.evidence import Cell, HubEvidence
 from owtsweep.studies.hub.fidelity.score import published_numbers
 from owtsweep.verdicts.evidence import DIGITS
 
@@ -42,57 +41,49 @@ def implied_floor(scheme: str, measure: str) -> float:
     return float(_floor(value[WEAK], value[STRONG]))
 
 
-def floors_of_records(evidence: Evidence, scheme: str, measure: str) -> Array:
-    """F of the run's single records, computed as for the paper, and so with a contribution of C."""
-    chosen = _superposed(evidence, scheme, WEAK.natural_period, measure)
-    chosen = chosen[chosen["window"] == evidence.window]
-    A, C, F = (chosen[name].to_numpy(dtype=float) for name in ("motion", "cross", "noise"))
-    weak, strong = (superpose(A, C, F, cell.amplitude) for cell in (WEAK, STRONG))
-    return np.asarray(_floor(weak, strong))
-
-
 def _floor(weak: Any, strong: Any) -> Any:
     A = (strong - weak) / (STRONG.amplitude**2 - WEAK.amplitude**2)
     return weak - WEAK.amplitude**2 * A
 
 
 def _superposed(
-    evidence: Evidence, scheme: str, natural_period: float, measure: str
+    evidence: HubEvidence, scheme: str, cell: Cell, measure: str, *, both_windows: bool = False
 ) -> pd.DataFrame:
-    """The superposed rows of one scheme, period and measure in both windows."""
+    """The superposed rows of one scheme, period and measure in the run's window, or in both."""
     rows = evidence.finished
     return rows[
         (rows["scheme"] == scheme)
         & (rows["measure"] == measure)
-        & (rows["natural_period"].round(DIGITS) == natural_period)
+        & (rows["natural_period"].round(DIGITS) == cell.natural_period)
         & rows["amplitude"].isna()
+        & (both_windows | (rows["window"] == evidence.window))
     ]
 
 
-def terms(evidence: Evidence, scheme: str, cell: Cell, measure: str) -> Terms | None:
+def _mse(rows: pd.DataFrame, cell: Cell) -> Any:
+    return superpose(rows["motion"], rows["cross"], rows["noise"], cell.amplitude)
+
+
+def terms(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> Terms | None:
     """The parts of the run's mean MSE; None where the cases were run directly."""
-    chosen = _superposed(evidence, scheme, cell.natural_period, measure)
-    chosen = chosen[chosen["window"] == evidence.window]
+    chosen = _superposed(evidence, scheme, cell, measure)
     if chosen.empty:
         return None
-    A, C, F = chosen[["motion", "cross", "noise"]].mean()
+    A, C, F = chosen[list(PRODUCTS)].mean()
     return Terms(float(cell.amplitude**2 * A), float(2.0 * cell.amplitude * C), float(F))
 
 
-def start_up_share(evidence: Evidence, scheme: str, cell: Cell, measure: str) -> float:
+def start_up_share(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> float:
     """The share of the full record's squared error that comes from before the settling time.
 
     NaN where the cases were run directly.
     """
-    chosen = _superposed(evidence, scheme, cell.natural_period, measure)
-    mse = superpose(chosen["motion"], chosen["cross"], chosen["noise"], cell.amplitude)
-    total = (mse * chosen["n_samples"]).groupby(chosen["window"]).sum()
-    if not {"full", "settled"} <= set(total.index):
-        return float("nan")
-    return float(1.0 - total["settled"] / total["full"])
+    chosen = _superposed(evidence, scheme, cell, measure, both_windows=True)
+    total = (_mse(chosen, cell) * chosen["n_samples"]).groupby(chosen["window"]).sum()
+    return float(1.0 - total.get("settled", np.nan) / total.get("full", np.nan))
 
 
-def reason(evidence: Evidence, scheme: str, cell: Cell, measure: str, published: float) -> str:
+def reason(evidence: HubEvidence, scheme: str, cell: Cell, measure: str, published: float) -> str:
     """Say why a number is missed, from the parts of the run's MSE and of the paper's.
 
     The cause is the part (noise or motion) that brings the number closer to the published one when
@@ -133,12 +124,14 @@ def _distance(value: float, published: float) -> float:
     return abs(float(np.log2(value / published))) if value > 0.0 else float("inf")
 
 
-def _doubt(evidence: Evidence, scheme: str, measure: str, floor: float) -> str:
+def _doubt(evidence: HubEvidence, scheme: str, measure: str, floor: float) -> str:
     """A note if the paper's floor could be that of a single record with non-negligible C."""
-    records = floors_of_records(evidence, scheme, measure)
-    if len(records) < 2:
+    rows = _superposed(evidence, scheme, WEAK, measure)
+    # F of single records, computed as for the paper, and so with a contribution of C
+    floors = _floor(_mse(rows, WEAK), _mse(rows, STRONG))
+    if len(floors) < 2:
         return ""
-    low, high = np.percentile(records, [2.5, 97.5])
+    low, high = np.percentile(floors, [2.5, 97.5])
     if not low <= floor <= high:
         return ""
     return (

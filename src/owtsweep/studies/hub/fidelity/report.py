@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING
 from owtsweep.studies.hub import published, scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS, get_grid
 from owtsweep.studies.hub.config import HubConfig
-from owtsweep.studies.hub.fidelity.boundaries import all_boundaries
 from owtsweep.studies.hub.fidelity.contents import FREEDOM, document
-from owtsweep.studies.hub.fidelity.evidence import SCHEMES, Evidence
+from owtsweep.studies.hub.fidelity.evidence import SCHEMES, HubEvidence
 from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
-from owtsweep.studies.hub.fidelity.history_statements import HISTORY_STATEMENTS
 from owtsweep.studies.hub.fidelity.numbers import compare_numbers
 from owtsweep.studies.hub.fidelity.plots import draw_boundaries
 from owtsweep.studies.hub.fidelity.statements import STATEMENTS, TABLE_CELLS
@@ -36,17 +34,35 @@ PANELS = {
 }
 
 
-def collect(config: HubConfig, rows: pd.DataFrame) -> Evidence:
-    """Collect a run's evidence on the paper; simulates the time histories at 3.8 s.
+def judge_all(evidence: HubEvidence) -> list[JudgedStatement]:
+    """Judge the statements F1 to F11."""
+    facts = published.facts()
+    return judge(dict(zip(facts["id"], facts["statement"], strict=True)), STATEMENTS, evidence)
+
+
+def write_report(
+    config: HubConfig, rows: pd.DataFrame, folder: Path, metadata: Mapping[str, str]
+) -> list[Path]:
+    """Judge a run against the paper and write everything about it.
 
     Parameters
     ----------
     config
-        The run's configuration.
+        The run's configuration; the time histories at 3.8 s are simulated with it.
     rows
         The run's cases, as `Run.cases` returns them.
+    folder
+        Made if it does not exist. It gets fidelity.csv, fidelity_numbers.csv, fidelity_claims.csv,
+        consistency.csv, fidelity.md, fidelity.html and figures/.
+    metadata
+        Stored inside the figures; `folder` is the name of the run in the report.
+
+    Returns
+    -------
+    list of Path
+        The files.
     """
-    return Evidence(
+    evidence = HubEvidence(
         rows=rows,
         conditions=CONDITIONS,
         grid=get_grid(config),
@@ -55,60 +71,22 @@ def collect(config: HubConfig, rows: pd.DataFrame) -> Evidence:
         window=config.measures.window,
         history_errors=measure_history_errors(config),
     )
-
-
-def judge_all(evidence: Evidence) -> list[JudgedStatement]:
-    """Judge the statements F1 to F11."""
-    facts = published.facts()
-    texts = dict(zip(facts["id"], facts["statement"], strict=True))
-    return judge(texts, {**STATEMENTS, **HISTORY_STATEMENTS}, evidence)
-
-
-def write_report(
-    config: HubConfig,
-    rows: pd.DataFrame,
-    folder: Path,
-    *,
-    name: str,
-    metadata: Mapping[str, str] | None = None,
-) -> list[Path]:
-    """Judge a run against the paper and write everything about it.
-
-    Parameters
-    ----------
-    config, rows
-        As for `collect`.
-    folder
-        Made if it does not exist. It gets fidelity.csv, fidelity_numbers.csv, fidelity_claims.csv,
-        consistency.csv, fidelity.md, fidelity.html and figures/.
-    name
-        Name of the run in the report.
-    metadata
-        Stored inside the figures.
-
-    Returns
-    -------
-    list of Path
-        The files.
-    """
-    evidence = collect(config, rows)
     numbers, judged = compare_numbers(evidence), judge_all(evidence)
-    boundaries = all_boundaries(evidence)
     tables = {
-        "fidelity": fidelity_table(evidence, numbers, judged, boundaries),
+        "fidelity": fidelity_table(evidence, numbers, judged),
         "fidelity_numbers": numbers,
         "fidelity_claims": tabulate_claims(judged),
         "consistency": judge_consistency(evidence, FREEDOM),
     }
+    name, amplitudes = metadata["folder"], config.grid.amplitude
     return report.write_report(
         folder,
-        name="fidelity",
         title=f"Fidelity of {name}",
         tables=tables,
         figures={
             "published_against_reproduced": lambda: plots.scatter(numbers, SCHEMES, PANELS),
             "ratios": lambda: plots.ratios(numbers, SCHEMES, MEASURES, TABLE_CELLS),
-            "boundaries": lambda: draw_boundaries(boundaries, config.grid.amplitude),
+            "boundaries": lambda: draw_boundaries(evidence.boundaries, amplitudes),
         },
         contents=partial(document, name, config, evidence, tables, judged),
         metadata=metadata,

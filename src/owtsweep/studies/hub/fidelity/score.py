@@ -127,8 +127,7 @@ def score(products: Products) -> Score:
     sums = position.groupby(["table", "scheme"])[["published", "reproduced"]].sum().reset_index()
 
     def winners(column: str) -> tuple[str, ...]:
-        best = sums.loc[sums.groupby("table")[column].idxmin()]
-        return tuple(best.sort_values("table").scheme)
+        return tuple(sums.scheme[sums.groupby("table")[column].idxmin()])
 
     wrong = sum(a != b for a, b in zip(winners("published"), winners("reproduced"), strict=True))
     limits = {p: boundary(products["HME2"][p], products["HME1"][p]) for p in PERIODS}

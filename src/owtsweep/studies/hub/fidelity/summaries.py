@@ -2,33 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.hub.fidelity.boundaries import (
-    PUBLISHED,
-    Boundary,
-    boundary_claims,
-    claim_within,
-    ratio_of_boundaries,
-    tolerated,
-)
-from owtsweep.studies.hub.fidelity.evidence import SCHEMES, Evidence
-from owtsweep.studies.hub.fidelity.score import published_numbers
+from owtsweep.studies.hub.fidelity import boundaries
+from owtsweep.studies.hub.fidelity.evidence import SCHEMES, HubEvidence
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.verdicts import summary
 from owtsweep.verdicts.evidence import find_best
-from owtsweep.verdicts.inference import Claim, all_of, mean_ratio
+from owtsweep.verdicts.inference import Claim, Estimate, all_of, mean_ratio
 from owtsweep.verdicts.statements import JudgedStatement
-from owtsweep.verdicts.summary import (
-    NAN,
-    Item,
-    agreement,
-    distance_rows,
-    make_table,
-    number_rows,
-    statement_row,
-)
+from owtsweep.verdicts.summary import NAN, Item
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,74 +26,64 @@ NO_BOUNDARY = "period, scheme or superposed cases not in this run"
 
 
 def fidelity_table(
-    evidence: Evidence,
-    numbers: pd.DataFrame,
-    judged: Sequence[JudgedStatement],
-    boundaries: Mapping[float, Boundary],
+    evidence: HubEvidence, numbers: pd.DataFrame, judged: Sequence[JudgedStatement]
 ) -> pd.DataFrame:
     """All rows of fidelity.csv.
 
     Returns
     -------
     DataFrame
-        `verdicts.summary.COLUMNS`. kind "number": the 64 of tables 6-9; "statement": F1-F11,
+        As `verdicts.summary.make_table`. kind "number": the 64 of tables 6-9; "statement": F1-F11,
         `published` is the threshold of the decision that settles the verdict and `agrees` the
         verdict; "boundary": HME1/HME2, m; "winner": position MSE of the published winner over that
         of the best other scheme; "summary": distances of whole tables. `agrees` elsewhere: yes, no,
         undecided, missing, or empty where nothing is published. ratio = reproduced / published.
     """
-    return make_table(
+    tables: Any = numbers.groupby("table")
+    return summary.make_table(
         [
-            *number_rows(numbers),
-            *(statement_row(statement) for statement in judged),
-            *(_boundary(evidence, boundaries, period) for period in (4.0, 6.0, 8.0)),
+            *summary.number_rows(numbers),
+            *(summary.statement_row(statement) for statement in judged),
+            *(_boundary(evidence, period) for period in (4.0, 6.0, 8.0)),
             _growth(evidence),
-            *(_winner(evidence, number) for number in TABLE_CELLS),
-            *distance_rows(numbers, GROUPS),
-            *(_ekf_ratio(evidence, number) for number in TABLE_CELLS),
+            *(_winner(evidence, number, table) for number, table in tables),
+            *summary.distance_rows(numbers, GROUPS),
+            *(_ekf_ratio(evidence, number, table) for number, table in tables),
         ]
     )
 
 
-def _boundary(evidence: Evidence, boundaries: Mapping[float, Boundary], period: float) -> Item:
+def _boundary(evidence: HubEvidence, period: float) -> Item:
     """The boundary at one period (s) against the published one, if there is one."""
-    at_period = boundaries.get(period)
-    if period not in PUBLISHED:
-        return _boundary_row(f"boundary {period:g} s", NAN, at_period, "", "not published")
-    low, high = tolerated(period)
-    verdict = claim_within("", at_period, period).verdict
-    if at_period and at_period.wins:  # then the cells on either side decide
-        verdict = all_of(boundary_claims(evidence, period))
+    boundary = evidence.boundaries.get(period)
+    row = Item(f"boundary {period:g} s", "boundary", boundaries.PUBLISHED.get(period, NAN))
+    if period not in boundaries.PUBLISHED:
+        return _boundary_row(row, boundary, "", "not published")
+    claims = boundaries.boundary_claims(evidence, period)
+    # where there is no boundary, the cells on either side decide
+    verdict = all_of(claims if boundary and boundary.wins else claims[:1])
+    low, high = boundaries.tolerated(period)
     why = f"agreement: within a factor of 2, {low:g} to {high:g} m"
-    item = f"boundary {period:g} s"
-    return _boundary_row(item, PUBLISHED[period], at_period, agreement(verdict), why)
+    return _boundary_row(row, boundary, verdict, why)
 
 
-def _growth(evidence: Evidence) -> Item:
+def _growth(evidence: HubEvidence) -> Item:
     """The boundary at 8 s over that at 4 s."""
-    ratio = ratio_of_boundaries(evidence, 8.0, 4.0)
-    claim = Claim("", (ratio.against(1.0, "above"),) if ratio else ())
     why = "the paper's boundary grows with the period; agreement: above 1"
-    return _boundary_row("boundary 8 s / 4 s", NAN, ratio, agreement(claim.verdict), why)
+    row = Item("boundary 8 s / 4 s", "boundary")
+    return _boundary_row(row, evidence.growth, boundaries.claim_growth(evidence).verdict, why)
 
 
-def _boundary_row(
-    item: str, published: float, boundary: Boundary | None, agrees: str, why: str
-) -> Item:
-    row = Item(item, "boundary", published, agrees=agrees, why=NO_BOUNDARY)
+def _boundary_row(row: Item, boundary: Estimate | None, verdict: str, why: str) -> Item:
     if boundary is None:
-        return row
-    return replace(
-        row, reproduced=boundary.value, ci_low=boundary.low, ci_high=boundary.high,
-        why=f"{boundary.label}; {why}",
-    )  # fmt: skip
+        return replace(row, agrees=verdict, why=NO_BOUNDARY)
+    return row.judged(boundary, verdict, f"{boundary.label}; {why}")
 
 
-def _winner(evidence: Evidence, number: int) -> Item:
+def _winner(evidence: HubEvidence, number: int, table: pd.DataFrame) -> Item:
     """The published winner's position MSE over that of the best other scheme, in run and paper."""
     cell = TABLE_CELLS[number]
-    table = published_numbers()
-    chosen = table[(table["table"] == number) & table["measure"].isin(["x", "y"])]
+    chosen = table[table["measure"].isin(["x", "y"])]
     printed = chosen.groupby("scheme")["published"].sum().sort_values()
     winner = str(printed.index[0])
     why = f"print: {winner}, before {printed.index[1]}"
@@ -119,21 +94,16 @@ def _winner(evidence: Evidence, number: int) -> Item:
     name, of_winner, of_other = rivals
     decision = mean_ratio("", of_winner, of_other, 1.0, "below")
     why = f"{why}; here: {find_best(means)}; best other than {winner}: {name}"
-    return replace(row, why=why).decided(decision, agreement(Claim("", (decision,)).verdict))
+    return row.judged(decision, Claim("", (decision,)).verdict, why)
 
 
-def _ekf_ratio(evidence: Evidence, number: int) -> Item:
+def _ekf_ratio(evidence: HubEvidence, number: int, table: pd.DataFrame) -> Item:
     """Velocity MSE over position MSE of EKF, which shows where in frequency its loop resonates."""
     cell, (low, high) = TABLE_CELLS[number], EKF_RATIO
-    table = published_numbers()
-    chosen = table[(table["table"] == number) & (table["scheme"] == "EKF")]
-    value = chosen.set_index("measure")["published"]
-    row = Item(
-        item=f"EKF velocity / position MSE, table {number}",
-        kind="summary",
-        published=float((value["vx"] + value["vy"]) / (value["x"] + value["y"])),
-        why=f"at {cell}, in s^-2; agreement: within {low:g} to {high:g}",
-    )
+    value = table[table["scheme"] == "EKF"].set_index("measure")["published"]
+    published = float((value["vx"] + value["vy"]) / (value["x"] + value["y"]))
+    why = f"at {cell}, in s^-2; agreement: within {low:g} to {high:g}"
+    row = Item(f"EKF velocity / position MSE, table {number}", "summary", published, why=why)
     values = evidence.common([("EKF", cell, "velocity"), ("EKF", cell, "position")])
     if values is None:
         return row
@@ -142,4 +112,4 @@ def _ekf_ratio(evidence: Evidence, number: int) -> Item:
         mean_ratio("", velocity, position, low, "above"),
         mean_ratio("", velocity, position, high, "below"),
     )
-    return row.decided(decisions[0], agreement(Claim("", decisions).verdict))
+    return row.judged(decisions[0], Claim("", decisions).verdict, why)

@@ -13,16 +13,10 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-
-#: Figure -> the quantity whose time history it shows, and whether it is zoomed in.
-HISTORIES = {
-    "position": ("position", False),
-    "position_zoom": ("position", True),
-    "velocity": ("velocity", False),
-    "velocity_zoom": ("velocity", True),
-    "acceleration_zoom": ("acceleration", True),
-    "bias": ("bias", False),
-}
+#: Figures that show a quantity over time; `_zoom`: some seconds of it.
+HISTORIES = (
+    "position", "position_zoom", "velocity", "velocity_zoom", "acceleration_zoom", "bias",
+)  # fmt: skip
 
 
 def overview(config: ReplayConfig) -> str:
@@ -31,13 +25,17 @@ def overview(config: ReplayConfig) -> str:
 
 
 def drawings(
-    config: ReplayConfig,
-    tables: Mapping[str, pd.DataFrame],
-    metadata: Mapping[str, str] | None = None,
+    config: ReplayConfig, tables: Mapping[str, pd.DataFrame], metadata: Mapping[str, str]
 ) -> dict[str, Drawing]:
     """The figures of a run by name: time histories of one record, or the map over many."""
-    single = len(config.grid.files) == 1
-    figures = _figures_of_one(config, tables) if single else _figures_of_many(config, tables)
+    if len(config.grid.files) == 1:
+        figures = _figures_of_one(config, tables)
+    else:
+        from owtsweep.studies.replay.figures import records
+
+        figures = {
+            overview(config): lambda: records.draw(config, tables["records"], tables["advice"])
+        }
     return {name: save_figure(draw, metadata) for name, draw in figures.items()}
 
 
@@ -46,37 +44,21 @@ def _figures_of_one(
 ) -> dict[str, Callable[[], Figure]]:
     from owtsweep.studies.replay.figures import histories, place, spectrum
     from owtsweep.studies.replay.session import run_session
-    from owtsweep.studies.replay.states import NO_STATES, collect_filter_states
+    from owtsweep.studies.replay.states import collect_filter_states
 
     recorded = cache(lambda: run_session(config, config.grid.files[0]))
     states = cache(lambda: collect_filter_states(config, recorded()))
+    advice = tables["advice"]
+    advised = str(advice.iloc[0]["best"]) if len(advice) else None
 
     def history(name: str) -> Callable[[], Figure]:
-        quantity, zoom = HISTORIES[name]
-        filtered = quantity in ("acceleration", "bias")
+        quantity, zoom = name.removesuffix("_zoom"), name.endswith("_zoom")
         return lambda: histories.draw(
-            config, recorded(), states() if filtered else NO_STATES, quantity, zoom=zoom,
-            advised=_find_advised(tables),
-        )  # fmt: skip
+            config, recorded(), states, quantity, zoom=zoom, advised=advised
+        )
 
     return {
         **{name: history(name) for name in HISTORIES},
         "spectrum": lambda: spectrum.draw(config, tables["records"].iloc[0]),
         "place_in_map": lambda: place.draw(config, tables["records"].iloc[0]),
     }
-
-
-def _figures_of_many(
-    config: ReplayConfig, tables: Mapping[str, pd.DataFrame]
-) -> dict[str, Callable[[], Figure]]:
-    from owtsweep.studies.replay.figures import records
-
-    return {
-        "best_scheme_by_record": lambda: records.draw(config, tables["records"], tables["advice"])
-    }
-
-
-def _find_advised(tables: Mapping[str, pd.DataFrame]) -> str | None:
-    """The scheme whose uncertainty the figures show."""
-    advised = tables["advice"]
-    return str(advised.iloc[0]["best"]) if len(advised) else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 def draw(
     config: ReplayConfig,
     session: Session,
-    states: FilterStates,
+    states: Callable[[], FilterStates],
     quantity: str,
     *,
     zoom: bool,
@@ -37,7 +38,7 @@ def draw(
     Parameters
     ----------
     states
-        The other states of the filters: acceleration and bias.
+        Gives the other states of the filters, acceleration and bias; called if they are shown.
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.place import compute_rms_in_band, expect_map, read_fit
+from owtsweep.studies.replay.place import compute_rms_in_band, expect_map, find_place
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,8 +33,8 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
-    shape, band = read_fit(record), config.fit_band
-    if shape is None or not band[0] <= shape.peak_frequency <= band[1]:
+    shape, band = find_place(config, record), config.fit_band
+    if shape is None:
         raise InputError("the record's spectrum has no peak inside band, so it has no place there")
     period, amplitude = 1.0 / shape.peak_frequency, float(record["peak"])
     low = max(min([*config.grid.natural_period, 0.9 * period]), 1.0 / band[1])
@@ -42,7 +44,8 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     large = max([*config.grid.amplitude, 1.5 * amplitude])
     amplitudes = np.geomspace(small, large, AMPLITUDES)
     expected = expect_map(config, record, periods, amplitudes)
-    names = _find_distinct(expected)
+    labels = _label_distinct(expected)
+    names = list(labels)
     values = np.array([expected[name] for name in names])
     order = np.sort(values, axis=0)
     best = np.argmin(values, axis=0)
@@ -56,7 +59,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             shading="nearest", rasterized=True,
         )  # fmt: skip
         handles = [
-            Patch(facecolor=style_of(names[i], names).color, label=_join_names(names[i], expected))
+            Patch(facecolor=style_of(names[i], names).color, label=labels[names[i]])
             for i in np.unique(best)
         ]
         if len(names) > 1:
@@ -97,16 +100,11 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     return figure
 
 
-def _find_distinct(expected: dict[str, Any]) -> list[str]:
-    """Names of schemes with different values; of schemes with equal values, only the last."""
-    names = list(expected)
-    return [
-        name
-        for i, name in enumerate(names)
-        if not any(np.allclose(expected[name], expected[o], rtol=1e-9) for o in names[i + 1 :])
-    ]
-
-
-def _join_names(name: str, expected: dict[str, Any]) -> str:
-    same = [other for other in expected if np.allclose(expected[other], expected[name], rtol=1e-9)]
-    return " = ".join(same)
+def _label_distinct(expected: Mapping[str, Array]) -> dict[str, str]:
+    """Scheme -> its label: of schemes with equal values only the last, with the names of all."""
+    labels = {}
+    for name, values in expected.items():
+        same = [other for other in expected if np.allclose(expected[other], values, rtol=1e-9)]
+        if name == same[-1]:
+            labels[name] = " = ".join(same)
+    return labels

@@ -37,7 +37,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
         If the record does not move.
     """
     summary = summarise_motion(config, config.grid.files[0])
-    if not summary.moves:
+    if not summary.size["peak"] > 0.0:
         raise InputError("the record does not move, so it has no spectrum")
     frequency, power = summary.frequency, summary.power
     low, high = config.fit_band

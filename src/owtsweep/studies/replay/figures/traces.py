@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -51,12 +51,14 @@ class Traces:
     limits: Array | None = None
 
 
-def collect_traces(session: Session, states: FilterStates, quantity: str, *, zoom: bool) -> Traces:
+def collect_traces(
+    session: Session, states: Callable[[], FilterStates], quantity: str, *, zoom: bool
+) -> Traces:
     """The lines of "position", "velocity", "acceleration" (zoomed in) or "bias" (whole)."""
     if quantity == "bias":
-        return _trace_bias(session, states)
+        return _trace_bias(session, states())
     if quantity == "acceleration":
-        return _trace_acceleration(session, states)
+        return _trace_acceleration(session, states())
     return _trace_state(session, quantity, "zoom" if zoom else "whole")
 
 
@@ -104,24 +106,21 @@ def _take_fixes(session: Session, window: slice) -> tuple[Array, Array]:
 def _trace_acceleration(session: Session, states: FilterStates) -> Traces:
     record, window = session.record, session.windows["acceleration"]
     time = record.time_at(window)
-    filters = {
-        name: state
-        for name, state in states.of.items()
-        if state.acceleration is not None and name not in states.repeated["acceleration"]
-    }
     truth = None if record.acceleration is None else record.acceleration[window]
-    lines, errors = {}, {}
-    for name, state in filters.items():
-        if state.acceleration is not None:
-            lines[name] = make_pair(time, state.acceleration)
-            if truth is not None:
-                errors[name] = make_line(time, state.acceleration[:, 0] - truth[:, 0])
+    lines, errors, bound = {}, {}, 0.0
+    for name, state in states.of.items():
+        if state.acceleration is None or name in states.repeated["acceleration"]:
+            continue
+        lines[name] = make_pair(time, state.acceleration)
+        bound = max(bound, state.acceleration_bound)
+        if truth is not None:
+            errors[name] = make_line(time, state.acceleration[:, 0] - truth[:, 0])
     measured = _take_force(session, window) + np.array(session.sensors.gravity)
     return Traces(
         (float(time[0]), float(time[-1])),
         lines,
         errors,
-        max((state.acceleration_bound for state in filters.values()), default=0.0),
+        bound,
         truth=None if truth is None else make_pair(time, truth),
         imu=make_pair(time, measured),
     )
@@ -148,9 +147,8 @@ def _trace_bias(session: Session, states: FilterStates) -> Traces:
         return [(record.begin + record.step * steps, values)]
 
     truth = states.true_bias
-    last = record.time_at(slice(record.steps - 1, record.steps))[0]
     return Traces(
-        (record.begin, float(last)),
+        (record.begin, record.end),
         {name: (to_line(state.bias[0]), to_line(state.bias[1])) for name, state in filters.items()},
         {} if truth is None else {n: to_line(state.bias_error) for n, state in filters.items()},
         max((state.bias_bound for state in filters.values()), default=0.0),

@@ -1,0 +1,133 @@
+"""The engine of the searches: their tables, and the score drawn over each parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from owtsweep.figures.drawings import Drawing
+from owtsweep.results.status import OK
+from owtsweep.studies.readings import searches
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from rich.console import RenderableType
+
+    from owtsweep.studies.readings.config import ReadingsConfig
+
+#: Number of trials of each search in the table `best`.
+KEPT = 5
+
+
+class SearchEngine:
+    """`owtsweep.sweep.study.Engine` for the searches; a row is a trial."""
+
+    samples = True
+    plan = staticmethod(searches.plan)
+    run = staticmethod(searches.run)
+
+    def backend(self, config: ReadingsConfig) -> str:
+        """Processes, because a search runs Python code around kernels."""
+        return "loky"
+
+    def sort_columns(self) -> list[str]:
+        """The columns that identify a trial."""
+        return ["target", "search", "trial"]
+
+    def tables(self, config: ReadingsConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+        """The tables trials (all, in order of time) and best (of each search, best first)."""
+        return {"trials": rows.reset_index(drop=True), "best": rank_trials(rows)}
+
+    def terminal(
+        self, config: ReadingsConfig, tables: Mapping[str, pd.DataFrame]
+    ) -> RenderableType:
+        """The best trial of each target, with its parameters."""
+        from rich.table import Table
+
+        best = tables["best"]
+        shown = Table(title="best readings found", show_lines=True)
+        for column in ("target", "truth", "score", "parameters"):
+            shown.add_column(column)
+        for target, group in best.groupby("target", sort=True):
+            row = group.iloc[0]
+            values = {name: row[name] for name in list_parameters(best) if pd.notna(row[name])}
+            text = "\n".join(f"{name} = {_format(value)}" for name, value in values.items())
+            shown.add_row(str(target), str(row.truth), f"{row.score:.4g}", text)
+        return shown
+
+    def drawings(
+        self,
+        config: ReadingsConfig,
+        tables: Mapping[str, pd.DataFrame],
+        rows: pd.DataFrame,
+        metadata: Mapping[str, str],
+    ) -> Mapping[str, Drawing]:
+        """The scores of all trials: one figure per target, under one name."""
+
+        def draw(folder: Path, name: str) -> list[Path]:
+            from owtsweep.figures import style
+
+            files: list[Path] = []
+            trials = tables["trials"]
+            for target, group in trials[trials.status == OK].groupby("target", sort=True):
+                with style.context():
+                    figure = _score_over_parameters(str(target), group)
+                    files += style.save(figure, folder, f"{name}_{target}", metadata)
+            return files
+
+        return {"score_over_parameters": draw}
+
+    def overview(self, config: ReadingsConfig) -> str:
+        """The name of the figure of score over each parameter."""
+        return "score_over_parameters"
+
+
+def rank_trials(rows: pd.DataFrame) -> pd.DataFrame:
+    """The best trial of each search and its runners-up, per target, best first."""
+    done = rows[rows.status == OK]
+    ranked = done.sort_values(["target", "score", "search", "trial"], kind="stable")
+    return ranked.groupby("search", sort=False).head(KEPT).reset_index(drop=True)
+
+
+def list_parameters(table: pd.DataFrame) -> list[str]:
+    """The columns that hold parameters."""
+    return [column for column in table.columns if column not in searches.COLUMNS]
+
+
+def _format(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _score_over_parameters(target: str, table: pd.DataFrame) -> Figure:
+    from owtsweep.figures import style
+
+    names = [name for name in list_parameters(table) if table[name].notna().any()]
+    columns = min(4, max(1, len(names)))
+    lines = -(-len(names) // columns)
+    figure = style.new_figure(3.1 * columns, 2.5 * lines + 0.9)
+    axes = figure.subplots(lines, columns, sharey=True, squeeze=False)
+    lowest = table.score.min()
+    for panel, name in zip(axes.flat, names, strict=False):
+        for truth, group in table.groupby("truth", sort=True):
+            panel.plot(group[name], group.score, ".", markersize=4, alpha=0.6, label=str(truth))
+        winner = table.nsmallest(1, "score")
+        panel.plot(winner[name], winner.score, "k*", markersize=10, label="best")
+        if pd.api.types.is_float_dtype(table[name]) and table[name].max() > 20 * table[name].min():
+            panel.set_xscale("log")
+        panel.set_xlabel(name.replace("+", " +\n"), fontsize=7)
+        panel.set_ylim(lowest * 0.95, min(table.score.quantile(0.9), lowest * 4.0) * 1.02)
+    for panel in list(axes.flat)[len(names) :]:
+        panel.set_axis_off()
+    for line in axes:
+        line[0].set_ylabel("score (less is better)")
+    handles, labels = axes.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=4)
+    figure.suptitle(f"{target}: every trial, by parameter", x=0.01, ha="left")
+    style.footnote(
+        figure,
+        "Each dot is a trial. Trials above the panel's edge are not shown; trials.csv has all.",
+    )
+    return figure
