@@ -6,7 +6,7 @@ imported for an entry `{_target_: package.Class}` of a stored configuration.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
 from owtsweep.config import require
@@ -14,7 +14,7 @@ from owtsweep.errors import InputError
 from owtsweep.studies.hub.contract import Scheme
 
 
-class StoredScheme(Mapping[str, Any]):
+class StoredScheme(dict[str, Any]):
     """`owtsweep.studies.hub.contract.Scheme` for reading: it has a name, and cannot start.
 
     It is also the entry of the key `schemes` for which it stands, so that the configuration keeps
@@ -27,19 +27,8 @@ class StoredScheme(Mapping[str, Any]):
     """
 
     def __init__(self, entry: Mapping[str, Any], name: str, linear: bool) -> None:
-        self.entry, self.name, self.linear = dict(entry), name, linear
-
-    def __getitem__(self, key: str) -> Any:
-        """A key of the entry."""
-        return self.entry[key]
-
-    def __iter__(self) -> Iterator[str]:
-        """The keys of the entry."""
-        return iter(self.entry)
-
-    def __len__(self) -> int:
-        """How many keys the entry has."""
-        return len(self.entry)
+        super().__init__(entry)
+        self.name, self.linear = name, linear
 
     def start(self, sensors: Any, tuning: Any) -> NoReturn:
         """Refuse: the code of a stored scheme is never run.
