@@ -192,7 +192,7 @@ def test_kernels_are_the_algorithms(name: str, tuning: str, changes: tuple[str, 
         assert_same(ours, theirs, what)
     fresh = chain.gains.fresh[chain.gains.row(np.arange(records.steps))]
     assert_same(found[2][fresh], expected[2][fresh], "innovation")
-    sums = batch.direct_sums(chain, Lanes(records), AMPLITUDE, 130).products
+    sums = batch.sum_errors([chain], records, 130, AMPLITUDE)[0].products
     np.testing.assert_allclose(sums[:, :, 2], squares(chain, records, 130), rtol=1e-9)
 
 

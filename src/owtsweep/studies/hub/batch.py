@@ -49,49 +49,29 @@ class Sums(NamedTuple):
     squared: Array
 
 
-def superposed_sums(chain: Chain, lanes: Lanes, settled: int, *, consistency: bool = True) -> Sums:
-    """Products of the motion's and the noise's errors; `settled` is the first settled step.
-
-    Without `consistency` NEES is left at zero and its covariances are not computed.
-    """
-    return superposed_sums_of([chain], lanes.records, settled, consistency=consistency)[0]
-
-
-def superposed_sums_of(
-    chains: Sequence[Chain], records: Records, settled: int, *, consistency: bool = True
-) -> list[Sums]:
-    """`superposed_sums` of several chains; all of them run on a span before the next is made."""
-    return _run(chains, records, settled, None, keep=False, consistency=consistency)
-
-
-def direct_sums(
-    chain: Chain, lanes: Lanes, amplitude: float, settled: int, *, keep_squared: bool = False
-) -> Sums:
-    """Squared errors at one amplitude (m), as product 2."""
-    return direct_sums_of([chain], lanes.records, amplitude, settled, keep_squared=keep_squared)[0]
-
-
-def direct_sums_of(
+def sum_errors(
     chains: Sequence[Chain],
     records: Records,
-    amplitude: float,
     settled: int,
+    amplitude: float | None = None,
     *,
     keep_squared: bool = False,
+    consistency: bool = True,
 ) -> list[Sums]:
-    """`direct_sums` of several chains; all of them run on a span before the next is made."""
-    return _run(chains, records, settled, amplitude, keep=keep_squared, consistency=True)
+    """Each chain's sums; all of them run on a span of the records before the next is made.
 
-
-def _run(
-    chains: Sequence[Chain],
-    records: Records,
-    settled: int,
-    amplitude: float | None,
-    *,
-    keep: bool,
-    consistency: bool,
-) -> list[Sums]:
+    Parameters
+    ----------
+    settled
+        The first settled step.
+    amplitude
+        At which whole series are run, m; their squared errors are product 2. None for the products
+        of the motion's and the noise's errors.
+    keep_squared
+        Whether the squared position error of each step is kept; only with an amplitude.
+    consistency
+        Without it NEES is left at zero and its covariances are not computed.
+    """
     weights = [weights_of(chain, consistency=consistency) for chain in chains]
     memory = shared_memory(chains, 3 if amplitude is None else 2)
 
@@ -99,7 +79,7 @@ def _run(
         """The chains' sums and squared errors of replicates first ... first + 7."""
         feed = Feed(part, first, amplitude)
         runs = [
-            ChainRun(*pair, feed, settled, *memory, keep=keep)
+            ChainRun(*pair, feed, settled, *memory, keep=keep_squared)
             for pair in zip(chains, weights, strict=True)
         ]
         for span in feed.spans(max(run.lead for run in runs)):
@@ -202,11 +182,8 @@ def chunk_of(chain: Chain) -> tuple[int, int]:
     The end of a span that fills no whole chunk is processed with the next span. So a chunk's rows
     are kept in addition to those that the predictor and the delay reach back to.
     """
-    window, prediction, delay = (
-        chain.filter.window, chain.predictor.steps, chain.filter.input_delay
-    )  # fmt: skip
-    chunk = max(CHUNK, 2 * window, 2 * prediction)
-    return chunk, chunk + max(prediction, delay + 1)
+    chunk = max(CHUNK, 2 * chain.filter.window, 2 * chain.predictor.steps)
+    return chunk, chunk + lead_of(chain)
 
 
 class Estimates(NamedTuple):

@@ -15,7 +15,7 @@ from owtsweep.config import Section, as_mapping
 from owtsweep.errors import as_text
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub import measures
-from owtsweep.studies.hub.batch import Sums, direct_sums_of, superposed_sums_of
+from owtsweep.studies.hub.batch import Sums, sum_errors
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
@@ -195,12 +195,8 @@ def _by_kernels(
     if not chains:
         return result
     settled = _settled(config, records)
-    every = list(chains.values())
-    if amplitude is None:
-        sums = superposed_sums_of(every, records, settled)
-    else:
-        keep = config.measures.extremes
-        sums = direct_sums_of(every, records, amplitude, settled, keep_squared=keep)
+    keep = config.measures.extremes
+    sums = sum_errors(list(chains.values()), records, settled, amplitude, keep_squared=keep)
     tables = [
         _from_sums(of_scheme, schemes[number].name, records, amplitude)
         for number, of_scheme in zip(chains, sums, strict=True)
