@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.predictor import predict
 from owtsweep.estimation.smoother import FixedLagSmoother
-from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.config import FilterTuning
 from owtsweep.studies.hub.contract import Sensors
@@ -61,12 +61,9 @@ class DelayedChain:
         inputs = np.array(self.samples)[:-1] @ self.sensors.rotation.T  # all but the newest
         start = np.array([state[:2], state[2:4], state[6:8]])  # x1, x2, x4 of both axes
         now = np.array([predict(self.input_model, start[:, i], inputs[:, [i]]) for i in range(2)])
-        innovation = None
-        if fix is not None:
-            innovation = Innovation(step.innovation, step.innovation_covariance)
         covariance = np.kron(self._covariance(full=smoothed is not None), np.eye(2))
         self.count += 1
-        return Estimate(now[:, 0], now[:, 1], covariance, innovation), step
+        return Estimate(now[:, 0], now[:, 1], covariance, step.innovation), step
 
     def _covariance(self, *, full: bool) -> Array:
         if self.on_schedule or not full:
