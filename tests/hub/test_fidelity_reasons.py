@@ -16,7 +16,7 @@ from owtsweep.studies.hub.fidelity.score import published_numbers
 from owtsweep.studies.hub.filter_states import bias_of
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
-from owtsweep.studies.hub.true_bias import simulate_bias
+from owtsweep.studies.hub.sensors import simulate_bias
 from owtsweep.verdicts.consistency import judge_consistency, judge_intervals
 
 

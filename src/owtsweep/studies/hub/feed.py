@@ -160,8 +160,8 @@ class Feed:
 
             return turned
         sources = [records.force_noise(index) for index in self.indices]
-        one = sources[0]
-        imu = ImuNoise(one.walk, one.initial, one.sigma, one.gravity)
+        bias_x, white_x = sources[0].bias[0], sources[0].white[0]
+        imu = ImuNoise(bias_x.deviation, bias_x.initial, white_x.sigma, sources[0].gravity)
         normals, bias = np.empty((len(sources), 4, size)), np.zeros((len(sources), 2))
         begun = False
 
