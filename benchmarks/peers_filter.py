@@ -106,7 +106,7 @@ def _filterpy(job: Job) -> Callable[[], np.ndarray]:
         kf = MultirateKalmanFilter(job.chain.axis, np.eye(2), "proper")
         out = np.empty((job.steps, 8))
         for k, z, has_fix in _measurements(job):
-            out[k] = kf.step(z[-2:], z[:2] if has_fix else None, z[:2]).x
+            out[k] = kf.step(z[-2:], z[:2] if has_fix else None).x
         return out
 
     return work

@@ -51,11 +51,9 @@ class DelayedChain:
         self.samples.append(np.array(specific_force, dtype=float))
         return self.samples[-1 - self.sensors.delay]
 
-    def step(
-        self, delayed: Array, fix: Array | None, held_fix: Array
-    ) -> tuple[Estimate, FilterStep]:
+    def step(self, delayed: Array, fix: Array | None) -> tuple[Estimate, FilterStep]:
         """Filter, smooth and predict (Algorithms 6-9) from the delayed sample and a position."""
-        step = self.filter.step(delayed, fix, held_fix)
+        step = self.filter.step(delayed, fix)
         smoothed = self.smoother.update(step.x, step.P, step.x_predicted, step.P_predicted)
         state: Array = np.zeros(8) if smoothed is None else smoothed[0]
         inputs = np.array(self.samples)[:-1] @ self.sensors.rotation.T  # all but the newest
@@ -84,16 +82,13 @@ class HME1Estimator:
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
         self.sensors = sensors
         self.chain = DelayedChain(tuning.hme1, tuning.hme.smoother_window, sensors, gains)
-        self.held_fix: Array = np.zeros(2)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """One pass through Algorithm 1."""
-        if position is not None:
-            self.held_fix = np.array(position, dtype=float)
         if (position is not None) != (self.chain.count % self.sensors.fix_interval == 0):
             self.chain.on_schedule = False
         delayed = self.chain.push(specific_force)
-        return self.chain.step(delayed, position, self.held_fix)[0]
+        return self.chain.step(delayed, position)[0]
 
 
 class HME1:

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
@@ -27,13 +25,10 @@ class FilterEstimator:
         self.filter = MultirateKalmanFilter(
             axis_filter(tuning, sensors), sensors.rotation, tuning.update_rule
         )
-        self.held_fix: Array = np.zeros(2)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """One step of Algorithm 6."""
-        if position is not None:
-            self.held_fix = np.array(position, dtype=float)
-        step = self.filter.step(specific_force, position, self.held_fix)
+        step = self.filter.step(specific_force, position)
         return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], step.innovation)
 
 

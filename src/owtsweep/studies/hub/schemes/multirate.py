@@ -50,18 +50,18 @@ class MultirateKalmanFilter:
         self.position_variance = axis.position_variance
         self.force_variance = axis.force_variance
         self.previous_input = np.zeros((2, 1))
+        # the last fix; only the rule `mask_rows` uses it, as Algorithm 6 is printed
+        self.held_fix: Array = np.zeros(2)
 
-    def step(self, force: Array, fix: Array | None, held_fix: Array) -> FilterStep:
-        """Predict, then correct with this step's specific force (IMU frame) and fix.
-
-        `held_fix` is the last fix. Only the rule `mask_rows` uses it, as Algorithm 6 is printed.
-        """
+    def step(self, force: Array, fix: Array | None) -> FilterStep:
+        """Predict, then correct with this step's specific force (IMU frame) and fix."""
         kf = self.kf
         kf.predict(u=self.previous_input)
         self.previous_input = self.rotation @ force.reshape(2, 1)
         x_predicted, P_predicted = kf.x.copy(), kf.P.copy()
         innovation = None
         if fix is not None:
+            self.held_fix = np.array(fix, dtype=float)
             S = self.position_rows @ P_predicted @ self.position_rows.T
             S = S + self.position_variance * _I
             innovation = Innovation(fix - x_predicted[:2, 0], S)
@@ -70,7 +70,7 @@ class MultirateKalmanFilter:
         elif self.rule == "every_step":
             self._correct(force, x_predicted[:2, 0])  # the innovation is zero
         else:
-            self._masked(force, held_fix)
+            self._masked(force)
         return FilterStep(
             kf.x[:, 0].copy(), kf.P.copy(), x_predicted[:, 0], P_predicted, innovation
         )
@@ -87,7 +87,7 @@ class MultirateKalmanFilter:
             R = np.kron(np.diag(variances), _I)
             self.kf.update(np.concatenate(values).reshape(-1, 1), R=R, H=np.vstack(rows))
 
-    def _masked(self, force: Array, held_fix: Array) -> None:
+    def _masked(self, force: Array) -> None:
         """Correct between fixes by Algorithm 6, lines 5-10: part of K is zero, P = (I - K H) P."""
         kf = self.kf
         H = np.vstack([self.position_rows, self.force_rows])
@@ -100,7 +100,7 @@ class MultirateKalmanFilter:
             K[:, :2] = 0.0
         else:
             K[:2] = 0.0
-            z[:2] = held_fix
+            z[:2] = self.held_fix
         kf.x = kf.x + K @ (z.reshape(-1, 1) - H @ kf.x)
         P = (np.eye(8) - K @ H) @ kf.P
         kf.P = 0.5 * (P + P.T)  # a covariance is symmetric
