@@ -17,7 +17,6 @@ from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.kernels.filtering import PREDICTED
 from owtsweep.studies.hub.kernels.lagging import smooth_chunk
-from owtsweep.studies.hub.kernels.layout import Window
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.vectors.lanes import borrowed
@@ -142,7 +141,7 @@ def squares(chain: Chain, records: Records, settled: int) -> Array:
 @njit
 def _together(k0, count, arrays, X, r, s, u):
     c, target, force = borrowed(arrays), borrowed(X), borrowed(u)
-    window = Window(target, borrowed(r), borrowed(s))
+    window = (target, borrowed(r), borrowed(s))
     smooth_chunk(k0, count, c, PREDICTED, window, force, 0)
 
 

@@ -19,10 +19,7 @@ from owtsweep.studies.hub.kernels.layout import (
     Fed,
     Memory,
     Output,
-    Registers,
     Scratch,
-    Stretch,
-    Totals,
     Truth,
     Weights,
     new_output,
@@ -138,17 +135,16 @@ class ChainRun:
         from owtsweep.studies.hub.kernels import runs
 
         ready = span.stop if span.stop == self.steps else span.stop // self.chunk * self.chunk
-        stretch = Stretch(self.done, ready, self.chunk, self.settled)
+        stretch = (self.done, ready, self.chunk, self.settled)
         fed = Fed(tuple(span.force), span.base, self.fixes)
         amplitude = 1.0 if self.feed.amplitude is None else self.feed.amplitude
         direction = self.feed.records.direction * amplitude
         truth = Truth((span.position,), (span.velocity,), direction)
-        work = (stretch, fed, truth, self.arrays, self.weights, self.memory)
+        work = (stretch, fed, truth, self.arrays, self.weights, self.memory, (self.sums,))
         if self.feed.amplitude is None:
-            runs.superposed(*work, (self.sums,))
+            runs.superposed(*work)
         else:
-            keep = len(self.squared) > 0
-            runs.direct(*work, Totals((self.sums,), (self.squared,), keep))
+            runs.direct(*work, (self.squared,))
         self.done = ready
 
 
@@ -221,11 +217,10 @@ def chunks(
     from owtsweep.studies.hub.kernels import runs
 
     width = force.shape[1]
-    chunk, memory = chunk_of(chain)[0], shared_memory([chain], 1)
-    flat = Estimates(*(np.zeros((chunk, width)) for _ in Estimates._fields))
-    for k0, n, lanes, fed, registers in _one_by_one(chain, force, fixes, chunk):
-        runs.estimates(k0, n, fed, arrays_of(chain), Memory(registers, *memory))
-        for out, source in zip(flat, memory[1], strict=True):
+    flat = Estimates(*(np.zeros((chunk_of(chain)[0], width)) for _ in Estimates._fields))
+    for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
+        runs.estimates(k0, n, fed, arrays_of(chain), memory)
+        for out, source in zip(flat, memory.output, strict=True):
             out[:, lanes] = source[0][:, : lanes.stop - lanes.start]
         if lanes.stop == width:
             yield k0, n, flat
@@ -257,29 +252,30 @@ def state_chunks(
     """
     from owtsweep.studies.hub.kernels import runs
 
-    width = force.shape[1]
-    chunk, memory = chunk_of(chain)[0], shared_memory([chain], 1)
+    width, chunk = force.shape[1], chunk_of(chain)[0]
     eight, flat = np.empty((chunk, 4, WIDTH)), np.empty((chunk, 4, width))
     rows = (eight.reshape(-1, WIDTH),)
-    for k0, n, lanes, fed, registers in _one_by_one(chain, force, fixes, chunk):
-        runs.states(k0, n, fed, arrays_of(chain), Memory(registers, *memory), rows)
+    for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
+        runs.states(k0, n, fed, arrays_of(chain), memory, rows)
         flat[:, :, lanes] = eight[:, :, : lanes.stop - lanes.start]
         if lanes.stop == width:
             yield k0, n, flat
 
 
 def _one_by_one(
-    chain: Chain, force: Array | OnePassSeries, fixes: Array, chunk: int
-) -> Iterator[tuple[int, int, slice, Fed, Registers]]:
-    """Go through chunks and groups; yields first step, steps, lanes, inputs and registers."""
-    (steps, width), lead = force.shape, lead_of(chain)
+    chain: Chain, force: Array | OnePassSeries, fixes: Array
+) -> Iterator[tuple[int, int, slice, Fed, Memory]]:
+    """Go through chunks and groups; yields first step, steps, lanes, inputs and memory."""
+    (steps, width), chunk, lead = force.shape, chunk_of(chain)[0], lead_of(chain)
     positions = _in_groups(fixes, 0, len(fixes))
-    registers = [new_registers(1, chain.filter.window, chain.mhe.horizon) for _ in positions]
+    shared = shared_memory([chain], 1)
+    window, horizon = chain.filter.window, chain.mhe.horizon
+    memories = [Memory(new_registers(1, window, horizon), *shared) for _ in positions]
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
         for g, rows in enumerate(_in_groups(force, k0 - lead, k0 + n)):
             lanes = slice(g * WIDTH, min((g + 1) * WIDTH, width))
-            yield k0, n, lanes, Fed((rows,), k0 - lead, (positions[g],)), registers[g]
+            yield k0, n, lanes, Fed((rows,), k0 - lead, (positions[g],)), memories[g]
 
 
 def lead_of(chain: Chain) -> int:
