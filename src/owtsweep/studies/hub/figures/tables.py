@@ -70,7 +70,7 @@ def to_markdown(table: pd.DataFrame) -> str:
     shown = table.assign(cell=[_cell(row) for row in table.to_dict("records")])
     for (number, period, amplitude), rows in shown.groupby(["table", *CONDITIONS], sort=True):
         header = [f"{measure} ({UNITS[measure]})" for measure in dict.fromkeys(rows["measure"])]
-        cells = [[name, *cells] for name, cells in rows.groupby("scheme", sort=False)["cell"]]
+        cells = [[scheme, *texts] for scheme, texts in rows.groupby("scheme", sort=False)["cell"]]
         lines = [
             f"### Table {number}: natural period {period:g} s, amplitude {amplitude:g} m",
             "",
