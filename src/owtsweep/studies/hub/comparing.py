@@ -31,7 +31,7 @@ def describe_run(run: Candidate) -> Aspects:
     def find_best(
         rows: pd.DataFrame, grid: Grid, schemes: Sequence[str], criterion: str
     ) -> pd.DataFrame:
-        return answers.best_scheme(rows, schemes, [criterion], grid["amplitude"], window)
+        return answers.best_scheme(rows, schemes, [criterion], grid, window)
 
     return Aspects(
         conditions=CONDITIONS,
