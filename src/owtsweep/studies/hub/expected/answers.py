@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,7 +95,7 @@ def judge(values: Array) -> Verdict:
     """
     result = contest(values.reshape(len(values), -1, 1))
     clear = result.difference > RESOLUTION * result.mse_best
-    parts = (result.best, result.runner_up, result.mse_best, result.mse_runner_up, clear)
+    parts: Any = (result.best, result.runner_up, result.mse_best, result.mse_runner_up, clear)
     return Verdict(*(part.reshape(values.shape[1:]) for part in parts))
 
 
