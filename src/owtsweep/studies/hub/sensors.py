@@ -14,7 +14,6 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
 from owtsweep.sensing.noise import WhiteNoise, WienerBias
-from owtsweep.sensing.sampling import Sampling
 from owtsweep.studies.hub.config import SensorConfig
 from owtsweep.studies.hub.contract import Sensors
 
@@ -44,7 +43,7 @@ def sensors(config: SensorConfig) -> Sensors:
 
 def fix_count(steps: int, fix_interval: int) -> int:
     """How many fixes arrive in a record: they come at steps 0, M, 2 M, ..."""
-    return Sampling(fix_interval).count(steps)
+    return -(-steps // fix_interval)
 
 
 def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
