@@ -14,9 +14,9 @@ from owtsweep.errors import InputError
 from owtsweep.sweep.execute import Executor
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.progress import SilentProgress
+from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.setback import Setback
 
 
 def shards(outcome):
@@ -257,7 +257,7 @@ def test_what_a_backend_loses_is_looked_for_and_run_again(study, config, monkeyp
         if len(rounds) == 1:
             next(results)  # its shards are stored
             for key in tasks[next(results).task]:  # and these are not
-                self.store.path(key).unlink()
+                work.store.path(key).unlink()
         yield from results
 
     monkeypatch.setattr(Executor, "_run_round", losing_two)

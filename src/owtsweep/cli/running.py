@@ -15,9 +15,9 @@ from owtsweep.freed_memory import keep_freed_memory
 if TYPE_CHECKING:
     import pandas as pd
 
+    from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import Outcome
     from owtsweep.sweep.runs import Run
-    from owtsweep.sweep.setback import Setback
 
 #: Most reasons listed at the end of a sweep; run.log has all.
 MOST_REASONS = 10

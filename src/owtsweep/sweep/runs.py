@@ -14,7 +14,7 @@ from owtsweep.io.tables import read_table
 from owtsweep.sweep.gather import as_text, sort_rows
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import make_plan
-from owtsweep.sweep.setback import Setback, collect_setbacks
+from owtsweep.sweep.rows import Setback, collect_setbacks
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import OK, UNABLE, Engine, Study
 
