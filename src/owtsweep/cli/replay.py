@@ -29,7 +29,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         return DONE
     if not may_start(options, config):
         return BAD_INPUT
-    progress = make_progress(quiet=False)
+    progress = make_progress()
     outcome = execute(
         config, fresh=options.fresh, progress=progress, argv=list(argv),
         say=lambda text: print(text, file=sys.stderr, flush=True),

@@ -54,7 +54,7 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
 
     keep_freed_memory()
     study = get_study(config.study)
-    progress = make_progress(quiet=False)
+    progress = make_progress()
     outcome = sweep(study, config, fresh=fresh, progress=progress, argv=list(argv))
     tables = written_tables(outcome)
     drawn = _draw_overview(outcome) if tables else True

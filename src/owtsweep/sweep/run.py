@@ -19,7 +19,7 @@ from owtsweep.sweep.execute import PLACES, Executor
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.log import repeat, run_log
 from owtsweep.sweep.plan import Plan, count_cases, make_plan, make_tasks
-from owtsweep.sweep.progress import Progress, SilentProgress
+from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.provenance import (
     finish_manifest,
     read_earlier_seconds,
@@ -110,7 +110,7 @@ def sweep(
         text = dump(config)
         _prepare(run, text, fresh=fresh)
         with run_log(run.folder):
-            return _Sweep(run, plan, executor, progress or SilentProgress(), argv)(text)
+            return _Sweep(run, plan, executor, progress or Progress(), argv)(text)
 
 
 def _prepare(run: Run, text: str, *, fresh: bool) -> None:
