@@ -136,21 +136,18 @@ class _Collector(logging.Handler):
         if len(self.entries) >= MOST_ENTRIES:
             self.dropped += 1
             return
-        self.entries.append(
-            LogEntry(
-                record.name, record.levelno, record.created, _text(record, record.getMessage())
-            )
-        )
+        text = _text(record)
+        self.entries.append(LogEntry(record.name, record.levelno, record.created, text))
 
 
 def _wanted(record: logging.LogRecord) -> bool:
-    ours = record.name == "owtsweep" or record.name.startswith("owtsweep.")
-    return ours or record.levelno >= logging.WARNING
+    return record.name.split(".")[0] == "owtsweep" or record.levelno >= logging.WARNING
 
 
-def _text(record: logging.LogRecord, message: str) -> str:
-    label = getattr(_here, "label", "")
-    text = " ".join(message.split()) if record.name == "py.warnings" else message
+def _text(record: logging.LogRecord) -> str:
+    label, text = getattr(_here, "label", ""), record.getMessage()
+    if record.name == "py.warnings":
+        text = " ".join(text.split())
     return f"{label}: {text}" if label else text
 
 
@@ -159,5 +156,5 @@ class _Labelled(logging.Formatter):
 
     def formatMessage(self, record: logging.LogRecord) -> str:
         if not getattr(record, "from_worker", False):
-            record.message = _text(record, record.message)
+            record.message = _text(record)
         return super().formatMessage(record)
