@@ -25,12 +25,7 @@ EDGE = 0.1
 
 
 def check_source(
-    source: Source,
-    *,
-    steps: int,
-    step: float,
-    history: int = 10,
-    tolerance: float = TOLERANCE,
+    source: Source, *, steps: int, step: float, history: int = 10, tolerance: float = TOLERANCE
 ) -> None:
     """Run all checks on a source.
 
