@@ -13,13 +13,14 @@ from hashlib import blake2b
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from owtsweep import __version__
 from owtsweep.config import Config, as_mapping
-from owtsweep.sweep.keys import run_hash
-from owtsweep.sweep.study import Study
 from owtsweep.sweep.versions import shard_metadata
+
+if TYPE_CHECKING:
+    from owtsweep.sweep.runs import Run
 
 #: Packages whose version can change a number or a file.
 PACKAGES = (
@@ -32,20 +33,14 @@ SLOWEST = 10
 
 
 def start_manifest(
-    study: Study,
-    config: Config,
-    text: str,
-    argv: Sequence[str] | None,
-    *,
-    backend: str,
-    workers: int,
+    run: Run, text: str, argv: Sequence[str] | None, backend: str, workers: int
 ) -> dict[str, Any]:
     """The manifest of a run that begins now, as plain JSON data; `state` is "running".
 
     Parameters
     ----------
-    study, config
-        What is run.
+    run
+        The run.
     text
         The text of config.yaml.
     argv
@@ -67,11 +62,11 @@ def start_manifest(
             "machine": platform.machine(),
             "cores": os.cpu_count(),
         },
-        **shard_metadata(study),
-        "config_hash": run_hash(config),
+        **shard_metadata(run.study),
+        "config_hash": run.hash,
         "config_digest": blake2b(text.encode(), digest_size=16).hexdigest(),
-        "config": _without_places(config),
-        "seed": config.seed,
+        "config": _without_places(run.config),
+        "seed": run.config.seed,
         "argv": None if argv is None else list(argv),
         "backend": backend,
         "workers": workers,

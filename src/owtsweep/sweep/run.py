@@ -7,7 +7,7 @@ import logging
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from typing import Any
 
@@ -145,35 +145,31 @@ def _require_same_run(run: Run) -> None:
         )
 
 
+@dataclass
 class _Sweep:
     """One sweep under way."""
 
-    def __init__(
-        self,
-        run: Run,
-        plan: Plan,
-        executor: Executor,
-        progress: Progress,
-        argv: Sequence[str] | None,
-    ) -> None:
-        self.run, self.plan, self.executor = run, plan, executor
-        self.progress, self.argv = progress, argv
-        self.cases = count_cases(plan)
-        self.computed = self.reused = 0
-        self.failed: list[Setback] = []
-        self.unable: list[Setback] = []
-        earlier = read_earlier_seconds(run.folder)
-        labels = [block.label for block in plan.values()]
-        self.seconds = {label: earlier[label] for label in labels if label in earlier}
+    run: Run
+    plan: Plan
+    executor: Executor
+    progress: Progress
+    argv: Sequence[str] | None
+    computed: int = 0
+    reused: int = 0
+    failed: list[Setback] = field(default_factory=list)
+    unable: list[Setback] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
 
     def __call__(self, text: str) -> Outcome:
         """Run it; `text` is the configuration as config.yaml has it."""
         began = time.perf_counter()
+        earlier = read_earlier_seconds(self.run.folder)
+        labels = [block.label for block in self.plan.values()]
+        self.seconds = {label: earlier[label] for label in labels if label in earlier}
         others = was_running(self.run.folder)
         manifest = start_manifest(
-            self.run.study, self.run.config, text, self.argv,
-            backend=self.executor.backend, workers=self.executor.workers,
-        )  # fmt: skip
+            self.run, text, self.argv, self.executor.backend, self.executor.workers
+        )
         self._write_manifest(manifest)
         state = "error"
         try:
@@ -183,8 +179,8 @@ class _Sweep:
         except KeyboardInterrupt as error:
             state = "interrupted"
             raise Interrupted(
-                f"interrupted; {self._count_stored()} of {self.cases} cases are stored in "
-                f"{self.run.folder}/"
+                f"interrupted; {self._count_stored()} of {count_cases(self.plan)} cases are stored "
+                f"in {self.run.folder}/"
             ) from error
         finally:
             self.progress.stop()
@@ -204,15 +200,16 @@ class _Sweep:
         if not others:  # what another sweep computes now counts as new
             self._drop_doubtful()
         missing = {key: block for key, block in self.plan.items() if store.status(key) != "done"}
-        self.reused = self.cases - count_cases(missing)
-        logger.info("sweep of %d cases, %d of them stored already", self.cases, self.reused)
+        total = count_cases(self.plan)
+        self.reused = total - count_cases(missing)
+        logger.info("sweep of %d cases, %d of them stored already", total, self.reused)
         for change, cases in count_outdated(self.run.study, store, self.plan, missing).items():
             logger.warning("%d cases are recomputed: %s", cases, change)
         todo = make_tasks(missing)
         if others:
             # Another sweep may work on this run: start at the other end, to share the work.
             todo.reverse()
-        self.progress.start(self.cases, self.reused)
+        self.progress.start(total, self.reused)
         with closing(self.executor.run(todo, self.progress.advance)) as results:
             for result in results:
                 self._take(result)
@@ -273,10 +270,9 @@ class _Sweep:
         return results
 
     def _write_manifest(self, manifest: dict[str, Any]) -> None:
+        text = json.dumps(manifest, indent=2) + "\n"
         try:
-            write_atomically(
-                self.run.folder / "manifest.json", json.dumps(manifest, indent=2) + "\n"
-            )
+            write_atomically(self.run.folder / "manifest.json", text)
         except OSError as error:  # the stored cases matter more than the manifest
             logger.warning("manifest.json could not be written (%s)", one_line(error))
 
