@@ -31,8 +31,8 @@ from owtsweep.sweep.worker import (
 if TYPE_CHECKING:
     from owtsweep.sweep.cluster import Lost
 
-#: joblib's name of a backend -> where its workers run (`Work.place`).
-PLACES = {"threading": "thread", "loky": "process", "dask": "cluster"}
+#: The backends of joblib that a sweep can use.
+BACKENDS = ("threading", "loky", "dask")
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,13 @@ class Executor:
     ----------
     work
         What its workers need to know.
-    backend, workers
-        The joblib backend and its number of workers; 0 means a whole cluster.
+    workers
+        How many workers there are; 0 means a whole cluster.
     client
         The connection to a cluster (`owtsweep.sweep.cluster.connected`), for backend "dask".
     """
 
     work: Work
-    backend: str
     workers: int
     client: Any = None
 
@@ -69,11 +68,12 @@ class Executor:
         """
         if not tasks:
             return
+        backend, folder = self.work.backend, self.work.store.folder
         queue = list(tasks)
         reported: set[int] = set()
         # Processes cannot share a flag (it does not pickle), and they do not need it.
-        local = Local(threading.Event(), tell) if self.backend == "threading" else None
-        sharing = shared_token(self.work.store.folder) if self.backend == "dask" else nullcontext()
+        local = Local(threading.Event(), tell) if backend == "threading" else None
+        sharing = shared_token(folder) if backend == "dask" else nullcontext()
         with sharing as token:
             work = replace(self.work, token=token)
             try:
@@ -153,7 +153,7 @@ class Executor:
 
         if local is not None:
             local.stop.clear()  # the previous round set it to stop the workers that were left
-        with _hold_interrupts(self.backend == "loky"):
+        with _hold_interrupts(self.work.backend == "loky"):
             results: Any = self._make_parallel(len(numbers))(calls())
         try:
             for result in results:
@@ -173,7 +173,7 @@ class Executor:
         from joblib import Parallel
 
         options: dict[str, Any]
-        if self.backend == "dask":
+        if self.work.backend == "dask":
             from owtsweep.sweep.cluster import Backend
 
             # joblib uses the whole cluster; `workers` limits how many tasks are submitted at a time
@@ -181,10 +181,10 @@ class Executor:
         else:
             workers = min(self.workers, tasks)
             # With one job joblib would run it in this process, and a block may kill its process.
-            least = 2 if self.backend == "loky" else 1
+            least = 2 if self.work.backend == "loky" else 1
             options = {
                 "n_jobs": max(workers, least),
-                "backend": self.backend,
+                "backend": self.work.backend,
                 "pre_dispatch": workers if workers < least else "2*n_jobs",
             }
         return Parallel(return_as="generator_unordered", batch_size=1, **options)

@@ -15,7 +15,7 @@ from owtsweep.config import Config, dump, require
 from owtsweep.config.stored import load, read
 from owtsweep.io.files import check_writable, remove_stale, unwritable, write_atomically
 from owtsweep.io.tables import write_tables
-from owtsweep.sweep.execute import PLACES, Executor
+from owtsweep.sweep.execute import BACKENDS, Executor
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.log import repeat, run_log
 from owtsweep.sweep.plan import Plan, count_cases, make_plan, make_tasks
@@ -167,9 +167,8 @@ class _Sweep:
         labels = [block.label for block in self.plan.values()]
         self.seconds = {label: earlier[label] for label in labels if label in earlier}
         others = was_running(self.run.folder)
-        manifest = start_manifest(
-            self.run, text, self.argv, self.executor.backend, self.executor.workers
-        )
+        backend, workers = self.executor.work.backend, self.executor.workers
+        manifest = start_manifest(self.run, text, self.argv, backend, workers)
         self._write_manifest(manifest)
         state = "error"
         try:
@@ -284,15 +283,15 @@ def _executor(run: Run) -> Iterator[Executor]:
     compute = run.config.compute
     backend = compute.backend if compute.backend != "auto" else run.engine.backend(run.config)
     require(
-        backend in PLACES,
+        backend in BACKENDS,
         f"study {run.study.name}: its backend is {backend!r}; a study says threading or loky",
     )
     # Absolute: workers outlive a sweep and keep their first working directory.
     store = Store(run.folder.absolute())
-    work = Work(run.study, run.config, store, all_versions(run.study), PLACES[backend])
+    work = Work(run.study, run.config, store, all_versions(run.study), backend)
     if backend != "dask":
         # joblib's count respects the affinity mask and the quota of a container.
-        yield Executor(work, backend, compute.workers or cpu_count())
+        yield Executor(work, compute.workers or cpu_count())
         return
     require(
         find_spec("distributed") is not None,
@@ -301,4 +300,4 @@ def _executor(run: Run) -> Iterator[Executor]:
     from owtsweep.sweep.cluster import connected
 
     with connected(str(compute.scheduler), run.study, work.metadata) as client:
-        yield Executor(work, backend, compute.workers, client)
+        yield Executor(work, compute.workers, client)

@@ -95,8 +95,8 @@ class Work:
         Where the shards go.
     metadata
         Entries stored in every shard: the versions of the coordinator.
-    place
-        Where the worker runs, seen from the coordinator: a "thread", "process" or "cluster".
+    backend
+        The joblib backend: "threading", "loky" (processes) or "dask" (a cluster).
     token
         The name of a file in the run folder; a machine that finds this file shares the folder.
     """
@@ -105,12 +105,12 @@ class Work:
     config: Config
     store: Store
     metadata: Mapping[str, str]
-    place: str
+    backend: str
     token: str | None = None
 
     def shares_folder(self) -> bool:
         """Whether the worker sees the run folder itself, not another folder with the same path."""
-        if self.place != "cluster":
+        if self.backend != "dask":
             return True
         return self.token is not None and (self.store.folder / self.token).is_file()
 
@@ -133,10 +133,10 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
     if differs:
         result.failures += [Setback(b.label, differs, b.cases) for b in blocks.values()]
         return result
-    if work.place == "process":
+    if work.backend == "loky":
         _leave_interrupts_to_the_coordinator()
         keep_freed_memory()
-    with collect_entries(work.place != "thread") as entries:
+    with collect_entries(work.backend != "threading") as entries:
         try:
             _Task(work, blocks, local, result).run()
         finally:
@@ -215,7 +215,7 @@ class _Task:
             self.work.store.write(key, data)
         except OSError:
             # On another machine the folder may be read-only.
-            if self.work.place != "cluster":
+            if self.work.backend != "dask":
                 raise
             return False
         return True
