@@ -28,6 +28,7 @@ from owtsweep.studies import compose, get_study
 from owtsweep.sweep.plan import make_plan
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
+from owtsweep.sweep.shard import encode
 
 BLOCKS = 240
 GOAL_MS = 2.0
@@ -81,7 +82,7 @@ def _stages(run: Run) -> dict[str, list[float]]:
 
     def write() -> None:
         for key, frame in zip(plan, rows, strict=True):
-            run.store.write(key, frame, versions)
+            run.store.write(key, encode(key, frame, versions))
 
     missing, before = timed(status)
     _, writing = timed(write)

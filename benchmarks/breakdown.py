@@ -47,7 +47,7 @@ def measure(repeats: int = REPEATS, duration: float = 2000.0) -> list[dict[str, 
 
 
 def _spans(chains: Sequence[Chain], records: Records, settled: int) -> list[float]:
-    """Core-seconds of the feed and of each chain, in turns as in `batch.superposed_sums_of`."""
+    """Core-seconds of the feed and of each chain, in turns as in `batch.sum_errors`."""
     scratch, output = batch.shared_memory(chains, 3)
     _ = records.motion  # made before the clock starts
     started = time.thread_time()

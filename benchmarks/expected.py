@@ -84,7 +84,7 @@ def map_of(overrides: Sequence[str]) -> None:
 def nothing_known() -> Iterator[None]:
     """Meanwhile there are no curves, neither in memory nor in files."""
     with tempfile.TemporaryDirectory() as empty, patch.dict(os.environ, XDG_CACHE_HOME=empty):
-        cache.forget()
+        cache.find_entry.cache_clear()
         yield
 
 
@@ -102,7 +102,7 @@ def measure(
         work = partial(map_of, [f"tuning={tuning}"])
 
         def from_files(work: Callable[[], None] = work) -> None:
-            cache.forget()
+            cache.find_entry.cache_clear()
             work()
 
         with nothing_known():

@@ -138,7 +138,7 @@ def _driver() -> Any:
             tile = turn % fx.shape[0]
             fed = Fed((fx[tile], fy[tile]), -lead, (zx[tile], zy[tile]))
             truth = Truth((position[tile],), (velocity[tile],), direction)
-            direct(stretch, fed, truth, arrays, weights, memory, totals)
+            direct(stretch, fed, truth, arrays, weights, memory, *totals)
             turn = taken(counter)
         if turn == count + threads - 1:  # the last one to find nothing left
             counter[0] = 0
@@ -157,12 +157,12 @@ class Job:
         self, scheme: str, threads: int, series: int, steps: int, tuning: str, different: int = 0
     ) -> None:
         from owtsweep.studies.hub.batch import chunk_of, shared_memory
-        from owtsweep.studies.hub.kernels.layout import Memory, Stretch, Totals, new_registers
+        from owtsweep.studies.hub.kernels.layout import Memory, new_registers
 
         self.chain, fed, self.arrays = prepared(scheme, different or series, steps, tuning)
         self.threads, self.series, self.steps = threads, series, steps
         chunk, lead = chunk_of(self.chain)
-        self.stretch = Stretch(0, steps, chunk, 2000)
+        self.stretch = (0, steps, chunk, 2000)
         self.fed = (*fed, np.array([0.8, 0.6]), lead)
         filter_, mhe = self.chain.filter, self.chain.mhe
         self.counter = np.zeros(1, dtype=np.int64)
@@ -170,9 +170,7 @@ class Job:
             Memory(new_registers(2, filter_.window, mhe.horizon), *shared_memory([self.chain], 2))
             for _ in range(threads)
         ]
-        self.totals = [
-            Totals((np.zeros((36, 8)),), (np.empty((0, 8)),), False) for _ in range(threads)
-        ]
+        self.totals = [((np.zeros((36, 8)),), (np.empty((0, 8)),)) for _ in range(threads)]
         self.work = work(self.chain, steps, series)
 
     def __call__(self, thread: int) -> None:

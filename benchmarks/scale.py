@@ -25,7 +25,7 @@ import numpy as np
 
 from owtsweep.studies import compose, get_study
 from owtsweep.sweep.plan import count_cases, make_plan
-from owtsweep.sweep.progress import SilentProgress
+from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Results, Run
 from owtsweep.sweep.shard import encode
@@ -44,7 +44,7 @@ class Clock:
         self.seconds[name] = round(time.perf_counter() - began, 3)
 
 
-class StopAfter(SilentProgress):
+class StopAfter(Progress):
     """Ctrl-C after so many cases."""
 
     def __init__(self, cases: int) -> None:

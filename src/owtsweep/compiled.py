@@ -20,18 +20,9 @@ from typing import Any
 
 _PACKAGE = Path(__file__).resolve().parent
 _IMPORT = re.compile(r"^ *from owtsweep\.([\w.]+) import ", re.MULTILINE)
-_variant = ""
 
-
-def set_variant(name: str) -> None:
-    """Append a name to the cache folder of all kernels that are imported from now on."""
-    global _variant
-    _variant = name
-
-
-def variant() -> str:
-    """The name at the end of the cache folder's name; see `set_variant`."""
-    return _variant
+#: What the name of the cache folder ends in, for all kernels that are imported from now on.
+variant = ""
 
 
 @cache
@@ -74,7 +65,7 @@ def cache_directory() -> Path:
         base = Path(home)
     else:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "owtsweep"
-    return base / f"kernels-{source_hash()}{_variant}"
+    return base / f"kernels-{source_hash()}{variant}"
 
 
 @cache

@@ -160,6 +160,9 @@ def test_casadi_finds_the_map(solver: str, tolerance: float, case: str, decades:
         fix=1.0 / 0.03,
         x0=x0,
         prior=square_root_information(ARRIVAL),
+        rows=np.zeros((0, 3)),
+        lower=np.zeros(0),
+        upper=np.zeros(0),
     )
     expected = apply(G, z, effects, x0)
     assert np.max(np.abs(nodes[:, 6] - expected)) <= tolerance * np.max(np.abs(expected))

@@ -7,9 +7,8 @@ import pytest
 from joint import Case, draw_case, simulate
 
 from owtsweep.errors import InputError
-from owtsweep.estimation.kalman import apply_gains, run_filter
+from owtsweep.estimation.kalman import apply_gains, run_filter, schedule_gains
 from owtsweep.estimation.linear import LinearModel
-from owtsweep.estimation.scheduling import schedule_gains
 from owtsweep.estimation.smoothing import smooth, smooth_fixed_lag
 
 STEPS = 400

@@ -31,6 +31,6 @@ if __name__ == "__main__":
     program.import_module = lambda name: SimpleNamespace(
         run=lambda options, argv: command.run_one(c, ["sweep", "grid.note=two words"])
     )
-    progress.make_progress = lambda quiet: progress.SilentProgress()
+    progress.make_progress = lambda: progress.Progress()
     code = program.main(["sweep", "grid.note=two words"])
     sys.exit(code)

@@ -14,7 +14,7 @@ from fault_tools import content
 from owtsweep.config import Compute, changed
 from owtsweep.errors import InputError
 from owtsweep.sweep import execute
-from owtsweep.sweep.progress import SilentProgress
+from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.run import sweep
 
 LEVELS = [float(level) for level in range(1, 13)]
@@ -81,12 +81,12 @@ def test_same_bits_from_a_cluster(study, on, folder, undisturbed):
     assert (again.computed, again.reused) == (0, 48)
 
 
-class Interrupts(SilentProgress):
+class Interrupts(Progress):
     def advance(self, cases):
         raise KeyboardInterrupt
 
 
-class KillsOneWorker(SilentProgress):
+class KillsOneWorker(Progress):
     """SIGKILLs a worker process once a third of the cases are there."""
 
     def __init__(self, process):

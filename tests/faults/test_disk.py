@@ -16,7 +16,7 @@ from owtsweep.cli import running as command
 from owtsweep.errors import InputError
 from owtsweep.io import files
 from owtsweep.sweep.keys import run_folder
-from owtsweep.sweep.progress import SilentProgress
+from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.run import sweep
 
 LEVELS = [1.0, 2.0, 3.0]
@@ -127,7 +127,7 @@ def test_small_file_system(study, config, tmp_path):
     try:
         levels = [float(level) for level in range(1, 61)]
         c = config(results=place / "results", level=levels)
-        outcome = sweep(study, c, progress=SilentProgress())
+        outcome = sweep(study, c, progress=Progress())
         assert 0 < outcome.computed < 240
         assert outcome.computed + sum(failure.cases for failure in outcome.failed) == 240
         assert any("No space left" in failure.reason for failure in outcome.failed)

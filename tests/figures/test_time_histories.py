@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from owtsweep.figures import time_histories
-from owtsweep.figures.error_panels import show_accumulated, show_errors
 from owtsweep.figures.lines import POINTS, clip, make_line, make_pair
-from owtsweep.figures.time_histories import Band, Curve, Level, Panel
+from owtsweep.figures.time_histories import Band, Curve, Level, Panel, show_accumulated, show_errors
 
 TIME = np.arange(0.0, 10.0, 0.1)
 NAMES = ["one", "other"]

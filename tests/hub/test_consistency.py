@@ -18,7 +18,7 @@ from tools import Array
 from owtsweep.streams import stream
 from owtsweep.studies import compose
 from owtsweep.studies.hub import batch, measures
-from owtsweep.studies.hub.batch import Lanes, superposed_sums
+from owtsweep.studies.hub.batch import Lanes, sum_errors
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.records import STUDY, Records, make_records
@@ -144,7 +144,7 @@ def settled_hme1() -> dict[str, tuple[float, float, float]]:
     """Products of HME1's settled measures, averaged over the replicates."""
     config, records = setting(0.2)
     chain = resolve("HME1").kernel(records.sensors, config, records.steps)
-    sums = superposed_sums(chain, Lanes(records), settled=6000)
+    (sums,) = sum_errors([chain], records, settled=6000)
     found = measures.from_sums(sums)
     return {
         name: tuple(products.mean(axis=1))

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
-from tools import Array, assert_same, configure, measured, rows_of
+from tools import Array, Streaming, assert_same, configure, measured, rows_of
 
 from dense import whitener
 from owtsweep.config import as_mapping
@@ -22,7 +22,6 @@ from owtsweep.studies.hub.blocks import plan
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon, horizon, transition_over
-from owtsweep.studies.hub.online import Streaming
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve, under
 from owtsweep.studies.hub.sensors import Measurements, sensors
@@ -101,7 +100,8 @@ def test_the_contract_holds_whatever_the_data(arrival: str) -> None:
     # data of the size of kilometres: nearly every window stands on its bounds
     changes = (f"hme.mhe.arrival={arrival}", "hme.mhe.constraints={velocity: 2, bias: 0.2}")
     config = configure(*changes, tuning="matched")
-    check_scheme(Streaming("HME2").under(config), tuning=config, sensors=example_sensors()[1:])
+    scheme = Streaming(under(resolve("HME2"), config))
+    check_scheme(scheme, tuning=config, sensors=example_sensors()[1:])
 
 
 # --- one window ------------------------------------------------------------------------------

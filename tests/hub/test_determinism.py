@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tools import configure, rows_of
 
-from owtsweep.studies.hub.batch import Lanes, direct_sums, superposed_sums
+from owtsweep.studies.hub.batch import sum_errors
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
 
@@ -32,14 +32,12 @@ def test_the_number_of_lanes_does_not_show(name: str) -> None:
     config = configure()
     many = make_records(config, 4.0, range(8))
     chain = resolve(name).kernel(many.sensors, config, many.steps)
-    whole = superposed_sums(chain, Lanes(many), 100).products
-    direct = direct_sums(chain, Lanes(many), 0.7, 100).products
-    for few in ([3], [3, 5, 6]):
-        lanes = Lanes(make_records(config, 4.0, few))
-        np.testing.assert_array_equal(superposed_sums(chain, lanes, 100).products, whole[..., few])
-        np.testing.assert_array_equal(
-            direct_sums(chain, lanes, 0.7, 100).products, direct[..., few]
-        )
+    for amplitude in (None, 0.7):
+        whole = sum_errors([chain], many, 100, amplitude)[0].products
+        for few in ([3], [3, 5, 6]):
+            records = make_records(config, 4.0, few)
+            part = sum_errors([chain], records, 100, amplitude)[0].products
+            np.testing.assert_array_equal(part, whole[..., few])
 
 
 @pytest.mark.parametrize(

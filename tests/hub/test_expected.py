@@ -34,7 +34,7 @@ SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 @pytest.fixture(autouse=True)
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cache, "folder", lambda: tmp_path / "cache")
-    cache.forget()
+    cache.find_entry.cache_clear()
 
 
 def probe_of(name: str, config: HubConfig) -> tuple[Chain, Sensors, int, int]:
@@ -100,9 +100,10 @@ def test_an_answer_that_repeats_is_not_run_to_the_end(monkeypatch: pytest.Monkey
     config = configure("record.duration=1500", tuning="matched")
     chain, sensors, steps, settled = probe_of("HME1", config)
     probe = inputs.motion(np.array([0.1, 0.33]), sensors)
-    short = probing.energies(chain, sensors, probe, steps, settled)
+    space = probing.Workspace(chain, sensors, steps, settled)
+    short = space.energies(probe)
     monkeypatch.setattr(probing, "TOLERANCE", 0.0)
-    whole = probing.energies(chain, sensors, probe, steps, settled)
+    whole = space.energies(probe)
     assert np.any(short != whole)  # it did stop
     np.testing.assert_allclose(short, whole, rtol=1e-6)
 
@@ -120,9 +121,8 @@ def test_sinusoids_made_while_the_chain_runs_are_those_made_before(
     fixes = np.stack([np.cos(omega * late), np.sin(omega * late)], axis=1)
     position = batch.trajectories(chain, sensors, -(omega**2) * truth, fixes)[0]
     monkeypatch.setattr(probing, "TOLERANCE", -1.0)  # run to the end
-    found = probing.energies(
-        chain, sensors, inputs.motion(np.array([0.3]), sensors), steps, settled
-    )[0, :, 0]
+    probe = inputs.motion(np.array([0.3]), sensors)
+    found = probing.Workspace(chain, sensors, steps, settled).energies(probe)[0, :, 0]
     squared = (position - truth) ** 2
     np.testing.assert_allclose(found, [squared.sum(), squared[settled:].sum()], rtol=1e-8)
 
@@ -216,14 +216,14 @@ def test_cached_numbers_are_the_same_and_damage_is_noticed() -> None:
 
     for _ in range(2):
         assert list(cache.cached({"x": 1}, compute)["a"]) == [1.0, 2.0]
-    cache.forget()
+    cache.find_entry.cache_clear()
     cache.cached({"x": 1}, compute)
     assert len(calls) == 1
     (file,) = cache.folder().glob("*.npz")
     data = bytearray(file.read_bytes())
     data[-20] ^= 1
     file.write_bytes(data)
-    cache.forget()
+    cache.find_entry.cache_clear()
     cache.cached({"x": 1}, compute)
     cache.cached({"x": 2}, compute)
     assert len(calls) == 3

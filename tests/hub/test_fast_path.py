@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from tools import assert_same, configure, measured, ned, run_batch
 
-from owtsweep.estimation.kalman import apply_gains, run_filter
+from owtsweep.estimation.kalman import apply_gains, run_filter, schedule_gains
 from owtsweep.estimation.kalman_step import predict_covariance
 from owtsweep.estimation.linear import LinearModel
-from owtsweep.estimation.scheduling import schedule_gains
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.models import POSITION, AxisFilter, axis_filter
 from owtsweep.studies.hub.schemes import resolve

@@ -16,7 +16,7 @@ from owtsweep.studies.hub.fidelity.score import published_numbers
 from owtsweep.studies.hub.filter_states import bias_of
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
-from owtsweep.studies.hub.true_bias import simulate_bias
+from owtsweep.studies.hub.sensors import simulate_bias
 from owtsweep.verdicts.consistency import judge_consistency, judge_intervals
 
 
@@ -108,7 +108,7 @@ def test_histories_are_those_of_the_sweep():
     chain = resolve("HME2").kernel(records.sensors, config, records.steps)
     bias = true_bias(config, records)
     errors = history_errors.absolute_errors(chain, records, bias)
-    direct = batch.direct_sums(chain, batch.Lanes(records), history_errors.AMPLITUDE, 1)
+    (direct,) = batch.sum_errors([chain], records, 1, history_errors.AMPLITUDE)
     squares = direct.products[:, :4, 2, 0].sum(axis=0)
     assert np.sum(errors["position"] ** 2, axis=0) == pytest.approx(squares[:2])
     assert np.sum(errors["velocity"] ** 2, axis=0) == pytest.approx(squares[2:])

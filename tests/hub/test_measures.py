@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -12,8 +12,7 @@ from tools import Key, configure, rows_of, run_batch, whole_series
 from owtsweep.evaluation.trajectory import Trajectory
 from owtsweep.studies.hub import blocks, measures
 from owtsweep.studies.hub.batch import Sums
-from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.records import Records, make_records
+from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
 
 AMPLITUDE = 0.7
@@ -135,14 +134,14 @@ def test_an_estimator_without_covariance_has_no_nees() -> None:
 def test_a_record_that_is_not_finite_fails_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     config = configure("schemes=[HME1]", "grid.replicates=3")
     ((_, whole),) = blocks.run(config, blocks.plan(config))
-    original = blocks.superposed_sums_of
+    original = blocks.sum_errors
 
-    def spoilt(chains: Sequence[Chain], records: Records, settled: int) -> list[Sums]:
-        (sums,) = original(chains, records, settled)
+    def spoilt(*arguments: Any, **options: Any) -> list[Sums]:
+        (sums,) = original(*arguments, **options)
         sums.products[0, 4, 1, 1] = np.inf
         return [sums]
 
-    monkeypatch.setattr(blocks, "superposed_sums_of", spoilt)
+    monkeypatch.setattr(blocks, "sum_errors", spoilt)
     ((_, rows),) = blocks.run(config, blocks.plan(config))
     assert rows["replicate"].is_monotonic_increasing
     failed = rows["replicate"] == 1

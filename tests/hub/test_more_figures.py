@@ -15,7 +15,7 @@ from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.estimation.predictor import predict
 from owtsweep.figures import style
-from owtsweep.figures.decimate import decimate
+from owtsweep.figures.lines import decimate
 from owtsweep.studies.hub import batch
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra, time_histories, two_maps
@@ -185,10 +185,6 @@ def test_time_histories(record: Histories, quantity: str, zoom: bool) -> None:
 
 
 def test_time_histories_refuse_what_is_not_there(record: Histories) -> None:
-    with pytest.raises(InputError, match=r"^quantity: 'jerk' is none of position"):
-        time_histories.draw(record, "jerk", tuning="paper")
-    with pytest.raises(InputError, match=r"^schemes: 'nobody' was not run on this record; it has"):
-        time_histories.draw(record, "bias", tuning="paper", schemes=["nobody"])
     none = dataclasses.replace(record.estimated["MKF"], acceleration=None)
     without = dataclasses.replace(record, estimated={"MKF": none})
     with pytest.raises(InputError, match=r"^schemes: none of this run estimates the acceleration"):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tools import Array, assert_same, configure, measured, ned, run_batch
+from tools import Array, Streaming, assert_same, configure, measured, ned, run_batch
 
 import owtsweep
 from dense import Measurement, posterior
@@ -15,7 +15,6 @@ from owtsweep.studies.hub.blocks import start
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import FORCE, POSITION, axis_filter
-from owtsweep.studies.hub.online import Streaming
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.hub.sensors import Measurements
 from owtsweep.testing import check_scheme
@@ -26,7 +25,7 @@ SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 
 
 def stream(name: str, config: HubConfig, sensors: Sensors) -> Any:
-    return Streaming(name).start(sensors, config)
+    return resolve(name).stream(sensors, config)  # type: ignore[attr-defined]
 
 
 def on_time(data: Measurements, sensors: Sensors) -> Array:
@@ -170,7 +169,7 @@ def test_with_missing_fixes_mkf_is_the_least_squares_solution() -> None:
 
 @pytest.mark.parametrize("name", SCHEMES)
 def test_the_contract(name: str) -> None:
-    check_scheme(Streaming(name), tuning=configure(tuning="matched"))
+    check_scheme(Streaming(resolve(name)), tuning=configure(tuning="matched"))
 
 
 @pytest.mark.parametrize("name", ["HME1", "HME2"])

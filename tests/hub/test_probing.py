@@ -83,16 +83,16 @@ def test_probes_are_whole_records(
         "walks": inputs.walks(np.arange(1.0, 22.0), steps),
         "constant": inputs.constant(),
     }
-    space = probing.Workspace(chain, steps, sensors)
+    space = probing.Workspace(chain, sensors, steps, SETTLED)
     stops = set()
     for kind, probe in probes.items():
         squared = squares(chain, sensors, probe, steps)
         stop = stop_of(chain, squared, SETTLED) if probe.phasor else steps
         stops.add(stop)
-        found = probing.energies(chain, sensors, probe, steps, SETTLED, workspace=space)
+        found = space.energies(probe)
         exact = expected_energies(chain, squared, stop, SETTLED)
         np.testing.assert_allclose(found, exact, rtol=1e-9, err_msg=kind)
-        alone = probing.energies(chain, sensors, probe, steps, SETTLED)
+        alone = probing.Workspace(chain, sensors, steps, SETTLED).energies(probe)
         assert np.array_equal(found, alone)  # what a workspace held before does not matter
     assert tolerance != 1e-3 or len(stops) > 1
 

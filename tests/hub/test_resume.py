@@ -14,13 +14,13 @@ from tools import configure
 
 from owtsweep.config import changed
 from owtsweep.studies import get_study
-from owtsweep.sweep.progress import SilentProgress
+from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.run import sweep
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
 
-class Stops(SilentProgress):
+class Stops(Progress):
     """Ctrl-C after so many groups."""
 
     def __init__(self, groups: int) -> None:

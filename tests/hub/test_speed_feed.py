@@ -28,9 +28,8 @@ def test_spans_and_company_do_not_show(
     assert len({batch.chunk_of(chain)[0] for chain in chains}) == 2
 
     def run(some: list) -> list[np.ndarray]:
-        if amplitude is None:
-            return [sums.products for sums in batch.superposed_sums_of(some, records, 100)]
-        kept = batch.direct_sums_of(some, records, amplitude, 100, keep_squared=True)
+        keep = amplitude is not None
+        kept = batch.sum_errors(some, records, 100, amplitude, keep_squared=keep)
         return [np.append(sums.products.ravel(), sums.squared.ravel()) for sums in kept]
 
     whole = run(chains)
@@ -55,8 +54,8 @@ def test_kept_noise_is_drawn_noise(yaw: float) -> None:
     config = configure(f"sensors.yaw={yaw}")
     drawn, kept = make_records(config, 4.0, [0, 1]), make_records(config, 4.0, [0, 1])
     chain = resolve("MKF").kernel(drawn.sensors, config, drawn.steps)  # type: ignore
-    one = batch.superposed_sums_of([chain], drawn, 100)[0].products
-    other = batch.superposed_sums(chain, batch.Lanes(kept), 100).products
+    one = batch.sum_errors([chain], drawn, 100)[0].products
+    other = batch.sum_errors([chain], batch.Lanes(kept).records, 100)[0].products
     assert not drawn.keeps_noise
     np.testing.assert_array_equal(one, other)
 

@@ -17,7 +17,6 @@ from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.feed import Lanes
 from owtsweep.studies.hub.kernels.filtering import PREDICTED
 from owtsweep.studies.hub.kernels.lagging import smooth_chunk
-from owtsweep.studies.hub.kernels.layout import Window
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.vectors.lanes import borrowed
@@ -142,7 +141,7 @@ def squares(chain: Chain, records: Records, settled: int) -> Array:
 @njit
 def _together(k0, count, arrays, X, r, s, u):
     c, target, force = borrowed(arrays), borrowed(X), borrowed(u)
-    window = Window(target, borrowed(r), borrowed(s))
+    window = (target, borrowed(r), borrowed(s))
     smooth_chunk(k0, count, c, PREDICTED, window, force, 0)
 
 
@@ -192,7 +191,7 @@ def test_kernels_are_the_algorithms(name: str, tuning: str, changes: tuple[str, 
         assert_same(ours, theirs, what)
     fresh = chain.gains.fresh[chain.gains.row(np.arange(records.steps))]
     assert_same(found[2][fresh], expected[2][fresh], "innovation")
-    sums = batch.direct_sums(chain, Lanes(records), AMPLITUDE, 130).products
+    sums = batch.sum_errors([chain], records, 130, AMPLITUDE)[0].products
     np.testing.assert_allclose(sums[:, :, 2], squares(chain, records, 130), rtol=1e-9)
 
 

@@ -163,3 +163,10 @@ def rows_of(config: HubConfig) -> dict[Key, dict[str, Any]]:
                     row["amplitude"] = None
                 table[Key(*(row[field] for field in Key._fields))] = row
     return table
+
+
+class Streaming:
+    """A scheme whose `start` makes its online form."""
+
+    def __init__(self, scheme: Any) -> None:
+        self.name, self.linear, self.start = scheme.name, scheme.linear, scheme.stream

@@ -16,8 +16,7 @@ from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.source import RecordedSource
 from owtsweep.motion.source import Motion, Source
 from owtsweep.motion.spectra import translated
-from owtsweep.motion.spectral import SpectralSource
-from owtsweep.motion.synthesis import synthesise
+from owtsweep.motion.synthesis import SpectralSource, synthesise
 from owtsweep.testing import check_source
 
 TIME = np.arange(0.0, 60.0, 0.02)

@@ -15,7 +15,7 @@ import pytest
 from replay_tools import collect_force, config_of, estimate, motion_file, sensor_file
 
 from owtsweep.evaluation.trajectory import Trajectory, join
-from owtsweep.figures.decimate import decimate
+from owtsweep.figures.lines import decimate
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.one_pass import OnePassSeries
 from owtsweep.studies.hub.schemes import resolve

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from owtsweep.errors import InputError
-from owtsweep.sensing.losses import Losses, compute_begin_probability
+from owtsweep.sensing.losses import Losses
 from owtsweep.streams import stream
 
 COUNT = 200_000
@@ -19,8 +19,7 @@ def uniforms() -> np.random.Generator:
 @pytest.mark.parametrize("length", [1, 5, 40])
 @pytest.mark.parametrize("share", [0.0, 0.1, 0.6])
 def test_the_share_that_is_lost(share: float, length: int) -> None:
-    losses = Losses(uniforms(), compute_begin_probability(share, length), length)
-    assert losses.share == pytest.approx(share)
+    losses = Losses(uniforms(), 1 - (1 - share) ** (1 / length), length)
     # samples `length` apart are independent, so the mean has at least COUNT / length of them
     spread = np.sqrt(share * (1 - share) * 2 * length / COUNT)
     assert losses.draw(COUNT).mean() == pytest.approx(share, abs=5 * spread + 1e-12)
@@ -59,5 +58,3 @@ def test_losses_that_cannot_be() -> None:
         Losses(uniforms(), 1.5)
     with pytest.raises(InputError, match="length: an outage of 0 samples; give 1 or more"):
         Losses(uniforms(), 0.5, 0)
-    with pytest.raises(InputError, match="share: 1 is not from 0 to below 1"):
-        compute_begin_probability(1.0, 3)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from owtsweep.sweep.progress import SilentProgress
+from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.run import sweep
 
 distributed = pytest.importorskip("distributed", reason="the extra `dask` is not installed")
@@ -39,7 +39,7 @@ def test_a_cluster_gives_the_same_bits_and_tells_what_failed(faulty, config, add
 
 
 def test_an_interrupt_reaches_through(study, config, address):
-    class Interrupts(SilentProgress):
+    class Interrupts(Progress):
         def advance(self, cases):
             raise KeyboardInterrupt
 

@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from owtsweep.config import Section, changed, key
 from owtsweep.sweep.plan import make_plan
-from owtsweep.sweep.progress import SilentProgress
+from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import OK, Block
@@ -104,7 +104,7 @@ class Step(NamedTuple):
     lose: list[tuple[int, str]]
 
 
-class Stops(SilentProgress):
+class Stops(Progress):
     """An exception from the terminal's side after so many reports."""
 
     def __init__(self, reports: int) -> None:

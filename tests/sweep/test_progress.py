@@ -8,7 +8,7 @@ import sys
 import pytest
 from rich.console import Console
 
-from owtsweep.sweep.progress import BarProgress, LineProgress, SilentProgress, make_progress
+from owtsweep.sweep.progress import BarProgress, LineProgress, make_progress
 from owtsweep.sweep.run import sweep
 
 
@@ -64,10 +64,9 @@ def test_bar_only_where_somebody_sees_it(monkeypatch):
             return True
 
     monkeypatch.setattr(sys, "stderr", io.StringIO())
-    assert isinstance(make_progress(quiet=False), LineProgress)
+    assert isinstance(make_progress(), LineProgress)
     monkeypatch.setattr(sys, "stderr", Terminal())
-    assert isinstance(make_progress(quiet=False), BarProgress)
-    assert isinstance(make_progress(quiet=True), SilentProgress)
+    assert isinstance(make_progress(), BarProgress)
 
 
 def test_lines_come_every_30_seconds_with_rate_and_time_left():

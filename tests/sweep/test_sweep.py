@@ -13,10 +13,10 @@ from owtsweep.cli.running import setback_lines
 from owtsweep.errors import InputError
 from owtsweep.sweep.execute import Executor
 from owtsweep.sweep.keys import run_folder
-from owtsweep.sweep.progress import SilentProgress
+from owtsweep.sweep.progress import Progress
+from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.setback import Setback
 
 
 def shards(outcome):
@@ -180,7 +180,7 @@ def test_interrupt_propagates_and_keeps_what_is_done(faulty, config, workers, ca
     assert resumed.reused >= (10 if workers == 1 else 2)
 
 
-class FailsToReport(SilentProgress):
+class FailsToReport(Progress):
     def advance(self, cases):
         raise OSError("the terminal is gone")
 
@@ -238,7 +238,7 @@ def test_block_that_appeared_meanwhile_is_reused(study, config):
     """Two sweeps on one folder: the second has stored what the first is about to compute."""
     c = config(level=[1.0, 2.0])
 
-    class StoresAll(SilentProgress):
+    class StoresAll(Progress):
         def start(self, total, reused):
             assert reused == 0
             sweep(study, c)
@@ -257,7 +257,7 @@ def test_what_a_backend_loses_is_looked_for_and_run_again(study, config, monkeyp
         if len(rounds) == 1:
             next(results)  # its shards are stored
             for key in tasks[next(results).task]:  # and these are not
-                self.store.path(key).unlink()
+                work.store.path(key).unlink()
         yield from results
 
     monkeypatch.setattr(Executor, "_run_round", losing_two)

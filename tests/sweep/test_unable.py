@@ -8,8 +8,8 @@ import pytest
 
 from owtsweep.cli import main
 from owtsweep.cli.running import run_one, setback_lines
+from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.setback import Setback
 
 FAULTS = {"A1.0": "unable", "B2.0": "blind"}
 SETBACKS = [Setback("A1.0", "it is unstable", 1), Setback("B2.0", "it is blind", 2)]

@@ -30,7 +30,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if not may_start(options, config):
         return BAD_INPUT
     outcome = execute(
-        config, fresh=options.fresh, progress=make_progress(quiet=False), argv=argv,
+        config, fresh=options.fresh, progress=make_progress(), argv=argv,
         say=lambda text: print(text, file=sys.stderr, flush=True),
     )  # fmt: skip
     from owtsweep.studies.replay import report

@@ -15,9 +15,9 @@ from owtsweep.freed_memory import keep_freed_memory
 if TYPE_CHECKING:
     import pandas as pd
 
+    from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import Outcome
     from owtsweep.sweep.runs import Run
-    from owtsweep.sweep.setback import Setback
 
 #: Most reasons listed at the end of a sweep; run.log has all.
 MOST_REASONS = 10
@@ -54,7 +54,7 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
 
     keep_freed_memory()
     study = get_study(config.study)
-    outcome = sweep(study, config, fresh=fresh, progress=make_progress(quiet=False), argv=argv)
+    outcome = sweep(study, config, fresh=fresh, progress=make_progress(), argv=argv)
     tables = written_tables(outcome)
     drawn = _draw_overview(outcome) if tables else True
     if tables and sys.stdout.isatty():

@@ -89,7 +89,6 @@ def schedule(
     rule: str = "proper",
     start_interval: int | None = None,
     start_steps: int = 0,
-    cycle: int | None = None,
 ) -> GainSchedule:
     """Run the covariance recursion of Algorithm 6 until it repeats, for at most `steps` steps.
 
@@ -108,8 +107,6 @@ def schedule(
         One of `RULES`.
     start_interval, start_steps
         For the first `start_steps` steps slow measurements come every `start_interval` steps.
-    cycle
-        Length of the stored cycle, a multiple of `interval` (default: `interval`).
 
     Raises
     ------
@@ -121,28 +118,24 @@ def schedule(
     n = len(slow)
     rates = TwoRates(model.A, model.Q, slow, fast, slow_variance, fast_variance, RULES.index(rule))
     pattern = Pattern(interval, start_interval or interval, start_steps)
-    cycle = interval if cycle is None else cycle
     rows = min(4096, steps)
-    K, S, Pm, Pf = (np.empty((0, *shape)) for shape in ((n, 2), (), (n, n), (n, n)))
-    applied = np.empty(0, dtype=np.bool_)
+    gains = GainRows(*(np.empty((0, *shape)) for shape in ((n, 2), (), (n, n), (n, n))))
     filled, quiet, repeats = 0, 0, False
     while not repeats and (filled == 0 or filled < steps):
-        rows = min(-(-rows // cycle) * cycle, -(-steps // cycle) * cycle)
-        K, S, Pm, Pf = (_lengthen(array, rows, filled) for array in (K, S, Pm, Pf))
-        applied = np.concatenate([applied, np.empty(rows - filled, dtype=np.bool_)])
+        rows = min(-(-rows // interval) * interval, -(-steps // interval) * interval)
+        gains = GainRows(*(_lengthen(array, rows, filled) for array in gains))
         first = filled
         filled, repeats, quiet = recursion(
-            first, rows, quiet, rates, initial_covariance, pattern, TOLERANCE,
-            GainRows(K, S, Pm, Pf, applied),
-        )  # fmt: skip
-        _check(Pf, first, filled, rule)
+            first, rows, quiet, rates, initial_covariance, pattern, TOLERANCE, gains
+        )
+        _check(gains.Pf, first, filled, rule)
         rows *= 4
-    filled = max(-(-filled // cycle) * cycle, cycle)
+    filled = max(-(-filled // interval) * interval, interval)
     step = np.arange(filled)
     fresh = step % np.where(step < start_steps, pattern.start_interval, interval) == 0
-    return GainSchedule(
-        K[:filled], applied[:filled], fresh, S[:filled], Pm[:filled], Pf[:filled], cycle
-    )
+    applied = fresh | (rule == "mask_rows")
+    K, S, Pm, Pf = (array[:filled] for array in gains)
+    return GainSchedule(K, applied, fresh, S, Pm, Pf, interval)
 
 
 def _lengthen(array: Array, rows: int, filled: int) -> Array:

@@ -9,7 +9,7 @@ w and v are white and independent of each other (Kalman 1960; Anderson and Moore
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -63,10 +63,8 @@ class LinearModel:
     B: Array | None = None
 
     def __post_init__(self) -> None:
-        given = {"F": self.F, "Q": self.Q, "H": self.H, "R": self.R}
-        if self.B is not None:
-            given["B"] = self.B
-        matrices = {name: np.array(value, dtype=float) for name, value in given.items()}
+        names = ("F", "Q", "H", "R") if self.B is None else ("F", "Q", "H", "R", "B")
+        matrices = {name: np.array(getattr(self, name), dtype=float) for name in names}
         for name, matrix in matrices.items():
             if matrix.ndim not in (2, 3):
                 raise InputError(
@@ -74,11 +72,14 @@ class LinearModel:
                 )
             matrix.setflags(write=False)
             object.__setattr__(self, name, matrix)
-        for name, shape in self._shapes().items():
-            if matrices[name].shape[-2:] != shape:
+        n, m = self.states, self.measurements
+        shapes = {"F": (n, n), "Q": (n, n), "H": (m, n), "R": (m, m)}
+        for name, matrix in matrices.items():
+            shape = shapes.get(name, (n, matrix.shape[-1]))
+            if matrix.shape[-2:] != shape:
                 raise InputError(
-                    f"{name}: has the shape {matrices[name].shape[-2:]}; {self.states} states and "
-                    f"{self.measurements} measurements need {shape}"
+                    f"{name}: has the shape {matrix.shape[-2:]}; {n} states and {m} measurements "
+                    f"need {shape}"
                 )
         lengths = {name: len(matrix) for name, matrix in matrices.items() if matrix.ndim == 3}
         if len(set(lengths.values())) > 1:
@@ -89,11 +90,6 @@ class LinearModel:
                 raise InputError(f"{name}: not all of its numbers are finite")
         check_covariance("Q", self.Q)
         check_covariance("R", self.R)
-
-    def _shapes(self) -> dict[str, tuple[int, int]]:
-        n, m = self.states, self.measurements
-        shapes = {"F": (n, n), "Q": (n, n), "H": (m, n), "R": (m, m)}
-        return shapes if self.B is None else {**shapes, "B": (n, self.B.shape[-1])}
 
     @property
     def states(self) -> int:
@@ -113,9 +109,8 @@ class LinearModel:
 
     def at(self, step: int) -> Step:
         """The matrices of a step."""
-        F, Q, H, R = (a if a.ndim == 2 else a[step] for a in (self.F, self.Q, self.H, self.R))
-        B = self.B if self.B is None or self.B.ndim == 2 else self.B[step]
-        return Step(F, Q, H, R, B)
+        matrices: Any = (self.F, self.Q, self.H, self.R, self.B)
+        return Step(*(a if a is None or a.ndim == 2 else a[step] for a in matrices))
 
 
 def check_covariance(name: str, matrix: Array) -> None:

@@ -189,7 +189,6 @@ class CasadiWindow:
             problem["g"] = ca.vertcat(*limited)
         self._equal = states if fixed_arrival else 0
         self._limited = len(free) if constraints else 0
-        self._free = slice(states if fixed_arrival else 0, None)
         if solver == "qrqp":
             options = {"print_iter": False, "print_header": False, "print_time": False}
             solve = ca.qpsol("mhe", "qrqp", problem, {**options, "error_on_fail": False})
@@ -225,9 +224,9 @@ class CasadiWindow:
         fix: float | Array,
         x0: Array,
         prior: Array,
-        rows: Array | None = None,
-        lower: Array | None = None,
-        upper: Array | None = None,
+        rows: Array,
+        lower: Array,
+        upper: Array,
     ) -> Array:
         """The states of all nodes, (states, nodes [+ 1]).
 
@@ -259,18 +258,15 @@ class CasadiWindow:
         """
         nodes = z.shape[1]
         fix = np.broadcast_to(fix, nodes)
-        G = np.zeros((0, len(scale))) if rows is None else rows
-        limits = np.zeros((2, self._limited, len(G)))
-        if lower is not None and upper is not None:
-            limits += np.stack([lower, upper])[:, None]
+        limits = np.repeat(np.stack([lower, upper])[:, None], self._limited, axis=1)
         data = (A, A_f, link, fix)
-        states = self._minimum(limits, scale, G, z, inputs, *data, x0, prior)
+        states = self._minimum(limits, scale, rows, z, inputs, *data, x0, prior)
         predicted = A @ states[:, :-1]
         predicted[:, nodes - 1 :] = A_f @ states[:, nodes - 1 : -1]
         left = (z - states[: len(z), :nodes], inputs - (states[:, 1:] - predicted))
         if self._limited:
-            limits = limits - (G @ states[:, -self._limited :]).T
-        return states + self._minimum(limits, scale, G, *left, *data, x0 - states[:, 0], prior)
+            limits = limits - (rows @ states[:, -self._limited :]).T
+        return states + self._minimum(limits, scale, rows, *left, *data, x0 - states[:, 0], prior)
 
     def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
         """Return the first solver's answer that is a minimum within `limits` (2, nodes, rows)."""
@@ -297,7 +293,7 @@ class CasadiWindow:
             pull = np.asarray(self._pull(answer, p, force)).ravel()
             slope = slope + pull
             start = np.append(start, pull)  # active constraints set the scale
-        slope = slope[self._free]
+        slope = slope[self._equal :]
         if not np.max(np.abs(slope)) <= 1e-6 * (1.0 + np.max(np.abs(start))):
             return f"at a gradient of {max(abs(slope)):.2g}"
         return ""

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.compiled import njit
@@ -46,14 +45,13 @@ class GainRows(NamedTuple):
     """The arrays that the recursion fills: one row per step.
 
     K (rows, n, 2) gains; S (rows,) variance of the slow innovation; Pm, Pf (rows, n, n) P_k|k-1
-    and P_k|k; applied (rows,) whether the slow measurement corrects the state.
+    and P_k|k.
     """
 
     K: Array
     S: Array
     Pm: Array
     Pf: Array
-    applied: NDArray[np.bool_]
 
 
 @njit
@@ -158,7 +156,7 @@ def recursion(first, stop, quiet, model, P0, pattern, tolerance, filled):
         the argument `quiet` of the next call.
     """
     interval, start_interval, start_steps = pattern
-    K, S, Pm, Pf, applied = filled
+    K, S, Pm, Pf = filled
     n = model.A.shape[0]
     P = P0.copy() if first == 0 else Pf[first - 1].copy()
     work = np.empty((3, n, n))
@@ -168,7 +166,6 @@ def recursion(first, stop, quiet, model, P0, pattern, tolerance, filled):
             is_slow = k % start_interval == 0
         else:
             is_slow = k % interval == 0
-        applied[k] = is_slow or model.rule == MASK_ROWS
         S[k] = riccati_step(model, P, is_slow, K[k], Pm[k], Pf[k], work)
         P[:, :] = Pf[k]
 

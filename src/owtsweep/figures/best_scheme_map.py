@@ -7,8 +7,12 @@ Unlike figure 18, the map shows where the data do not distinguish the best schem
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
 from owtsweep.errors import InputError
@@ -16,11 +20,6 @@ from owtsweep.figures import style
 from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.results.conditions import Condition
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 HATCH = "////"
 HATCH_COLOR = (1.0, 1.0, 1.0, 0.6)
@@ -82,33 +81,26 @@ def draw(
         raise InputError(f"best: no cell judged by {criterion} MSE in window {window!r} to draw")
     plane = Plane.of(shown, conditions)
     columns, lines = len(plane.columns), len(plane.lines)
-    height = _between(5.5 / lines, CELL_HEIGHT)
+    height = np.clip(5.5 / lines, *CELL_HEIGHT)
     tall = height >= ONE_LINE
     longest = max(len(name) for name in schemes)
     letters = longest + 8 if tall else 2 * longest + 10
-    width = max(_between(7.0 / columns, CELL_WIDTH), 0.1 + 0.065 * letters)
-    figure_width = max(7.2, 1.0 + width * columns)
+    width = max(np.clip(7.0 / columns, *CELL_WIDTH), 0.1 + 0.065 * letters)
 
-    with style.context():
-        figure = style.new_figure(figure_width, 2.2 + height * lines)
-        axes = figure.add_subplot()
-        rows = shown.to_dict("records")
-        labelled = len(rows) <= MOST_LABELS
-        lines_of_text = "two lines" if tall else "one line"
-        draw_cells(axes, rows, schemes, plane, labels=lines_of_text if labelled else "none")
-        axes.set_title(
-            f"Best scheme by {quantity or f'{criterion} MSE'}\n{style.describe_window(window)}, "
-            f"tuning: {tuning}{_count_records(replicates, failures)}",
-            loc="left",
-        )
-        holes = len(rows) < plane.size
-        figure.legend(
-            handles=_make_legend(rows, schemes, coinciding, holes=holes),
-            loc="outside upper center",
-            ncols=3,
-            frameon=False,
-        )
-        style.footnote(figure, _explain(rows, coinciding, failures, labelled=labelled))
+    figure = style.new_figure(max(7.2, 1.0 + width * columns), 2.2 + height * lines)
+    axes = figure.add_subplot()
+    rows = shown.to_dict("records")
+    labelled = len(rows) <= MOST_LABELS
+    lines_of_text = "two lines" if tall else "one line"
+    draw_cells(axes, rows, schemes, plane, labels=lines_of_text if labelled else "none")
+    axes.set_title(
+        f"Best scheme by {quantity or f'{criterion} MSE'}\n{style.describe_window(window)}, "
+        f"tuning: {tuning}{_count_records(replicates, failures)}",
+        loc="left",
+    )
+    handles = _make_legend(rows, schemes, coinciding, holes=len(rows) < plane.size)
+    figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
+    style.footnote(figure, _explain(rows, coinciding, failures, labelled=labelled))
     return figure
 
 
@@ -134,30 +126,21 @@ def draw_cells(
         Text in a cell: best and next best on "two lines" or "one line", only the "best", or "none".
     """
     for row in rows:
-        place, look = plane.place(row), style_of(row["best"], schemes)
-        hatched, rasterized = not row["distinguishable"], labels == "none"
-        _colour(axes, look.color, place, hatched=hatched, rasterized=rasterized)
+        column, line = plane.place(row)
+        look, corner = style_of(row["best"], schemes), (column - 0.5, line - 0.5)
+        cell: dict[str, Any] = {"width": 1.0, "height": 1.0, "rasterized": labels == "none"}
+        axes.add_patch(Rectangle(corner, facecolor=look.color, edgecolor="white", **cell))
+        if not row["distinguishable"]:
+            cell |= {"hatch": HATCH, "edgecolor": HATCH_COLOR, "linewidth": 0.0}
+            axes.add_patch(Rectangle(corner, fill=False, **cell))
         if labels != "none":
             runner_up = "" if labels == "best" else _describe_runner_up(row)
-            _label(axes, look, place, (row["best"], runner_up), tall=labels == "two lines")
+            _label(axes, look, (column, line), (row["best"], runner_up), tall=labels == "two lines")
     plane.label_axes(axes)
     axes.set_facecolor(NO_RESULT)
     axes.grid(False)
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
-
-
-def _colour(
-    axes: Axes, color: str, place: tuple[int, int], *, hatched: bool, rasterized: bool
-) -> None:
-    column, line = place
-    corner = (column - 0.5, line - 0.5)
-    axes.add_patch(
-        Rectangle(corner, 1.0, 1.0, facecolor=color, edgecolor="white", rasterized=rasterized)
-    )
-    if hatched:
-        look: dict[str, Any] = {"hatch": HATCH, "edgecolor": HATCH_COLOR, "linewidth": 0.0}
-        axes.add_patch(Rectangle(corner, 1.0, 1.0, fill=False, rasterized=rasterized, **look))
 
 
 def _label(
@@ -166,13 +149,9 @@ def _label(
     """Write the best scheme, and the next best if its text is not empty, into a cell."""
     column, line = place
     best, runner_up = names
-    text: dict[str, Any] = {
-        "color": look.text_color,
-        # hide the hatch behind the letters
-        "bbox": {"facecolor": look.color, "edgecolor": "none", "pad": 1.0},
-        "horizontalalignment": "center",
-        "verticalalignment": "center",
-    }
+    # the box hides the hatch behind the letters
+    box = {"facecolor": look.color, "edgecolor": "none", "pad": 1.0}
+    text: dict[str, Any] = {"color": look.text_color, "bbox": box, "ha": "center", "va": "center"}
     if not tall:
         both = f"{best} ({runner_up})" if runner_up else best
         axes.text(column, line, both, fontsize=7, **text)
@@ -252,7 +231,3 @@ def _explain(
             " records that all of them finished."
         )
     return " ".join(sentences)
-
-
-def _between(value: float, limits: tuple[float, float]) -> float:
-    return min(max(value, limits[0]), limits[1])

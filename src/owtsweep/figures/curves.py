@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import LogLocator, NullLocator
 
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.results.conditions import Condition, Value, order_values, show_value
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 #: Every value has a tick unless two ticks would be closer than this fraction of a logarithmic axis.
 CLOSEST_TICKS = 0.045
@@ -101,24 +99,23 @@ def draw(
         Sentences at the end of the footnote.
     """
     levels = order_values(shown[along.name], shown[along.name].unique())
-    with style.context():
-        figure = style.new_figure(5.0 * len(panels), 5.0)
-        grid = figure.subplots(1, len(panels), squeeze=False)[0]
-        for axes, (measure, label) in zip(grid, panels.items(), strict=True):
-            for name in schemes:
-                look = style_of(name, schemes)
-                rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
-                _draw_curve(axes, _place(rows[along.name], levels), rows, look)
-                if points is not None:
-                    rows = points[(points["scheme"] == name) & (points["measure"] == measure)]
-                    place, values = _place(rows[along.name], levels), rows["value"].to_numpy()
-                    axes.plot(place, values, color=look.color, marker=look.marker, **HOLLOW)
-            _scale(axes, along, levels)
-            axes.set_ylabel(label)
-        figure.suptitle(title, x=0.01, ha="left", fontsize=11)
-        handles = _make_legend(shown, schemes, points_label)
-        figure.legend(handles=handles, loc="outside right center", frameon=False)
-        style.footnote(figure, " ".join([*_explain(shown, coinciding), *notes]))
+    figure = style.new_figure(5.0 * len(panels), 5.0)
+    grid = figure.subplots(1, len(panels), squeeze=False)[0]
+    for axes, (measure, label) in zip(grid, panels.items(), strict=True):
+        for name in schemes:
+            look = style_of(name, schemes)
+            rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
+            _draw_curve(axes, _place(rows[along.name], levels), rows, look)
+            if points is not None:
+                rows = points[(points["scheme"] == name) & (points["measure"] == measure)]
+                place = _place(rows[along.name], levels)
+                axes.plot(place, rows["value"], color=look.color, marker=look.marker, **HOLLOW)
+        _scale(axes, along, levels)
+        axes.set_ylabel(label)
+    figure.suptitle(title, x=0.01, ha="left", fontsize=11)
+    handles = _make_legend(shown, schemes, points_label)
+    figure.legend(handles=handles, loc="outside right center", frameon=False)
+    style.footnote(figure, " ".join([*_explain(shown, coinciding), *notes]))
     return figure
 
 
@@ -132,11 +129,10 @@ def _place(column: pd.Series[Any], levels: Sequence[Value]) -> Any:
 def _draw_curve(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -> None:
     order = np.argsort(place, kind="stable")
     place, rows = place[order], rows.iloc[order]
-    mean, high = rows["mean"].to_numpy(), rows["ci_high"].to_numpy()
-    low = np.maximum(rows["ci_low"].to_numpy(), LOWEST * mean)
-    axes.plot(
-        place, mean, color=look.color, linestyle=look.line, marker=look.marker, markersize=4.5
-    )
+    mean, high = rows["mean"], rows["ci_high"]
+    low = np.maximum(rows["ci_low"], LOWEST * mean)
+    line: dict[str, Any] = {"linestyle": look.line, "marker": look.marker, "markersize": 4.5}
+    axes.plot(place, mean, color=look.color, **line)
     axes.fill_between(place, low, high, color=look.color, alpha=0.2, linewidth=0.0)
     axes.vlines(place, low, high, color=look.color, linewidth=1.0)
 
@@ -159,7 +155,7 @@ def _scale(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:
     else:
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_major_formatter("{x:g}")
     if span == 0.0:
         axes.set_xlim(numbers[0] / 2.0, numbers[0] * 2.0)
 
@@ -168,9 +164,8 @@ def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points_label: str)
     handles: list[Any] = []
     for name in schemes:
         look = style_of(name, schemes)
-        handles.append(
-            Line2D([], [], color=look.color, linestyle=look.line, marker=look.marker, label=name)
-        )
+        line: dict[str, Any] = {"linestyle": look.line, "marker": look.marker, "label": name}
+        handles.append(Line2D([], [], color=look.color, **line))
     if shown["ci_low"].notna().any():
         handles.append(Patch(facecolor="0.6", alpha=0.5, label="95 % interval\nof the mean"))
     if points_label:

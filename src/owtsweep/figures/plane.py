@@ -41,9 +41,8 @@ class Plane:
     def of(cls, table: pd.DataFrame, conditions: Sequence[Condition]) -> Plane:
         """The plane of a table with a column per condition; raises the same errors as `over`."""
         columns = {condition.name: table[condition.name] for condition in conditions}
-        return cls.over(
-            conditions, {name: order_values(c, c.unique()) for name, c in columns.items()}
-        )
+        grid = {name: order_values(column, column.unique()) for name, column in columns.items()}
+        return cls.over(conditions, grid)
 
     @classmethod
     def over(cls, conditions: Sequence[Condition], grid: Grid) -> Plane:
@@ -56,17 +55,15 @@ class Plane:
         InputError
             If more than two conditions have several values.
         """
-        shown = list(conditions)
-        if len(shown) > 2:
-            varied = [condition for condition in shown if len(grid[condition.name]) > 1]
-            if len(varied) > 2:
-                names = ", ".join(condition.name for condition in varied)
-                raise InputError(
-                    f"map: {names} all have several values, and a map shows two conditions; give "
-                    "others one value each, or sweep them with --multirun"
-                )
-            rest = [condition for condition in shown if condition not in varied]
-            shown = sorted([*varied, *rest][:2], key=shown.index)
+        varied = [condition for condition in conditions if len(grid[condition.name]) > 1]
+        if len(varied) > 2:
+            names = ", ".join(condition.name for condition in varied)
+            raise InputError(
+                f"map: {names} all have several values, and a map shows two conditions; give "
+                "others one value each, or sweep them with --multirun"
+            )
+        rest = [condition for condition in conditions if condition not in varied]
+        shown = sorted([*varied, *rest][:2], key=list(conditions).index)
         across, upwards = shown[0], shown[1] if len(shown) > 1 else None
         lines: list[Value] = list(grid[upwards.name]) if upwards else [""]
         return cls(across, list(grid[across.name]), upwards, lines)

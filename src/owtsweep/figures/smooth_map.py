@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.figures import style
+from owtsweep.figures.best_scheme_map import HATCH
 from owtsweep.figures.palette import style_of
 from owtsweep.results.conditions import Condition
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 #: Contour levels: by how many per cent the runner-up is worse.
 MARGINS = (10, 50, 200, 1000)
@@ -80,66 +81,56 @@ def draw(
     coinciding
         Groups of schemes with the same values; the map shows the last name of each.
     """
-    with style.context():
-        figure = style.new_figure(7.6, 5.8)
-        axes = figure.add_subplot()
-        _draw_regions(axes, field, schemes)
-        _draw_boundaries(axes, field)
-        _draw_margins(axes, field)
-        if field.across.scale == "log":
-            axes.set_xscale("log")
-            axes.xaxis.set_major_formatter("{x:g}")
-        if field.upwards.scale == "log":
-            axes.set_yscale("log")
-            axes.yaxis.set_major_formatter("{x:g}")
-        axes.set_xlabel(field.across.title)
-        axes.set_ylabel(field.upwards.title)
-        axes.grid(visible=False)
-        axes.set_title(title, loc="left")
-        _add_legend(figure, field, schemes, coinciding)
-        style.footnote(figure, _explain(field, origin, coinciding))
+    figure = style.new_figure(7.6, 5.8)
+    axes = figure.add_subplot()
+    _draw_regions(axes, field, schemes)
+    _draw_boundaries(axes, field)
+    _draw_margins(axes, field)
+    axes.set(xscale=field.across.scale, xlabel=field.across.title)
+    axes.set(yscale=field.upwards.scale, ylabel=field.upwards.title)
+    for axis, condition in ((axes.xaxis, field.across), (axes.yaxis, field.upwards)):
+        if condition.scale == "log":
+            axis.set_major_formatter("{x:g}")
+    axes.grid(visible=False)
+    axes.set_title(title, loc="left")
+    handles = _make_legend(field, schemes, coinciding)
+    figure.legend(handles=handles, loc="outside upper center", ncols=2, frameon=False)
+    style.footnote(figure, _explain(field, origin, coinciding))
     return figure
 
 
 def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
-    from matplotlib.colors import ListedColormap
-
-    colors = [style_of(name, schemes).color for name in schemes]
+    looks = [style_of(name, schemes) for name in schemes]
     axes.pcolormesh(
-        field.columns, field.lines, field.best.T, cmap=ListedColormap(colors), vmin=-0.5,
-        vmax=len(schemes) - 0.5, shading="nearest", rasterized=True,
+        field.columns, field.lines, field.best.T, vmin=-0.5, vmax=len(schemes) - 0.5,
+        cmap=ListedColormap([look.color for look in looks]), shading="nearest", rasterized=True,
     )  # fmt: skip
-    for number, name in enumerate(schemes):
+    text: Any = {"ha": "center", "va": "center", "fontsize": 12, "fontweight": "bold", "zorder": 5}
+    for number, (name, look) in enumerate(zip(schemes, looks, strict=True)):
         won = field.best == number
         if won.mean() > LEAST_REGION:
             i, j = _find_middle(won)
-            text: Any = {"ha": "center", "va": "center", "fontsize": 12, "fontweight": "bold"}
-            look = style_of(name, schemes)
             box = {"facecolor": look.color, "edgecolor": "none", "pad": 2.0}
             place = field.columns[i], field.lines[j]
-            axes.text(*place, name, color=look.text_color, bbox=box, zorder=5, **text)
+            axes.text(*place, name, color=look.text_color, bbox=box, **text)
     unclear = ~field.distinguishable
     if unclear.any():
-        axes.contourf(
-            field.columns, field.lines, unclear.T.astype(float), [0.5, 1.5], colors="none",
-            hatches=["////"],
-        )  # fmt: skip
+        cover: dict[str, Any] = {"levels": [0.5, 1.5], "colors": "none", "hatches": [HATCH]}
+        axes.contourf(field.columns, field.lines, unclear.T.astype(float), **cover)
     axes.set_xlim(field.columns[0], field.columns[-1])
     axes.set_ylim(field.lines[0], field.lines[-1])
 
 
 def _draw_boundaries(axes: Axes, field: Field) -> None:
     """Draw lines where a scheme equals the best of the schemes that do not coincide with it."""
-    values = field.values
-    for number in range(len(values)):
-        others = np.delete(values, number, axis=0)
-        alike = np.max(np.abs(others / values[number] - 1.0), axis=(1, 2)) < field.resolution
-        if len(others[~alike]):
-            ahead = np.log(others[~alike].min(axis=0) / values[number])
+    look: dict[str, Any] = {"levels": [0.0], "colors": "black", "linewidths": 1.4}
+    for number, values in enumerate(field.values):
+        others = np.delete(field.values, number, axis=0)
+        alike = np.max(np.abs(others / values - 1.0), axis=(1, 2)) < field.resolution
+        if not alike.all():
+            ahead = np.log(others[~alike].min(axis=0) / values)
             if ahead.min() < 0.0 < ahead.max():
-                axes.contour(
-                    field.columns, field.lines, ahead.T, [0.0], colors="black", linewidths=1.4
-                )
+                axes.contour(field.columns, field.lines, ahead.T, **look)
 
 
 def _draw_margins(axes: Axes, field: Field) -> None:
@@ -149,10 +140,8 @@ def _draw_margins(axes: Axes, field: Field) -> None:
         return
     levels = [level for level in MARGINS if excess.min() < level < excess.max()]
     if levels:
-        lines = axes.contour(
-            field.columns, field.lines, excess.T, levels, colors="black", linewidths=0.6,
-            linestyles="--",
-        )  # fmt: skip
+        look: dict[str, Any] = {"colors": "black", "linewidths": 0.6, "linestyles": "--"}
+        lines = axes.contour(field.columns, field.lines, excess.T, levels, **look)
         axes.clabel(lines, fmt="%g %%", fontsize=7)
 
 
@@ -165,19 +154,17 @@ def _find_middle(region: Array) -> tuple[int, int]:
     return int(i), int(j)
 
 
-def _add_legend(
-    figure: Figure, field: Field, schemes: Sequence[str], coinciding: Sequence[Sequence[str]]
-) -> None:
-    from matplotlib.patches import Patch
-
+def _make_legend(
+    field: Field, schemes: Sequence[str], coinciding: Sequence[Sequence[str]]
+) -> list[Patch]:
     hidden = {name for group in coinciding for name in group[:-1]}
-    handles = [
-        Patch(color=style_of(name, schemes).color,
-              label=f"{name}: {_describe_share(float(np.mean(field.best == number)))}")
-        for number, name in enumerate(schemes)
-        if name not in hidden
-    ]  # fmt: skip
-    figure.legend(handles=handles, loc="outside upper center", ncols=2, frameon=False)
+    handles = []
+    for number, name in enumerate(schemes):
+        if name not in hidden:
+            share = _describe_share(float(np.mean(field.best == number)))
+            color = style_of(name, schemes).color
+            handles.append(Patch(color=color, label=f"{name}: {share}"))
+    return handles
 
 
 def _describe_share(won: float) -> str:

@@ -7,12 +7,10 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import matplotlib as mpl
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from matplotlib.figure import Figure
 
 RESOLUTION = 160  # dots per inch of PNG files
 SVG_LIMIT = 500 * 1024  # bytes
@@ -46,8 +44,6 @@ def context() -> Iterator[None]:
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure (size in inches) outside pyplot: it opens no window."""
-    from matplotlib.figure import Figure
-
     return Figure(figsize=(width, height), layout="constrained")
 
 

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+from rich import box
+from rich.console import Group, RenderableType
+from rich.style import Style
+from rich.table import Table
+from rich.text import Text
 
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.results.conditions import Condition
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from rich.console import RenderableType
-    from rich.table import Table
-    from rich.text import Text
-
-    #: Column and line number -> best scheme, and whether it is distinguishable.
-    Winners = dict[tuple[int, int], tuple[str, bool]]
 
 #: Mark after a name where the data do not distinguish the best scheme from the next.
 MARK = "~"
@@ -46,9 +44,6 @@ def grid(
     criterion, window
         The rows to show.
     """
-    from rich.console import Group
-    from rich.text import Text
-
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
         return Text(f"No cell to compare by {criterion} MSE ({window} record).")
@@ -68,25 +63,17 @@ def grid(
 
 
 def _make_tables(best: pd.DataFrame, schemes: Sequence[str], plane: Plane) -> list[Table]:
-    winners: Winners = {
-        plane.place(row): (row["best"], bool(row["distinguishable"]))
-        for row in best.to_dict("records")
-    }
-    cell_width = max(len(name) for name in schemes) + len(MARK) + 3
-    step = max(1, WIDTH // (cell_width + 2))
+    width = max(len(name) for name in schemes)
+    cells = {plane.place(row): _make_cell(row, schemes, width) for row in best.to_dict("records")}
+    step = max(1, WIDTH // (width + len(MARK) + 5))
     columns = range(len(plane.columns))
-    return [
-        _make_table(winners, schemes, plane, columns[start : start + step])
-        for start in columns[::step]
-    ]
+    return [_make_table(cells, plane, columns[start : start + step]) for start in columns[::step]]
 
 
 def _make_table(
-    winners: Winners, schemes: Sequence[str], plane: Plane, columns: Sequence[int]
+    cells: Mapping[tuple[int, int], Text], plane: Plane, columns: Sequence[int]
 ) -> Table:
-    from rich import box
-    from rich.table import Table
-
+    """The table of some columns; `cells` are by column and line number."""
     table = Table(box=box.SIMPLE, padding=(0, 1), header_style="")
     upwards = plane.upwards
     table.add_column(upwards.word if upwards else "", justify="right", no_wrap=True)
@@ -94,27 +81,19 @@ def _make_table(
         shown = plane.across.show(plane.columns[column])
         table.add_column(shown, justify="center", no_wrap=True)
     for line in reversed(range(len(plane.lines))):
-        cells = [_make_cell(winners.get((column, line)), schemes) for column in columns]
-        table.add_row(upwards.show(plane.lines[line]) if upwards else "", *cells)
+        value = upwards.show(plane.lines[line]) if upwards else ""
+        table.add_row(value, *(cells.get((column, line), NO_RESULT) for column in columns))
     return table
 
 
-def _make_cell(winner: tuple[str, bool] | None, schemes: Sequence[str]) -> Text:
-    from rich.style import Style
-    from rich.text import Text
-
-    if winner is None:
-        return Text(NO_RESULT)
-    name, distinguishable = winner
-    look = style_of(name, schemes)
-    width = max(len(scheme) for scheme in schemes)
-    mark = " " if distinguishable else MARK
-    return Text(f" {name:^{width}} {mark}", style=Style(color=look.text_color, bgcolor=look.color))
+def _make_cell(row: Mapping[Any, Any], schemes: Sequence[str], width: int) -> Text:
+    look = style_of(row["best"], schemes)
+    mark = " " if row["distinguishable"] else MARK
+    text = f" {row['best']:^{width}} {mark}"
+    return Text(text, style=Style(color=look.text_color, bgcolor=look.color))
 
 
 def _make_legend(best: pd.DataFrame, schemes: Sequence[str]) -> Text:
-    from rich.text import Text
-
     names = best["best"].to_list()
     counts = ", ".join(f"{name} {names.count(name)}" for name in schemes if name in names)
     legend = f"cells won: {counts}"

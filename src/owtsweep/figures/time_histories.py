@@ -1,28 +1,32 @@
 """Quantities of a record over time: one panel per axis, and below them a panel of errors.
 
-A study defines what each panel shows (`Panel`). This module defines layout, legend and looks.
+The errors are those of one axis, or the accumulated errors of all axes. A study defines what each
+panel shows (`Panel`). This module defines layout, legend and looks.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from owtsweep.arrays import Array
 from owtsweep.figures import style
-from owtsweep.figures.lines import Line, plot
+from owtsweep.figures.lines import Line, clip, make_line
 from owtsweep.figures.palette import style_of
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 #: Lengths in inches, and the relative heights of the panels.
 WIDTH, HEIGHT = 10.0, {2: 5.4, 3: 7.2}
 RATIOS = (1.0, 1.0, 0.8)
 UNITS = {"position": "m", "velocity": "m/s", "acceleration": "m/s²", "bias": "m/s²"}
 NAMES = {"bias": "Accelerometer bias"}
+
+#: Times (n,) in s, and the errors at them, (n, axes).
+Errors = tuple[Array, Array]
 
 
 @dataclass(frozen=True)
@@ -33,8 +37,11 @@ class Curve:
     look: Mapping[str, Any]
 
     def draw(self, axes: Axes) -> None:
-        """Draw it."""
-        plot(axes, self.line, **self.look)
+        """Draw its pieces; only the first carries the label."""
+        look = dict(self.look)
+        for time, values in self.line:
+            axes.plot(time, values, **look)
+            look.pop("label", None)
 
 
 @dataclass(frozen=True)
@@ -109,18 +116,16 @@ def draw(
     shared
         Whether all panels show the same span of time; then the axis is labelled once.
     """
-    with style.context():
-        figure = style.new_figure(WIDTH, HEIGHT[len(panels)])
-        grid = figure.subplots(
-            len(panels), 1, height_ratios=RATIOS[: len(panels)], sharex=shared, squeeze=False
-        )[:, 0]
-        for axes, panel in zip(grid, panels, strict=True):
-            _draw_panel(axes, panel)
-        grid[-1].set_xlabel(time_label)
-        handles, labels = grid[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside right upper", frameon=False)
-        figure.suptitle(title, x=0.01, ha="left", fontsize=12)
-        style.footnote(figure, footnote)
+    count = len(panels)
+    figure = style.new_figure(WIDTH, HEIGHT[count])
+    grid = figure.subplots(count, 1, height_ratios=RATIOS[:count], sharex=shared)
+    for axes, panel in zip(grid, panels, strict=True):
+        _draw_panel(axes, panel)
+    grid[-1].set_xlabel(time_label)
+    handles, labels = grid[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right upper", frameon=False)
+    figure.suptitle(title, x=0.01, ha="left", fontsize=12)
+    style.footnote(figure, footnote)
     return figure
 
 
@@ -171,3 +176,67 @@ def show_scheme(name: str, names: Sequence[str], line: Line, **look: Any) -> Cur
 def show_estimate(name: str, names: Sequence[str], line: Line) -> Curve:
     """A scheme's estimate, above the truth."""
     return show_scheme(name, names, line, linewidth=1.2, label=name, zorder=2.5)
+
+
+def show_errors(
+    errors: Mapping[str, Errors],
+    names: Sequence[str],
+    quantity: str,
+    view: tuple[float, float],
+    *,
+    bound: float | None = None,
+    note: str = "",
+) -> Panel:
+    """A panel with the errors of x during a view (a span of time).
+
+    Parameters
+    ----------
+    errors
+        Scheme -> its errors.
+    names
+        All schemes of the study, which determine the looks.
+    quantity
+        One of `UNITS`.
+    view
+        First and last time shown, s.
+    bound
+        A bound on the error, marked on both sides of zero.
+    """
+    marks: list[Curve | Level] = [
+        show_estimate(name, names, make_line(*clip(time, error[:, 0], view)))
+        for name, (time, error) in errors.items()
+    ]
+    if bound is not None:
+        marks += [Level(-bound, bound=True), Level(bound, bound=True)]
+    return Panel(f"error of x ({UNITS[quantity]})", [*marks, Level(0.0)], view, note=note)
+
+
+def show_accumulated(
+    errors: Mapping[str, Errors], names: Sequence[str], quantity: str, end: float
+) -> Panel:
+    """A panel with the absolute error of all axes, integrated over time from the record's start.
+
+    Parameters
+    ----------
+    errors
+        Scheme -> its errors over the whole record, in equal steps from 0 s.
+    names
+        All schemes of the study, which determine the looks.
+    quantity
+        One of `UNITS`.
+    end
+        End of the record, s.
+    """
+    marks, ends = [], []
+    for name, (time, error) in errors.items():
+        total = float(time[1]) * np.cumsum(np.sum(np.abs(error), axis=1))
+        marks.append(show_estimate(name, names, make_line(time, total)))
+        ends.append(f"{name} {total[-1]:.3g}")
+    unit = {"m": "m s", "m/s": "m", "m/s²": "m/s"}[UNITS[quantity]]
+    return Panel(
+        label=f"accumulated |error|,\nx + y ({unit})",
+        marks=marks,
+        view=(0.0, end),
+        limits=(0.0, None),
+        note=f"over the whole record; at its end: {', '.join(ends)}",
+    )

@@ -66,20 +66,17 @@ def _write_through(path: Path, data: bytes) -> None:
         os.fsync(stream.fileno())
 
 
-def remove_stale(folder: Path) -> int:
-    """Delete temporary files left in a folder by killed processes; return how many.
+def remove_stale(folder: Path) -> None:
+    """Delete temporary files left in a folder by killed processes.
 
     Younger files stay: another process may be writing them.
     """
-    removed = 0
     now = time.time()
     for path in folder.glob(".*.tmp"):
         # Ignore files that are gone or that this user may not delete.
         with contextlib.suppress(OSError):
             if _TEMPORARY.fullmatch(path.name) and now - path.stat().st_mtime > STALE:
                 path.unlink()
-                removed += 1
-    return removed
 
 
 def _sync_folder(folder: Path) -> None:

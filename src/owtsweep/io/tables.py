@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
-from owtsweep.io.files import write_all, write_atomically
+from owtsweep.io.files import write_all
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -15,19 +15,17 @@ if TYPE_CHECKING:
 
 def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
     """Write each table as `<name>.csv`: all of them, or none if the disk is full."""
-    write_all({folder / f"{name}.csv": _to_csv(table) for name, table in tables.items()})
+    # pandas writes a float as `repr` does: the shortest text that reads back as the same number.
+    contents = {}
+    for name, table in tables.items():
+        contents[folder / f"{name}.csv"] = table.to_csv(index=False, lineterminator="\n")
+    write_all(contents)
 
 
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
     """Write `<name>.csv`, whole or not at all; the index is not kept."""
-    path = folder / f"{name}.csv"
-    write_atomically(path, _to_csv(table))
-    return path
-
-
-def _to_csv(table: pd.DataFrame) -> str:
-    # pandas writes a float as `repr` does: the shortest text that reads back as the same number.
-    return table.to_csv(index=False, lineterminator="\n")
+    write_tables(folder, {name: table})
+    return folder / f"{name}.csv"
 
 
 def read_table(folder: Path, name: str) -> pd.DataFrame:

@@ -1,6 +1,10 @@
-"""Random-phase realisations of a motion spectrum, with consistent derivatives."""
+"""Random-phase realisations of a motion spectrum, with consistent derivatives; as a source too."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,3 +141,43 @@ def _newest(whole: Array, count: int) -> Array:
 def _put(rows: Array, scale: float, out: Array) -> None:
     """Write the samples of interleaved columns, times `scale`, to `out` in order of time."""
     np.multiply(rows.T, scale, out=out.reshape(rows.T.shape))
+
+
+@dataclass(frozen=True)
+class SpectralSource:
+    """Random-phase realisations of a spectrum, along one direction and of any length.
+
+    Attributes
+    ----------
+    spectrum
+        Shape of the spectrum.
+    band
+        Lower and upper edge of the lines that are drawn, Hz.
+    normalise
+        "peak" or "rms": the property of the displacement that is 1 m (`synthesise`).
+    """
+
+    spectrum: Spectrum
+    band: tuple[float, float]
+    normalise: str = "peak"
+    streams: ClassVar[tuple[str, ...]] = ("phase",)
+    duration: ClassVar[None] = None
+
+    def realise(
+        self,
+        stream: Callable[[str], np.random.Generator],
+        *,
+        steps: int,
+        step: float,
+        history: int = 0,
+    ) -> Motion:
+        """Draw one record."""
+        return synthesise(
+            self.spectrum,
+            stream("phase"),
+            steps=steps,
+            step=step,
+            band=self.band,
+            normalise=self.normalise,
+            history=history,
+        )

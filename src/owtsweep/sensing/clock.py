@@ -36,10 +36,6 @@ class Clock:
         if not self.drift > -1.0:
             raise InputError(f"drift: {self.drift:g} s/s stops the clock; give more than -1")
 
-    def true_time(self, stamped: Array) -> Array:
-        """The true times of samples with these time stamps, s."""
-        return stamped + self.offset + self.drift * stamped
-
     def read(self, values: Array, *, start: float, step: float, stamped: Array) -> Array:
         """The values that the sensor reports at given times on its clock.
 
@@ -68,7 +64,7 @@ class Clock:
         from scipy.interpolate import make_interp_spline
 
         time = start + step * np.arange(len(values))
-        instants = self.true_time(stamped)
+        instants = stamped + self.offset + self.drift * stamped
         missing = max(start - float(np.min(instants)), float(np.max(instants)) - float(time[-1]))
         if missing > 1e-9 * step:
             raise InputError(

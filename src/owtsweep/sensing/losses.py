@@ -16,8 +16,9 @@ class Losses:
 
     At each sample an outage begins with the same probability, independently of all others, also
     inside another outage. With a length of 1 the losses are independent. No outage begins before
-    the first sample. With the same stream and a higher probability or a greater length, all samples
-    that were lost before are lost again, and more.
+    the first sample. In the long run the share 1 - (1 - probability)^length of samples is lost.
+    With the same stream and a higher probability or a greater length, all samples that were lost
+    before are lost again, and more.
 
     Attributes
     ----------
@@ -47,11 +48,6 @@ class Losses:
         if self.length < 1:
             raise InputError(f"length: an outage of {self.length} samples; give 1 or more")
 
-    @property
-    def share(self) -> float:
-        """The share of samples that is lost in the long run: 1 - (1 - probability)^length."""
-        return float(1.0 - (1.0 - self.probability) ** self.length)
-
     def draw(self, count: int) -> NDArray[np.bool_]:
         """The next samples, (count,): True where one is lost."""
         begins = self.generator.random(count) < self.probability
@@ -61,16 +57,3 @@ class Losses:
         newest = last[-1] + self.length - count if count else 0
         self.remaining = max(self.remaining - count, int(newest), 0)
         return lost
-
-
-def compute_begin_probability(share: float, length: int) -> float:
-    """The probability that an outage begins at a sample, for a given share of lost samples.
-
-    Raises
-    ------
-    InputError
-        If the share is negative, or 1 or more.
-    """
-    if not 0.0 <= share < 1.0:
-        raise InputError(f"share: {share:g} is not from 0 to below 1")
-    return float(-np.expm1(np.log1p(-share) / length))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -113,9 +113,6 @@ class Backend(_Base):  # type: ignore[misc]
         super().__init__(client=client, pure=False)
         self._last_seen = time.monotonic()
 
-    def __reduce__(self) -> Any:
-        return (DaskDistributedBackend, ())
-
     def effective_n_jobs(self, n_jobs: int = 1) -> int:
         # With one worker left joblib would run the tasks itself, in this process; with none it
         # would raise, while `_watch` has more patience.
@@ -126,9 +123,10 @@ class Backend(_Base):  # type: ignore[misc]
         super().start_call()
         self.client.loop.add_callback(self._watch)
 
-    def submit(self, func: Any, callback: Any = None) -> Any:
+    def submit(self, func: Any, callback: Any) -> Any:
         ((_, arguments, _),) = func.items  # batch_size=1: run_task(work, number, ...)
-        return super().submit(func, _Numbered(arguments[1], callback))
+        callback.number = arguments[1]
+        return super().submit(func, callback)
 
     def abort_everything(self, ensure_ready: bool = True) -> None:
         _hush()  # `connected` turns the loggers on again
@@ -167,17 +165,6 @@ class Backend(_Base):  # type: ignore[misc]
                 future, callback = self._callbacks.popitem()
                 self._results.pop(future, None)
                 callback([Lost(callback.number, reason, final=True)])
-
-
-@dataclass(frozen=True)
-class _Numbered:
-    """joblib's callback together with the number of its task."""
-
-    number: int
-    call: Callable[[Any], None]
-
-    def __call__(self, result: Any) -> None:
-        self.call(result)
 
 
 def _short(error: Any) -> str:

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
+import secrets
 import signal
 import threading
 import warnings
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
+from pathlib import Path
 from pickle import PicklingError
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.config import Config
 from owtsweep.sweep.plan import Plan
-from owtsweep.sweep.setback import Setback
+from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.shard import DamagedShard, decode
-from owtsweep.sweep.store import Store
-from owtsweep.sweep.study import Study
-from owtsweep.sweep.token import shared_token
 from owtsweep.sweep.worker import (
     NOT_COMPUTED,
     Local,
@@ -33,7 +31,8 @@ from owtsweep.sweep.worker import (
 if TYPE_CHECKING:
     from owtsweep.sweep.cluster import Lost
 
-PLACES = {"threading": "thread", "loky": "process", "dask": "cluster"}
+#: The backends of joblib that a sweep can use.
+BACKENDS = ("threading", "loky", "dask")
 
 
 @dataclass(frozen=True)
@@ -42,29 +41,19 @@ class Executor:
 
     Attributes
     ----------
-    study, config
-        What is run.
-    store
-        Where the shards go.
-    metadata
-        Entries stored in every shard: versions.
-    backend, workers
-        The joblib backend and its number of workers; 0 means a whole cluster.
+    work
+        What its workers need to know.
+    workers
+        How many workers there are; 0 means a whole cluster.
     client
         The connection to a cluster (`owtsweep.sweep.cluster.connected`), for backend "dask".
     """
 
-    study: Study
-    config: Config
-    store: Store
-    metadata: Mapping[str, str]
-    backend: str
+    work: Work
     workers: int
     client: Any = None
 
-    def run(
-        self, tasks: Sequence[Plan], tell: Callable[[int], None] | None = None
-    ) -> Generator[TaskResult]:
+    def run(self, tasks: Sequence[Plan], tell: Callable[[int], None]) -> Generator[TaskResult]:
         """Run the tasks and yield each result as it arrives.
 
         Closing the iterator stops the workers: processes at once, threads after their current
@@ -79,17 +68,21 @@ class Executor:
         """
         if not tasks:
             return
+        backend, folder = self.work.backend, self.work.store.folder
         queue = list(tasks)
         reported: set[int] = set()
-        with self._share_folder() as work, self._prepare_workers() as start:
-            local = self._make_local(tell)
+        # Processes cannot share a flag (it does not pickle), and they do not need it.
+        local = Local(threading.Event(), tell) if backend == "threading" else None
+        sharing = shared_token(folder) if backend == "dask" else nullcontext()
+        with sharing as token:
+            work = replace(self.work, token=token)
             try:
-                with closing(self._run_rounds(work, queue, start, local)) as results:
+                with closing(self._run_rounds(work, queue, local)) as results:
                     for result in results:
                         reported.add(result.task)
-                        kept = self._store_returned(result)
-                        yield kept
-                        if kept.disk_full:
+                        self._store_returned(result)
+                        yield result
+                        if result.disk_full:
                             raise _Stop(NOT_COMPUTED)
             except _Stop as stop:
                 for number in sorted(set(range(len(queue))) - reported):
@@ -98,14 +91,8 @@ class Executor:
                 if local is not None:
                     local.stop.set()
 
-    def _make_local(self, tell: Callable[[int], None] | None) -> Local | None:
-        # Processes cannot share a flag (it does not pickle), and they do not need it.
-        if self.backend != "threading":
-            return None
-        return Local(threading.Event(), tell or (lambda cases: None))
-
     def _run_rounds(
-        self, work: Work, tasks: list[Plan], start: Callable[[int], Any], local: Local | None
+        self, work: Work, tasks: list[Plan], local: Local | None
     ) -> Generator[TaskResult]:
         """Run all tasks. If a worker dies, run tasks again until the block that killed it is found.
 
@@ -120,7 +107,7 @@ class Executor:
             reported: set[int] = set()
             guilty: dict[int, str] = {}
             try:
-                for result in self._run_round(work, tasks, numbers, sent, start, local):
+                for result in self._run_round(work, tasks, numbers, sent, local):
                     reported.add(result.task)
                     if isinstance(result, TaskResult):
                         yield result
@@ -140,19 +127,14 @@ class Executor:
                     suspects, rest = suspects[:half], suspects[half:]
                 rounds.extendleft(part for part in (rest, suspects) if part)
             for number, reason in guilty.items():
-                missing = {
-                    key: block
-                    for key, block in tasks[number].items()
-                    if self.store.status(key) != "done"
-                }
-                if len(missing) < 2:
-                    yield self._count_stored(number, tasks[number], reason)
-                    continue
-                done = {key: block for key, block in tasks[number].items() if key not in missing}
-                yield self._count_stored(number, done, reason)
-                for key, block in missing.items():
-                    rounds.append([len(tasks)])
-                    tasks.append({key: block})
+                blocks = tasks[number]
+                missing = [key for key in blocks if not self._is_done(key)]
+                if len(missing) > 1:
+                    for key in missing:
+                        rounds.append([len(tasks)])
+                        tasks.append({key: blocks[key]})
+                    blocks = {key: blocks[key] for key in blocks if key not in missing}
+                yield self._count_stored(number, blocks, reason)
 
     def _run_round(
         self,
@@ -160,7 +142,6 @@ class Executor:
         tasks: Sequence[Plan],
         numbers: list[int],
         sent: list[int],
-        start: Callable[[int], Any],
         local: Local | None,
     ) -> Iterator[TaskResult | Lost]:
         from joblib import delayed
@@ -172,8 +153,8 @@ class Executor:
 
         if local is not None:
             local.stop.clear()  # the previous round set it to stop the workers that were left
-        with _hold_interrupts(self.backend == "loky"):
-            results: Any = start(len(numbers))(calls())
+        with _hold_interrupts(self.work.backend == "loky"):
+            results: Any = self._make_parallel(len(numbers))(calls())
         try:
             for result in results:
                 if not isinstance(result, TaskResult) and result.final:
@@ -187,70 +168,73 @@ class Executor:
                 warnings.simplefilter("ignore", UserWarning)
                 results.close()
 
-    @contextmanager
-    def _share_folder(self) -> Iterator[Work]:
-        """The `Work` of the workers; its token shows other machines whether they see the folder."""
-        place: Any = PLACES[self.backend]
-        work = Work(self.study, self.config, self.store, self.metadata, place)
-        if place != "cluster":
-            yield work
-            return
-        with shared_token(self.store.folder) as token:
-            yield replace(work, token=token)
+    def _make_parallel(self, tasks: int) -> Any:
+        """A `joblib.Parallel` for a number of tasks."""
+        from joblib import Parallel
 
-    @contextmanager
-    def _prepare_workers(self) -> Iterator[Callable[[int], Any]]:
-        """A function that makes a `joblib.Parallel` for a number of tasks."""
-        from joblib import Parallel, parallel_config
+        options: dict[str, Any]
+        if self.work.backend == "dask":
+            from owtsweep.sweep.cluster import Backend
 
-        options: dict[str, Any] = {"return_as": "generator_unordered", "batch_size": 1}
-        if self.backend != "dask":
+            # joblib uses the whole cluster; `workers` limits how many tasks are submitted at a time
+            options = {"backend": Backend(self.client), "pre_dispatch": self.workers or "2*n_jobs"}
+        else:
+            workers = min(self.workers, tasks)
             # With one job joblib would run it in this process, and a block may kill its process.
-            least = 2 if self.backend == "loky" else 1
+            least = 2 if self.work.backend == "loky" else 1
+            options = {
+                "n_jobs": max(workers, least),
+                "backend": self.work.backend,
+                "pre_dispatch": workers if workers < least else "2*n_jobs",
+            }
+        return Parallel(return_as="generator_unordered", batch_size=1, **options)
 
-            def local(tasks: int) -> Any:
-                workers = min(self.workers, tasks)
-                return Parallel(
-                    n_jobs=max(workers, least),
-                    backend=self.backend,
-                    pre_dispatch=workers if workers < least else "2*n_jobs",
-                    **options,
-                )
-
-            yield local
-            return
-        from owtsweep.sweep.cluster import Backend
-
-        # joblib uses the whole cluster; `workers` limits how many tasks are submitted at a time.
-        with parallel_config(backend=Backend(self.client)):
-            yield lambda tasks: Parallel(pre_dispatch=self.workers or "2*n_jobs", **options)
-
-    def _store_returned(self, result: TaskResult) -> TaskResult:
+    def _store_returned(self, result: TaskResult) -> None:
         """Store the shards that a worker has handed back."""
-        failures = list(result.failures)
-        computed, disk_full = result.computed, result.disk_full
         for shard in result.returned:
             try:
                 decode(shard.data, shard.key)
-                self.store.write_sealed(shard.key, shard.data)
+                self.work.store.write(shard.key, shard.data)
             except (DamagedShard, OSError) as error:
-                computed -= shard.succeeded
-                disk_full = disk_full or is_disk_full(error)
-                failures.append(Setback(shard.label, one_line(error), shard.succeeded))
-        return replace(
-            result, computed=computed, failures=tuple(failures), returned=(), disk_full=disk_full
-        )
+                result.computed -= shard.succeeded
+                result.disk_full = result.disk_full or is_disk_full(error)
+                result.failures.append(Setback(shard.label, one_line(error), shard.succeeded))
+        result.returned.clear()
 
     def _count_stored(self, number: int, blocks: Plan, reason: str) -> TaskResult:
         """The result of a task that did not report; its stored blocks count as computed."""
-        computed = 0
-        failures = []
+        result = TaskResult(number)
         for key, block in blocks.items():
-            if self.store.status(key) == "done":
-                computed += block.cases
+            if self._is_done(key):
+                result.computed += block.cases
             else:
-                failures.append(Setback(block.label, reason, block.cases))
-        return TaskResult(number, computed, tuple(failures))
+                result.failures.append(Setback(block.label, reason, block.cases))
+        return result
+
+    def _is_done(self, key: str) -> bool:
+        return self.work.store.status(key) == "done"
+
+
+@contextmanager
+def shared_token(folder: Path) -> Iterator[str | None]:
+    """The name of a file in the run folder that exists while the context is open.
+
+    A machine that finds the file shares the folder: the name is random, so a folder with the same
+    path on another machine does not contain it. The name is None if the file cannot be written;
+    then workers send their shards back.
+    """
+    # Named like a temporary file, so that one left by a killed sweep is cleaned up too.
+    path = folder / f".shared.{secrets.token_hex(8)}.tmp"
+    try:
+        path.touch(exist_ok=False)
+    except OSError:
+        yield None
+        return
+    try:
+        yield path.name
+    finally:
+        with suppress(OSError):
+            path.unlink()
 
 
 @contextmanager

@@ -7,7 +7,7 @@ integer code.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -37,7 +37,10 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
     """
     import pandas as pd
 
-    batches = [_columns(batch) for batch in _batched(tables)]
+    remaining = iter(tables)
+    batches = []
+    while batch := list(islice(remaining, BATCH)):
+        batches.append(_columns(batch))
     if not batches:
         return None
     sizes = [len(next(iter(batch.values()))) for batch in batches]
@@ -62,12 +65,6 @@ def as_text(frame: pd.DataFrame) -> pd.DataFrame:
     """A copy whose categorical columns are plain text."""
     text = {name: frame[name] for name in frame.columns if _is_categorical(frame[name])}
     return frame.astype({name: column.cat.categories.dtype for name, column in text.items()})
-
-
-def _batched(tables: Iterable[Any]) -> Iterator[list[Any]]:
-    remaining = iter(tables)
-    while batch := list(islice(remaining, BATCH)):
-        yield batch
 
 
 def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
@@ -122,13 +119,8 @@ def _is_categorical(column: Any) -> bool:
 
 def _rank(column: Any) -> Any:
     """Numbers whose order is the order of the column's values; missing values come last."""
-    import pandas as pd
-
-    if _is_categorical(column):
-        codes, last = column.cat.codes.to_numpy(), len(column.cat.categories)
-    elif column.dtype.kind in "iufb":
+    if column.dtype.kind in "iufb":
         return column.to_numpy()
-    else:
-        codes, uniques = pd.factorize(column, sort=True)
-        last = len(uniques)
-    return np.where(codes < 0, last, codes).astype(np.int32)
+    coded = column.astype("category").cat
+    codes = coded.codes.to_numpy(np.int32)
+    return np.where(codes < 0, len(coded.categories), codes)

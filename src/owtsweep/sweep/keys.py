@@ -73,11 +73,7 @@ def _digest(identity: Mapping[str, Any], size: int, *, what: str) -> str:
     try:
         # Python writes a float as the shortest text that reads back as the same float.
         text = json.dumps(
-            identity,
-            sort_keys=True,
-            separators=(",", ":"),
-            allow_nan=False,
-            default=_as_dict,
+            identity, sort_keys=True, separators=(",", ":"), allow_nan=False, default=_as_dict
         )
     except (TypeError, ValueError) as error:
         raise InputError(

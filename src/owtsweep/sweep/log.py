@@ -9,10 +9,12 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+
+from owtsweep.io.files import unwritable
 
 #: Most entries of a task that are sent to the coordinator; a scheme may warn at every step.
 MOST_ENTRIES = 50
@@ -43,15 +45,16 @@ def run_log(folder: Path) -> Iterator[None]:
 
     Raises
     ------
-    OSError
+    InputError
         If the file cannot be opened. Later errors of the file do not stop the sweep.
     """
-    handler = _Quiet(folder / "run.log", encoding="utf-8")
+    try:
+        handler = _Quiet(folder / "run.log", encoding="utf-8")
+    except OSError as error:
+        raise unwritable(folder, error) from error
     formatter = _Labelled("%(asctime)s %(levelname)s %(message)s", "%Y-%m-%dT%H:%M:%SZ")
     formatter.converter = time.gmtime
     handler.setFormatter(formatter)
-    handler.setLevel(logging.INFO)
-    handler.addFilter(_wanted)
     try:
         with _listening(handler):
             yield
@@ -67,7 +70,6 @@ def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
         yield entries
         return
     handler = _Collector(entries)
-    handler.setLevel(logging.INFO)
     with _listening(handler):
         yield entries
     if handler.dropped:
@@ -75,7 +77,7 @@ def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
         entries.append(LogEntry("owtsweep", logging.WARNING, time.time(), text))
 
 
-def repeat(entries: tuple[LogEntry, ...]) -> None:
+def repeat(entries: Sequence[LogEntry]) -> None:
     """Log the entries of a worker again, with their original times."""
     for entry in entries:
         logger = logging.getLogger(entry.name)
@@ -91,6 +93,8 @@ def _listening(handler: logging.Handler) -> Iterator[None]:
 
     root, ours = logging.getLogger(), logging.getLogger("owtsweep")
     level = ours.level
+    handler.setLevel(logging.INFO)
+    handler.addFilter(_wanted)
     root.addHandler(handler)
     if ours.getEffectiveLevel() > logging.INFO:
         ours.setLevel(logging.INFO)
@@ -127,26 +131,23 @@ class _Collector(logging.Handler):
         self._thread = threading.get_ident()
 
     def emit(self, record: logging.LogRecord) -> None:
-        if record.thread != self._thread or not _wanted(record):
+        if record.thread != self._thread:
             return
         if len(self.entries) >= MOST_ENTRIES:
             self.dropped += 1
             return
-        self.entries.append(
-            LogEntry(
-                record.name, record.levelno, record.created, _text(record, record.getMessage())
-            )
-        )
+        text = _text(record)
+        self.entries.append(LogEntry(record.name, record.levelno, record.created, text))
 
 
 def _wanted(record: logging.LogRecord) -> bool:
-    ours = record.name == "owtsweep" or record.name.startswith("owtsweep.")
-    return ours or record.levelno >= logging.WARNING
+    return record.name.split(".")[0] == "owtsweep" or record.levelno >= logging.WARNING
 
 
-def _text(record: logging.LogRecord, message: str) -> str:
-    label = getattr(_here, "label", "")
-    text = " ".join(message.split()) if record.name == "py.warnings" else message
+def _text(record: logging.LogRecord) -> str:
+    label, text = getattr(_here, "label", ""), record.getMessage()
+    if record.name == "py.warnings":
+        text = " ".join(text.split())
     return f"{label}: {text}" if label else text
 
 
@@ -155,5 +156,5 @@ class _Labelled(logging.Formatter):
 
     def formatMessage(self, record: logging.LogRecord) -> str:
         if not getattr(record, "from_worker", False):
-            record.message = _text(record, record.message)
+            record.message = _text(record)
         return super().formatMessage(record)

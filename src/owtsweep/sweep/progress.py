@@ -6,54 +6,33 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol, TextIO
+from typing import TYPE_CHECKING, TextIO
 
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.progress import Progress as RichProgress
-    from rich.progress import Task, TaskID
+    from rich.progress import Task
 
 #: Seconds between two lines if there is no terminal.
 INTERVAL = 30.0
 
 
-class Progress(Protocol):
-    """What a sweep reports while it runs. `advance` may come from any thread."""
+class Progress:
+    """What a sweep reports while it runs; this one shows nothing."""
 
     def start(self, total_cases: int, reused: int) -> None:
         """The sweep begins; `reused` of its cases are stored already."""
-        ...
 
     def advance(self, cases: int) -> None:
-        """Add a number of finished cases, successful or failed."""
-        ...
+        """Add a number of finished cases, successful or failed; may be called from any thread."""
 
     def fail(self, label: str, reason: str, cases: int) -> None:
         """Report that a number of the finished cases have failed."""
-        ...
 
     def stop(self) -> None:
         """The sweep has ended, successfully or not."""
-        ...
 
 
-class SilentProgress:
-    """Says nothing."""
-
-    def start(self, total_cases: int, reused: int) -> None:
-        """Say nothing."""
-
-    def advance(self, cases: int) -> None:
-        """Say nothing."""
-
-    def fail(self, label: str, reason: str, cases: int) -> None:
-        """Say nothing."""
-
-    def stop(self) -> None:
-        """Say nothing."""
-
-
-class LineProgress:
+class LineProgress(Progress):
     """A plain line at the start, every 30 s and at the end, for logs and pipes.
 
     Parameters
@@ -62,17 +41,10 @@ class LineProgress:
         Where the lines go. If it is closed, the sweep goes on without output.
     clock
         Seconds, as `time.monotonic`.
-    interval
-        Seconds between two lines.
     """
 
-    def __init__(
-        self,
-        stream: TextIO,
-        clock: Callable[[], float] = time.monotonic,
-        interval: float = INTERVAL,
-    ) -> None:
-        self._stream, self._clock, self._interval = stream, clock, interval
+    def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic) -> None:
+        self._stream, self._clock = stream, clock
         self._lock = threading.Lock()
         self._over = threading.Event()
         self._total = self._reused = self._done = self._failed = 0
@@ -97,7 +69,7 @@ class LineProgress:
 
     def look(self) -> None:
         """Print a line if the interval has passed."""
-        if self._clock() - self._said >= self._interval:
+        if self._clock() - self._said >= INTERVAL:
             self._said = self._clock()
             self._say(self._line())
 
@@ -107,7 +79,7 @@ class LineProgress:
         self._say(self._line())
 
     def _tick(self) -> None:
-        while not self._over.wait(min(1.0, self._interval)):
+        while not self._over.wait(1.0):
             self.look()
 
     def _line(self) -> str:
@@ -127,23 +99,19 @@ class LineProgress:
             self._over.set()
 
 
-class BarProgress:
+class BarProgress(Progress):
     """A bar with the cases done and failed, their rate and the time left.
 
     The first failure of each reason is a line above it; all are listed at the end of the sweep.
     """
 
     def __init__(self, console: Console) -> None:
-        self._console = console
-        self._bar: RichProgress | None = None
-        self._task: TaskID | None = None
-        self._reasons: set[str] = set()
-        self._failed = 0
-
-    def start(self, total_cases: int, reused: int) -> None:
-        """Show the bar; stored cases count as done but not in the rate."""
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
         from rich.text import Text
+
+        self._console = console
+        self._reasons: set[str] = set()
+        self._failed = 0
 
         class RateColumn(TextColumn):
             def render(self, task: Task) -> Text:
@@ -158,33 +126,32 @@ class BarProgress:
             # A task is a whole group of blocks: within rich's default of 30 s few or none may end.
             speed_estimate_period=600.0,
         )
+
+    def start(self, total_cases: int, reused: int) -> None:
+        """Show the bar; stored cases count as done but not in the rate."""
         self._task = self._bar.add_task("", total=total_cases, completed=reused, failed="")
         self._bar.start()
 
     def advance(self, cases: int) -> None:
         """Move the bar."""
-        if self._bar is not None and self._task is not None:
-            self._bar.advance(self._task, cases)
+        self._bar.advance(self._task, cases)
 
     def fail(self, label: str, reason: str, cases: int) -> None:
         """Count, and print a line above the bar if the reason is new."""
         self._failed += cases
-        if self._bar is not None and self._task is not None:
-            self._bar.update(self._task, failed=f", {self._failed} failed")
+        self._bar.update(self._task, failed=f", {self._failed} failed")
         if reason not in self._reasons:
             self._reasons.add(reason)
             self._console.print(f"failed: {label}: {reason}", markup=False, highlight=False)
 
     def stop(self) -> None:
         """Leave the bar as it stands."""
-        if self._bar is not None:
+        if self._bar.live.is_started:
             self._bar.stop()
 
 
-def make_progress(quiet: bool) -> Progress:
+def make_progress() -> Progress:
     """A bar if stderr is a terminal, else a line at intervals."""
-    if quiet:
-        return SilentProgress()
     if not sys.stderr.isatty():
         return LineProgress(sys.stderr)
     from rich.console import Console

@@ -8,54 +8,39 @@ import platform
 import subprocess
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from functools import cache
 from hashlib import blake2b
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from statistics import median
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from owtsweep import __version__
 from owtsweep.config import Config, as_mapping
-from owtsweep.sweep.keys import run_hash
-from owtsweep.sweep.study import Study
-from owtsweep.sweep.versions import package_version, shard_metadata
+from owtsweep.sweep.versions import shard_metadata
+
+if TYPE_CHECKING:
+    from owtsweep.sweep.runs import Run
 
 #: Packages whose version can change a number or a file.
 PACKAGES = (
-    "numpy",
-    "scipy",
-    "pandas",
-    "pyarrow",
-    "numba",
-    "casadi",
-    "filterpy",
-    "joblib",
-    "hydra-core",
-)
-
+    "numpy", "scipy", "pandas", "pyarrow", "numba", "casadi", "filterpy", "joblib", "hydra-core",
+)  # fmt: skip
 CLUSTER_PACKAGES = ("dask", "distributed")
 #: With more blocks than this the manifest holds a summary of their seconds, not each value.
 MOST_BLOCKS = 1000
 SLOWEST = 10
 
-#: How a run ended: all cases done, some failed, Ctrl-C, or an exception.
-State = Literal["done", "incomplete", "interrupted", "error"]
-
 
 def start_manifest(
-    study: Study,
-    config: Config,
-    *,
-    text: str,
-    argv: Sequence[str] | None,
-    backend: str,
-    workers: int,
+    run: Run, text: str, argv: Sequence[str] | None, backend: str, workers: int
 ) -> dict[str, Any]:
     """The manifest of a run that begins now, as plain JSON data; `state` is "running".
 
     Parameters
     ----------
-    study, config
-        What is run.
+    run
+        The run.
     text
         The text of config.yaml.
     argv
@@ -63,15 +48,13 @@ def start_manifest(
     backend, workers
         The joblib backend and its number of workers.
     """
+    packages = (*PACKAGES, *CLUSTER_PACKAGES) if backend == "dask" else PACKAGES
     return {
         "state": "running",
         "owtsweep": __version__,  # the version of this code, even if it is not installed
         "git": git_state(Path(__file__).resolve().parents[1]),
         "python": platform.python_version(),
-        "packages": {
-            name: package_version(name)
-            for name in (*PACKAGES, *(CLUSTER_PACKAGES if backend == "dask" else ()))
-        },
+        "packages": {name: _find_version(name) for name in packages},
         # Not platform.node() or platform.uname(): they name the machine.
         "platform": {
             "system": platform.system(),
@@ -79,11 +62,11 @@ def start_manifest(
             "machine": platform.machine(),
             "cores": os.cpu_count(),
         },
-        **shard_metadata(study),
-        "config_hash": run_hash(config),
+        **shard_metadata(run.study),
+        "config_hash": run.hash,
         "config_digest": blake2b(text.encode(), digest_size=16).hexdigest(),
-        "config": _without_places(config),
-        "seed": config.seed,
+        "config": _without_places(run.config),
+        "seed": run.config.seed,
         "argv": None if argv is None else list(argv),
         "backend": backend,
         "workers": workers,
@@ -97,24 +80,33 @@ def start_manifest(
 
 def finish_manifest(
     manifest: dict[str, Any],
-    *,
-    state: State,
+    state: str,
     seconds: float,
-    computed: int,
-    reused: int,
-    failed: int,
+    cases: Mapping[str, int],
     blocks: Mapping[str, float],
 ) -> dict[str, Any]:
-    """The manifest of a run that ends now, after `seconds`; the counts are cases.
+    """The manifest of a run that ends now.
 
-    `blocks` gives the seconds of blocks by their labels.
+    Parameters
+    ----------
+    manifest
+        As it began.
+    state
+        "done" if all cases are, "incomplete" if some failed, "interrupted" by Ctrl-C, or "error"
+        after an exception.
+    seconds
+        Wall time.
+    cases
+        How many were computed, reused, and failed.
+    blocks
+        The seconds of blocks by their labels.
     """
     return {
         **manifest,
         "state": state,
         "ended": _now(),
         "seconds": round(seconds, 3),
-        "cases": {"computed": computed, "reused": reused, "failed": failed},
+        "cases": dict(cases),
         "blocks": summarise_seconds(blocks),
     }
 
@@ -167,6 +159,15 @@ def git_state(package: Path) -> dict[str, str | bool] | None:
     if not commit or changes is None:
         return None
     return {"commit": commit.strip(), "dirty": changes != ""}
+
+
+@cache
+def _find_version(package: str) -> str | None:
+    """The installed version of a package; None if it is not installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
 
 
 def _without_places(config: Config) -> dict[str, Any]:

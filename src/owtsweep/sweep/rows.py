@@ -1,17 +1,25 @@
-"""Checks that the rows of a block can later be identified, sorted and counted."""
+"""What the rows of a block say: whether they can be stored, and which cases have no number."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.results.status import FAILED, OK, UNABLE
+from owtsweep.sweep.study import FAILED, OK, UNABLE, Block, Study
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from owtsweep.sweep.study import Study
-
 STATUSES = (OK, FAILED, UNABLE)
+
+
+@dataclass(frozen=True)
+class Setback:
+    """Cases of a block without a number for the same reason: they failed, or are impossible."""
+
+    label: str
+    reason: str
+    cases: int
 
 
 def require_rows(study: Study, config: Any, rows: pd.DataFrame) -> None:
@@ -35,3 +43,12 @@ def require_rows(study: Study, config: Any, rows: pd.DataFrame) -> None:
     unknown = sorted(map(repr, set(rows["status"]) - set(STATUSES)))
     if unknown:
         raise ValueError(f"status {', '.join(unknown)} is none of {', '.join(STATUSES)}")
+
+
+def collect_setbacks(block: Block, rows: pd.DataFrame, status: str) -> list[Setback]:
+    """The cases of a block whose rows have this status, by reason."""
+    if not (rows["status"].to_numpy() == status).any():
+        return []  # saves time: counting nothing with pandas takes longer than writing a shard
+    reasons = rows.loc[rows["status"] == status, "reason"].fillna("no reason given").value_counts()
+    each = block.cases_per_row
+    return [Setback(block.label, str(reason), each * int(n)) for reason, n in reasons.items()]

@@ -6,36 +6,34 @@ import json
 import logging
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager
-from dataclasses import dataclass, replace
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Any
 
 from owtsweep.config import Config, dump, require, typed
 from owtsweep.config.stored import read_stored
 from owtsweep.io.files import check_writable, remove_stale, unwritable, write_all, write_atomically
 from owtsweep.io.tables import write_tables
-from owtsweep.sweep.execute import PLACES, Executor
+from owtsweep.sweep.execute import BACKENDS, Executor
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.log import repeat, run_log
 from owtsweep.sweep.plan import Plan, count_cases, make_plan, make_tasks
-from owtsweep.sweep.progress import Progress, SilentProgress
+from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.provenance import (
-    State,
     finish_manifest,
     read_earlier_seconds,
     start_manifest,
     was_running,
 )
+from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Results, Run
-from owtsweep.sweep.setback import Setback
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.stored_plan import NAME as PLAN
 from owtsweep.sweep.stored_plan import dump_plan
 from owtsweep.sweep.study import OK, UNABLE, Study
 from owtsweep.sweep.versions import all_versions, count_outdated
-from owtsweep.sweep.worker import TaskResult, one_line
+from owtsweep.sweep.worker import TaskResult, Work, one_line
 
 logger = logging.getLogger(__name__)
 
@@ -71,14 +69,7 @@ class Outcome:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a sweep, with the number of stored cases and of all cases."""
-
-    def __init__(self, folder: Path, stored: int, cases: int) -> None:
-        self.folder, self.stored, self.cases = folder, stored, cases
-        super().__init__(f"interrupted; {stored} of {cases} cases are stored in {folder}/")
-
-    def __reduce__(self) -> tuple[type[Interrupted], tuple[Path, int, int]]:
-        return Interrupted, (self.folder, self.stored, self.cases)
+    """Ctrl-C during a sweep; the message has the number of stored cases and of all cases."""
 
 
 def sweep(
@@ -120,8 +111,8 @@ def sweep(
     with _executor(run) as executor:
         text = dump(config)
         _prepare(run, {"config.yaml": text, PLAN: dump_plan(plan, config, text)}, fresh=fresh)
-        with _log_of(run.folder):
-            return _Sweep(run, plan, executor, progress or SilentProgress(), argv)(text)
+        with run_log(run.folder):
+            return _Sweep(run, plan, executor, progress or Progress(), argv)(text)
 
 
 def _prepare(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
@@ -158,65 +149,51 @@ def _require_same_run(run: Run) -> None:
         )
 
 
+@dataclass
 class _Sweep:
     """One sweep under way."""
 
-    def __init__(
-        self,
-        run: Run,
-        plan: Plan,
-        executor: Executor,
-        progress: Progress,
-        argv: Sequence[str] | None,
-    ) -> None:
-        self.run, self.plan, self.executor = run, plan, executor
-        self.progress, self.argv = progress, argv
-        self.cases = count_cases(plan)
-        self.computed = self.reused = 0
-        self.failed: list[Setback] = []
-        self.unable: list[Setback] = []
-        self.seconds = {block.label: 0.0 for block in plan.values()}
-        earlier = read_earlier_seconds(run.folder)
-        self.seconds = {label: earlier[label] for label in self.seconds if label in earlier}
+    run: Run
+    plan: Plan
+    executor: Executor
+    progress: Progress
+    argv: Sequence[str] | None
+    computed: int = 0
+    reused: int = 0
+    failed: list[Setback] = field(default_factory=list)
+    unable: list[Setback] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
 
     def __call__(self, text: str) -> Outcome:
         """Run it; `text` is the configuration as config.yaml has it."""
         began = time.perf_counter()
+        earlier = read_earlier_seconds(self.run.folder)
+        labels = [block.label for block in self.plan.values()]
+        self.seconds = {label: earlier[label] for label in labels if label in earlier}
         others = was_running(self.run.folder)
-        manifest = start_manifest(
-            self.run.study,
-            self.run.config,
-            text=text,
-            argv=self.argv,
-            backend=self.executor.backend,
-            workers=self.executor.workers,
-        )
+        backend, workers = self.executor.work.backend, self.executor.workers
+        manifest = start_manifest(self.run, text, self.argv, backend, workers)
         self._write_manifest(manifest)
-        state: State = "error"
+        state = "error"
         try:
             self._compute(others)
             results = self._aggregate()
             state = "incomplete" if self.failed else "done"
         except KeyboardInterrupt as error:
             state = "interrupted"
-            raise Interrupted(self.run.folder, self._stored(), self.cases) from error
+            raise Interrupted(
+                f"interrupted; {self._count_stored()} of {count_cases(self.plan)} cases are stored "
+                f"in {self.run.folder}/"
+            ) from error
         finally:
             self.progress.stop()
             seconds = time.perf_counter() - began
-            failures = sum(failure.cases for failure in self.failed)
+            failed = sum(failure.cases for failure in self.failed)
             logger.info(
-                "%s: %d computed, %d failed in %.1f s", state, self.computed, failures, seconds
+                "%s: %d computed, %d failed in %.1f s", state, self.computed, failed, seconds
             )
-            ended = finish_manifest(
-                manifest,
-                state=state,
-                seconds=seconds,
-                computed=self.computed,
-                reused=self.reused,
-                failed=failures,
-                blocks=self.seconds,
-            )
-            self._write_manifest(ended)
+            cases = {"computed": self.computed, "reused": self.reused, "failed": failed}
+            self._write_manifest(finish_manifest(manifest, state, seconds, cases, self.seconds))
         return Outcome(
             self.run, self.computed, self.reused, self.failed, seconds, results, self.unable
         )
@@ -226,15 +203,16 @@ class _Sweep:
         if not others:  # what another sweep computes now counts as new
             self._drop_doubtful()
         missing = {key: block for key, block in self.plan.items() if store.status(key) != "done"}
-        self.reused = self.cases - count_cases(missing)
-        logger.info("sweep of %d cases, %d of them stored already", self.cases, self.reused)
+        total = count_cases(self.plan)
+        self.reused = total - count_cases(missing)
+        logger.info("sweep of %d cases, %d of them stored already", total, self.reused)
         for change, cases in count_outdated(self.run.study, store, self.plan, missing).items():
             logger.warning("%d cases are recomputed: %s", cases, change)
         todo = make_tasks(missing)
         if others:
             # Another sweep may work on this run: start at the other end, to share the work.
             todo.reverse()
-        self.progress.start(self.cases, self.reused)
+        self.progress.start(total, self.reused)
         with closing(self.executor.run(todo, self.progress.advance)) as results:
             for result in results:
                 self._take(result)
@@ -268,7 +246,7 @@ class _Sweep:
             logger.warning("failed: %s: %s", failure.label, failure.reason)
             self.progress.fail(failure.label, failure.reason, failure.cases)
 
-    def _stored(self) -> int:
+    def _count_stored(self) -> int:
         """How many cases the folder holds, including those of tasks that did not report."""
         store = self.run.store
         present = {path.name for path in store.cases.glob("part-*.parquet")}
@@ -295,24 +273,11 @@ class _Sweep:
         return results
 
     def _write_manifest(self, manifest: dict[str, Any]) -> None:
+        text = json.dumps(manifest, indent=2) + "\n"
         try:
-            write_atomically(
-                self.run.folder / "manifest.json", json.dumps(manifest, indent=2) + "\n"
-            )
+            write_atomically(self.run.folder / "manifest.json", text)
         except OSError as error:  # the stored cases matter more than the manifest
             logger.warning("manifest.json could not be written (%s)", one_line(error))
-
-
-@contextmanager
-def _log_of(folder: Path) -> Iterator[None]:
-    try:
-        log = run_log(folder)
-        log.__enter__()
-    except OSError as error:
-        raise unwritable(folder, error) from error
-    with ExitStack() as stack:
-        stack.push(log)
-        yield
 
 
 @contextmanager
@@ -322,21 +287,15 @@ def _executor(run: Run) -> Iterator[Executor]:
     compute = run.config.compute
     backend = compute.backend if compute.backend != "auto" else run.engine.backend(run.config)
     require(
-        backend in PLACES,
+        backend in BACKENDS,
         f"study {run.study.name}: its backend is {backend!r}; a study says threading or loky",
     )
-    executor = Executor(
-        study=run.study,
-        config=run.config,
-        # Absolute: workers outlive a sweep and keep their first working directory.
-        store=Store(run.folder.absolute()),
-        metadata=all_versions(run.study),
-        backend=backend,
-        # joblib's count respects the affinity mask and the quota of a container.
-        workers=compute.workers or (0 if backend == "dask" else cpu_count()),
-    )
+    # Absolute: workers outlive a sweep and keep their first working directory.
+    store = Store(run.folder.absolute())
+    work = Work(run.study, run.config, store, all_versions(run.study), backend)
     if backend != "dask":
-        yield executor
+        # joblib's count respects the affinity mask and the quota of a container.
+        yield Executor(work, compute.workers or cpu_count())
         return
     require(
         find_spec("distributed") is not None,
@@ -344,5 +303,5 @@ def _executor(run: Run) -> Iterator[Executor]:
     )
     from owtsweep.sweep.cluster import connected
 
-    with connected(str(compute.scheduler), run.study, executor.metadata) as client:
-        yield replace(executor, client=client)
+    with connected(str(compute.scheduler), run.study, work.metadata) as client:
+        yield Executor(work, compute.workers, client)

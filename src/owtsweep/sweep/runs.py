@@ -14,7 +14,7 @@ from owtsweep.io.tables import read_table
 from owtsweep.sweep.gather import as_text, sort_rows
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import Plan, make_plan
-from owtsweep.sweep.setback import Setback, collect_setbacks
+from owtsweep.sweep.rows import Setback, collect_setbacks
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import OK, UNABLE, Engine, Study
 
@@ -166,13 +166,13 @@ class Run:
             If the run has no finished case or no figure of that name.
         """
         folder = self.folder / "figures"
-        rows, tables = (results.rows, results.tables) if results else (self._finished(), None)
+        rows = results.rows if results else self._finished()
         require(
             bool((rows["status"] == OK).any()),
             f"{self.folder}: no case has succeeded, so there is nothing to draw; see its run.log",
         )
-        if tables is None:  # made of these rows, not read from files
-            tables = self.engine.tables(self.config, rows)
+        # made of these rows, not read from files
+        tables = results.tables if results else self.engine.tables(self.config, rows)
         folder.mkdir(exist_ok=True)
         drawings = self.engine.drawings(self.config, tables, rows, self.metadata())
         return draw_each(drawings, folder, only)

@@ -7,14 +7,14 @@ processes that write the same shard write the same rows.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from owtsweep.io.files import write_atomically
 from owtsweep.sweep.gather import gather
-from owtsweep.sweep.shard import DamagedShard, decode, distinct, encode
+from owtsweep.sweep.shard import DamagedShard, decode, distinct
 from owtsweep.sweep.study import FAILED
 
 if TYPE_CHECKING:
@@ -46,29 +46,8 @@ class Store:
         """The path of the shard of a block."""
         return self.cases / f"part-{key}.parquet"
 
-    def write(self, key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> None:
-        """Write a shard, whole or not at all.
-
-        Parameters
-        ----------
-        key
-            The key of the block (`owtsweep.sweep.keys.block_key`).
-        rows
-            Its rows, with the columns `status` and `reason`.
-        metadata
-            Further entries stored in the file: versions.
-
-        Raises
-        ------
-        ValueError
-            If the rows lack a column that the sweep relies on.
-        OSError
-            If the file system refuses.
-        """
-        self.write_sealed(key, seal(key, rows, metadata))
-
-    def write_sealed(self, key: str, data: bytes) -> None:
-        """Write a shard given as bytes (made by `seal`), whole or not at all.
+    def write(self, key: str, data: bytes) -> None:
+        """Write a shard, given as the bytes that `encode` makes, whole or not at all.
 
         Raises
         ------
@@ -136,20 +115,6 @@ class Store:
         except DamagedShard as error:
             _set_aside(path, str(error))
             return None
-
-
-def seal(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
-    """The bytes of a block's shard.
-
-    Raises
-    ------
-    ValueError
-        If the rows lack a column that the sweep relies on.
-    """
-    lacking = [name for name in ("status", "reason") if name not in rows.columns]
-    if lacking:
-        raise ValueError(f"the study's rows have no column {' and no column '.join(lacking)}")
-    return encode(key, rows, metadata)
 
 
 def _statuses(data: bytes, key: str) -> frozenset[str]:

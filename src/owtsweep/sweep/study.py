@@ -23,16 +23,8 @@ if TYPE_CHECKING:
     from owtsweep.results.conditions import Condition
 
 __all__ = [
-    "FAILED",
-    "OK",
-    "UNABLE",
-    "Block",
-    "Engine",
-    "Judged",
-    "Spectral",
-    "Study",
-    "add_versions",
-]
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Judged", "Spectral", "Study", "add_versions",
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -82,11 +74,9 @@ class Engine(Protocol):
 
     def plan(self, config: Any) -> list[Block]:
         """All blocks of the configuration in a fixed order."""
-        ...
 
     def backend(self, config: Any) -> str:
         """The joblib backend that suits the blocks: "threading" or "loky"."""
-        ...
 
     def run(self, config: Any, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group; yield each block with its rows as soon as it is done.
@@ -94,22 +84,18 @@ class Engine(Protocol):
         Rows have at least the columns `status` (`owtsweep.results.status`) and `reason`, which is
         "" where the status is "ok".
         """
-        ...
 
     def sort_columns(self) -> list[str]:
         """The columns that identify a row; rows are sorted by them before anything is summed."""
-        ...
 
     def tables(self, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """Tables by name, from all rows of the plan; each is written as `<name>.csv`.
 
         The rows' text columns may be categorical, as in `owtsweep.sweep.runs.Run.stored`.
         """
-        ...
 
     def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """The result in a few lines, shown on the terminal at the end of a sweep."""
-        ...
 
     def drawings(
         self,
@@ -119,11 +105,9 @@ class Engine(Protocol):
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
         """Figure name -> function that draws the figure; `metadata` is stored in the files."""
-        ...
 
     def overview(self, config: Any) -> str:
         """The name of the figure that shows the main result; a sweep draws it at its end."""
-        ...
 
 
 class Study(Protocol):
@@ -137,15 +121,12 @@ class Study(Protocol):
 
     def config_type(self) -> type[Config]:
         """The typed configuration, derived from `owtsweep.config.Config`."""
-        ...
 
     def conditions(self, config: Any) -> tuple[Condition, ...]:
         """The axes of the study's grid, in the order of the tables' columns."""
-        ...
 
     def engine(self, config: Any) -> Engine:
         """The engine that plans, runs and draws this configuration."""
-        ...
 
 
 @runtime_checkable
@@ -166,7 +147,6 @@ class Judged(Protocol):
         metadata
             Stored in the figures; its `folder` names the run.
         """
-        ...
 
 
 @runtime_checkable
@@ -177,4 +157,3 @@ class Spectral(Protocol):
         self, config: Any, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
         """Write figures and tables into a new `folder`; return the files and the text to print."""
-        ...

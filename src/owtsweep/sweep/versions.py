@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
-from itertools import islice
-from typing import Any, cast
+from collections.abc import Mapping
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 from owtsweep.sweep.keys import block_key
 from owtsweep.sweep.plan import Plan
@@ -37,15 +35,6 @@ def all_versions(study: Study) -> dict[str, str]:
     return {name: str(value) for name, value in entries.items()}
 
 
-@cache
-def package_version(name: str) -> str | None:
-    """The installed version of a package; None if it is not installed."""
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return None
-
-
 def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
     """Why a worker whose versions are not the expected ones is refused; empty if they agree."""
     ours = all_versions(study)
@@ -54,15 +43,6 @@ def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
         return ""
     told = ", ".join(f"{name} {ours[name]} instead of {expected[name]}" for name in differing)
     return f"the worker has {told}; give it the coordinator's version of owtsweep"
-
-
-@dataclass(frozen=True)
-class _OtherVersion:
-    """A study reduced to the three values that a block's key depends on."""
-
-    name: str
-    schema_version: int
-    numerics_version: int
 
 
 def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str, int]:
@@ -76,29 +56,32 @@ def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dic
         return {}
     present = {path.name for path in store.cases.glob("part-*.parquet")}
     foreign = sorted(present - {store.path(key).name for key in plan})
+    ours = (study.schema_version, study.numerics_version)
+    # Keys are hashes, so evenly spaced names are a random sample.
+    sample = foreign[:: max(1, len(foreign) // SAMPLE)]
+    stored = {_read_versions(store.cases / name, ours) for name in sample}
     changes: dict[str, int] = {}
-    for schema, numerics in sorted(_versions(store, foreign)):
-        if (schema, numerics) == (study.schema_version, study.numerics_version):
-            continue
-        other = cast(Study, _OtherVersion(study.name, schema, numerics))
+    for theirs in sorted(stored - {ours}):
+        named = dict(zip(KINDS, theirs, strict=True))
+        # All of a study that a block's key depends on.
+        other: Any = SimpleNamespace(name=study.name, **named)
         cases = sum(
             block.cases
             for block in missing.values()
             if store.path(block_key(other, block)).name in present
         )
         if cases:
-            changes[_change(study, schema, numerics)] = cases
+            change = [
+                f"{kind.replace('_', ' ')} {old} -> {getattr(study, kind)}"
+                for kind, old in named.items()
+                if old != getattr(study, kind)
+            ]
+            changes[", ".join(change)] = cases
     return changes
 
 
-def _versions(store: Store, names: list[str]) -> set[tuple[int, int]]:
-    # Keys are hashes, so evenly spaced names are a random sample.
-    step = max(1, len(names) // SAMPLE)
-    pairs = (_stored_versions(store.cases / name) for name in islice(names, 0, None, step))
-    return {pair for pair in pairs if pair is not None}
-
-
-def _stored_versions(path: Any) -> tuple[int, int] | None:
+def _read_versions(path: Path, default: tuple[int, int]) -> tuple[int, int]:
+    """The schema and numerics version of a shard, or the default if the file names none."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -106,15 +89,5 @@ def _stored_versions(path: Any) -> tuple[int, int] | None:
         entries = pq.read_metadata(path).metadata or {}
         schema, numerics = (int(entries[f"{PREFIX}{kind}".encode()]) for kind in KINDS)
     except (pa.ArrowException, OSError, KeyError, ValueError):
-        return None
+        return default
     return schema, numerics
-
-
-def _change(study: Study, schema: int, numerics: int) -> str:
-    olds: Iterable[int] = (schema, numerics)
-    news = (study.schema_version, study.numerics_version)
-    return ", ".join(
-        f"{kind.replace('_', ' ')} {old} -> {new}"
-        for kind, old, new in zip(KINDS, olds, news, strict=True)
-        if old != new
-    )

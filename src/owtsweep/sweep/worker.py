@@ -13,7 +13,7 @@ import time
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from owtsweep.config import Config
 from owtsweep.errors import as_text
@@ -21,9 +21,9 @@ from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.sweep.keys import block_key
 from owtsweep.sweep.log import LogEntry, collect_entries, working_on
 from owtsweep.sweep.plan import Plan
-from owtsweep.sweep.rows import require_rows
-from owtsweep.sweep.setback import Setback, collect_setbacks
-from owtsweep.sweep.store import Store, seal
+from owtsweep.sweep.rows import Setback, collect_setbacks, require_rows
+from owtsweep.sweep.shard import encode
+from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import FAILED, Block, Study
 from owtsweep.sweep.versions import tell_other_versions
 
@@ -45,9 +45,9 @@ class Returned:
     succeeded: int
 
 
-@dataclass(frozen=True)
+@dataclass
 class TaskResult:
-    """The result of a task.
+    """The result of a task; its worker fills it in.
 
     Attributes
     ----------
@@ -72,13 +72,13 @@ class TaskResult:
     """
 
     task: int
-    computed: int
-    failures: tuple[Setback, ...]
-    details: str = ""
+    computed: int = 0
     reused: int = 0
-    seconds: Mapping[str, float] = field(default_factory=dict)
-    returned: tuple[Returned, ...] = ()
-    entries: tuple[LogEntry, ...] = ()
+    failures: list[Setback] = field(default_factory=list)
+    details: str = ""
+    seconds: dict[str, float] = field(default_factory=dict)
+    returned: list[Returned] = field(default_factory=list)
+    entries: list[LogEntry] = field(default_factory=list)
     disk_full: bool = False
     told: int = 0
 
@@ -95,8 +95,8 @@ class Work:
         Where the shards go.
     metadata
         Entries stored in every shard: the versions of the coordinator.
-    place
-        Where the worker runs, seen from the coordinator.
+    backend
+        The joblib backend: "threading", "loky" (processes) or "dask" (a cluster).
     token
         The name of a file in the run folder; a machine that finds this file shares the folder.
     """
@@ -105,12 +105,12 @@ class Work:
     config: Config
     store: Store
     metadata: Mapping[str, str]
-    place: Literal["thread", "process", "cluster"]
+    backend: str
     token: str | None = None
 
     def shares_folder(self) -> bool:
         """Whether the worker sees the run folder itself, not another folder with the same path."""
-        if self.place != "cluster":
+        if self.backend != "dask":
             return True
         return self.token is not None and (self.store.folder / self.token).is_file()
 
@@ -128,49 +128,30 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
 
     A block that raises fails alone: the study then runs the blocks after it.
     """
+    result = TaskResult(number)
     differs = tell_other_versions(work.study, work.metadata)
     if differs:
-        failures = tuple(Setback(b.label, differs, b.cases) for b in blocks.values())
-        return TaskResult(number, 0, failures)
-    if work.place == "process":
+        result.failures += [Setback(b.label, differs, b.cases) for b in blocks.values()]
+        return result
+    if work.backend == "loky":
         _leave_interrupts_to_the_coordinator()
         keep_freed_memory()
-    with collect_entries(work.place != "thread") as entries:
-        task = _Task(work, number, blocks, local)
+    with collect_entries(work.backend != "threading") as entries:
         try:
-            task.run()
+            _Task(work, blocks, local, result).run()
         finally:
             working_on("")
-        return task.result(tuple(entries))
+        result.entries += entries
+    return result
 
 
 class _Task:
-    """The state of a task under way."""
+    """A task under way."""
 
-    def __init__(self, work: Work, number: int, blocks: Plan, local: Local | None) -> None:
-        self.work, self.number, self.local = work, number, local
+    def __init__(self, work: Work, blocks: Plan, local: Local | None, result: TaskResult) -> None:
+        self.work, self.local, self.result = work, local, result
         self.shares = work.shares_folder()
         self.left = dict(blocks)
-        self.computed = self.reused = self.told = 0
-        self.failures: list[Setback] = []
-        self.details: list[str] = []
-        self.seconds: dict[str, float] = {}
-        self.returned: list[Returned] = []
-        self.disk_full = False
-
-    def result(self, entries: tuple[LogEntry, ...]) -> TaskResult:
-        return TaskResult(
-            self.number,
-            self.computed,
-            tuple(self.failures),
-            "".join(self.details),
-            self.reused,
-            self.seconds,
-            tuple(self.returned),
-            entries,
-            self.disk_full,
-            self.told,
-        )
 
     def run(self) -> None:
         self._skip_stored()
@@ -179,8 +160,8 @@ class _Task:
                 self._run_study()
             except (Exception, SystemExit) as error:  # sys.exit() must not end the sweep
                 self._fail(next(iter(self.left)), one_line(error))
-                self.details.append(traceback.format_exc())
-        if self.disk_full:
+                self.result.details += traceback.format_exc()
+        if self.result.disk_full:
             for key in list(self.left):
                 self._fail(key, NOT_COMPUTED)
 
@@ -203,53 +184,54 @@ class _Task:
         for key, block in list(self.left.items()):
             if self.shares and self.work.store.status(key) == "done":
                 del self.left[key]
-                self.reused += block.cases
+                self.result.reused += block.cases
                 self._tell(block.cases)
 
     def _store(self, block: Block, rows: pd.DataFrame, seconds: float) -> None:
+        result = self.result
         key = block_key(self.work.study, block)
         try:
             require_rows(self.work.study, self.work.config, rows)
             failed = collect_setbacks(block, rows, FAILED)
             succeeded = block.cases - sum(failure.cases for failure in failed)
-            data = seal(key, rows, self.work.metadata)
+            data = encode(key, rows, self.work.metadata)
             if not self._written(key, data):
-                self.returned.append(Returned(key, block.label, data, succeeded))
+                result.returned.append(Returned(key, block.label, data, succeeded))
         except Exception as error:
-            self.disk_full = self.disk_full or is_disk_full(error)
-            self.details.append(traceback.format_exc())
+            result.disk_full = result.disk_full or is_disk_full(error)
+            result.details += traceback.format_exc()
             self._fail(key, one_line(error))
             return
         del self.left[key]
-        self.failures += failed
-        self.computed += succeeded
-        self.seconds[block.label] = seconds
+        result.failures += failed
+        result.computed += succeeded
+        result.seconds[block.label] = seconds
         self._tell(block.cases)
 
     def _written(self, key: str, data: bytes) -> bool:
         if not self.shares:
             return False
         try:
-            self.work.store.write_sealed(key, data)
+            self.work.store.write(key, data)
         except OSError:
             # On another machine the folder may be read-only.
-            if self.work.place != "cluster":
+            if self.work.backend != "dask":
                 raise
             return False
         return True
 
     def _fail(self, key: str, reason: str) -> None:
         block = self.left.pop(key)
-        self.failures.append(Setback(block.label, reason, block.cases))
+        self.result.failures.append(Setback(block.label, reason, block.cases))
         self._tell(block.cases)
 
     def _tell(self, cases: int) -> None:
         if self.local is not None:
             self.local.tell(cases)
-            self.told += cases
+            self.result.told += cases
 
     def _stopped(self) -> bool:
-        return self.disk_full or (self.local is not None and self.local.stop.is_set())
+        return self.result.disk_full or (self.local is not None and self.local.stop.is_set())
 
 
 def one_line(error: BaseException) -> str:

@@ -12,15 +12,10 @@ contract itself is in `owtsweep.motion.source`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    import numpy as np
+import numpy as np
 
-    from owtsweep.arrays import Array
-    from owtsweep.motion.source import Motion, Source
-
-__all__ = ["check_delayed_positions", "check_derivatives", "check_source", "check_streams"]
+from owtsweep.motion.source import Motion, Source
 
 #: Largest difference between a derivative and the slope of the series that it belongs to, relative
 #: to the largest value of the derivative.
@@ -30,12 +25,7 @@ EDGE = 0.1
 
 
 def check_source(
-    source: Source,
-    *,
-    steps: int,
-    step: float,
-    history: int = 10,
-    tolerance: float = TOLERANCE,
+    source: Source, *, steps: int, step: float, history: int = 10, tolerance: float = TOLERANCE
 ) -> None:
     """Run all checks on a source.
 
@@ -54,8 +44,6 @@ def check_source(
     AssertionError
         With one line that names the source and the broken part of the contract.
     """
-    from owtsweep.motion.source import Source
-
     name = type(source).__name__
     assert isinstance(source, Source), f"{name}: needs `streams`, `duration` and `realise`"
     motion = source.realise(_streams(0), steps=steps, step=step, history=history)
@@ -116,8 +104,6 @@ def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -
     AssertionError
         If a derivative differs by more than `tolerance`.
     """
-    import numpy as np
-
     steps = len(motion.position)
     inner = slice(1 + int(EDGE * steps), steps - 1 - int(EDGE * steps))
     for series, derivative in (("position", "velocity"), ("velocity", "acceleration")):
@@ -139,8 +125,6 @@ def check_delayed_positions(name: str, motion: Motion) -> None:
     AssertionError
         If the positions jump at t = 0, or `position_at` does not return them.
     """
-    import numpy as np
-
     history, steps = len(motion.before), len(motion.position)
     whole = np.concatenate([motion.before, motion.position])
     speed = np.max(np.abs(motion.velocity), initial=0.0)
@@ -170,15 +154,10 @@ def _check_shapes(name: str, motion: Motion, steps: int, step: float, history: i
 
 def _is_same(one: Motion, other: Motion) -> bool:
     """Whether two motions are equal bit by bit."""
-    import numpy as np
-
     names = ("position", "velocity", "acceleration", "before")
-    pairs: list[tuple[Array, Array]] = [(getattr(one, n), getattr(other, n)) for n in names]
-    return all(np.array_equal(a, b) for a, b in pairs)
+    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
 
 
 def _streams(replicate: int) -> Callable[[str], np.random.Generator]:
     """Named streams of a replicate; each call gives a new generator."""
-    import numpy as np
-
     return lambda name: np.random.default_rng([replicate, *name.encode()])

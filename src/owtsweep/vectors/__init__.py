@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 
-from owtsweep.compiled import set_variant, variant
+from owtsweep import compiled
 from owtsweep.errors import InputError
 
 #: Lanes of a value: one register of 512 bits, two of 256, four of 128.
@@ -34,9 +34,9 @@ def choose(vectors: bool) -> None:
             f"compute.vectors: this process has compiled its kernels with "
             f"vectors={str(not vectors).lower()}; start another process"
         )
-    set_variant("" if vectors else _PLAIN)
+    compiled.variant = "" if vectors else _PLAIN
 
 
 def uses_vectors() -> bool:
     """Whether kernels are compiled with LLVM vectors."""
-    return variant() != _PLAIN
+    return compiled.variant != _PLAIN

@@ -14,7 +14,7 @@ import operator
 from typing import Any, NamedTuple
 
 from numba import types
-from numba.extending import intrinsic, overload
+from numba.extending import intrinsic, overload, register_jitable
 
 from owtsweep.vectors import WIDTH
 
@@ -112,8 +112,10 @@ def rounded(product):
     """The product as a vector, multiplied once for several sums."""
 
 
+@register_jitable
 def borrowed(value):
     """Data for kernels: unchanged in this form."""
+    return value
 
 
 def groups(whole):
@@ -132,6 +134,7 @@ def store(rows, i, vector):
     """Write a vector to row i of each group of lanes."""
 
 
+@register_jitable
 def prefetch(rows, i):
     """Prefetch row i: does nothing in this form."""
 
@@ -145,11 +148,6 @@ def _rounded(product):
     return _function(
         "product", f"return {_vector(_lane(product, 'product'), range(_count(product)))}"
     )
-
-
-@overload(borrowed)
-def _borrowed(value):
-    return lambda value: value
 
 
 @overload(groups)
@@ -187,11 +185,6 @@ def _store(rows, i, vector):
         for lane in range(WIDTH)
     ]
     return _function("rows, i, vector", "; ".join(written))
-
-
-@overload(prefetch)
-def _prefetch(rows, i):
-    return lambda rows, i: None
 
 
 @overload(zero)

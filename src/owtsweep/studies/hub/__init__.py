@@ -40,7 +40,7 @@ class HubStudy:
         """The schemes and a description of each."""
         from owtsweep.studies.hub.schemes import REGISTERED
 
-        return {name: purpose for name, (_, purpose) in REGISTERED.items()}
+        return dict(REGISTERED)
 
     def config_type(self) -> type[HubConfig]:
         """The study's configuration."""

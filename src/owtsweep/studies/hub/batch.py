@@ -19,10 +19,7 @@ from owtsweep.studies.hub.kernels.layout import (
     Fed,
     Memory,
     Output,
-    Registers,
     Scratch,
-    Stretch,
-    Totals,
     Truth,
     Weights,
     new_output,
@@ -49,49 +46,29 @@ class Sums(NamedTuple):
     squared: Array
 
 
-def superposed_sums(chain: Chain, lanes: Lanes, settled: int, *, consistency: bool = True) -> Sums:
-    """Products of the motion's and the noise's errors; `settled` is the first settled step.
-
-    Without `consistency` NEES is left at zero and its covariances are not computed.
-    """
-    return superposed_sums_of([chain], lanes.records, settled, consistency=consistency)[0]
-
-
-def superposed_sums_of(
-    chains: Sequence[Chain], records: Records, settled: int, *, consistency: bool = True
-) -> list[Sums]:
-    """`superposed_sums` of several chains; all of them run on a span before the next is made."""
-    return _run(chains, records, settled, None, keep=False, consistency=consistency)
-
-
-def direct_sums(
-    chain: Chain, lanes: Lanes, amplitude: float, settled: int, *, keep_squared: bool = False
-) -> Sums:
-    """Squared errors at one amplitude (m), as product 2."""
-    return direct_sums_of([chain], lanes.records, amplitude, settled, keep_squared=keep_squared)[0]
-
-
-def direct_sums_of(
+def sum_errors(
     chains: Sequence[Chain],
     records: Records,
-    amplitude: float,
     settled: int,
+    amplitude: float | None = None,
     *,
     keep_squared: bool = False,
+    consistency: bool = True,
 ) -> list[Sums]:
-    """`direct_sums` of several chains; all of them run on a span before the next is made."""
-    return _run(chains, records, settled, amplitude, keep=keep_squared, consistency=True)
+    """Each chain's sums; all of them run on a span of the records before the next is made.
 
-
-def _run(
-    chains: Sequence[Chain],
-    records: Records,
-    settled: int,
-    amplitude: float | None,
-    *,
-    keep: bool,
-    consistency: bool,
-) -> list[Sums]:
+    Parameters
+    ----------
+    settled
+        The first settled step.
+    amplitude
+        At which whole series are run, m; their squared errors are product 2. None for the products
+        of the motion's and the noise's errors.
+    keep_squared
+        Whether the squared position error of each step is kept; only with an amplitude.
+    consistency
+        Without it NEES is left at zero and its covariances are not computed.
+    """
     weights = [weights_of(chain, consistency=consistency) for chain in chains]
     memory = shared_memory(chains, 3 if amplitude is None else 2)
 
@@ -99,7 +76,7 @@ def _run(
         """The chains' sums and squared errors of replicates first ... first + 7."""
         feed = Feed(part, first, amplitude)
         runs = [
-            ChainRun(*pair, feed, settled, *memory, keep=keep)
+            ChainRun(*pair, feed, settled, *memory, keep=keep_squared)
             for pair in zip(chains, weights, strict=True)
         ]
         for span in feed.spans(max(run.lead for run in runs)):
@@ -158,17 +135,16 @@ class ChainRun:
         from owtsweep.studies.hub.kernels import runs
 
         ready = span.stop if span.stop == self.steps else span.stop // self.chunk * self.chunk
-        stretch = Stretch(self.done, ready, self.chunk, self.settled)
+        stretch = (self.done, ready, self.chunk, self.settled)
         fed = Fed(tuple(span.force), span.base, self.fixes)
         amplitude = 1.0 if self.feed.amplitude is None else self.feed.amplitude
         direction = self.feed.records.direction * amplitude
         truth = Truth((span.position,), (span.velocity,), direction)
-        work = (stretch, fed, truth, self.arrays, self.weights, self.memory)
+        work = (stretch, fed, truth, self.arrays, self.weights, self.memory, (self.sums,))
         if self.feed.amplitude is None:
-            runs.superposed(*work, (self.sums,))
+            runs.superposed(*work)
         else:
-            keep = len(self.squared) > 0
-            runs.direct(*work, Totals((self.sums,), (self.squared,), keep))
+            runs.direct(*work, (self.squared,))
         self.done = ready
 
 
@@ -202,11 +178,8 @@ def chunk_of(chain: Chain) -> tuple[int, int]:
     The end of a span that fills no whole chunk is processed with the next span. So a chunk's rows
     are kept in addition to those that the predictor and the delay reach back to.
     """
-    window, prediction, delay = (
-        chain.filter.window, chain.predictor.steps, chain.filter.input_delay
-    )  # fmt: skip
-    chunk = max(CHUNK, 2 * window, 2 * prediction)
-    return chunk, chunk + max(prediction, delay + 1)
+    chunk = max(CHUNK, 2 * chain.filter.window, 2 * chain.predictor.steps)
+    return chunk, chunk + lead_of(chain)
 
 
 class Estimates(NamedTuple):
@@ -244,11 +217,10 @@ def chunks(
     from owtsweep.studies.hub.kernels import runs
 
     width = force.shape[1]
-    chunk, memory = chunk_of(chain)[0], shared_memory([chain], 1)
-    flat = Estimates(*(np.zeros((chunk, width)) for _ in Estimates._fields))
-    for k0, n, lanes, fed, registers in _one_by_one(chain, force, fixes, chunk):
-        runs.estimates(k0, n, fed, arrays_of(chain), Memory(registers, *memory))
-        for out, source in zip(flat, memory[1], strict=True):
+    flat = Estimates(*(np.zeros((chunk_of(chain)[0], width)) for _ in Estimates._fields))
+    for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
+        runs.estimates(k0, n, fed, arrays_of(chain), memory)
+        for out, source in zip(flat, memory.output, strict=True):
             out[:, lanes] = source[0][:, : lanes.stop - lanes.start]
         if lanes.stop == width:
             yield k0, n, flat
@@ -280,29 +252,30 @@ def state_chunks(
     """
     from owtsweep.studies.hub.kernels import runs
 
-    width = force.shape[1]
-    chunk, memory = chunk_of(chain)[0], shared_memory([chain], 1)
+    width, chunk = force.shape[1], chunk_of(chain)[0]
     eight, flat = np.empty((chunk, 4, WIDTH)), np.empty((chunk, 4, width))
     rows = (eight.reshape(-1, WIDTH),)
-    for k0, n, lanes, fed, registers in _one_by_one(chain, force, fixes, chunk):
-        runs.states(k0, n, fed, arrays_of(chain), Memory(registers, *memory), rows)
+    for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
+        runs.states(k0, n, fed, arrays_of(chain), memory, rows)
         flat[:, :, lanes] = eight[:, :, : lanes.stop - lanes.start]
         if lanes.stop == width:
             yield k0, n, flat
 
 
 def _one_by_one(
-    chain: Chain, force: Array | OnePassSeries, fixes: Array, chunk: int
-) -> Iterator[tuple[int, int, slice, Fed, Registers]]:
-    """Go through chunks and groups; yields first step, steps, lanes, inputs and registers."""
-    (steps, width), lead = force.shape, lead_of(chain)
+    chain: Chain, force: Array | OnePassSeries, fixes: Array
+) -> Iterator[tuple[int, int, slice, Fed, Memory]]:
+    """Go through chunks and groups; yields first step, steps, lanes, inputs and memory."""
+    (steps, width), chunk, lead = force.shape, chunk_of(chain)[0], lead_of(chain)
     positions = _in_groups(fixes, 0, len(fixes))
-    registers = [new_registers(1, chain.filter.window, chain.mhe.horizon) for _ in positions]
+    shared = shared_memory([chain], 1)
+    window, horizon = chain.filter.window, chain.mhe.horizon
+    memories = [Memory(new_registers(1, window, horizon), *shared) for _ in positions]
     for k0 in range(0, steps, chunk):
         n = min(chunk, steps - k0)
         for g, rows in enumerate(_in_groups(force, k0 - lead, k0 + n)):
             lanes = slice(g * WIDTH, min((g + 1) * WIDTH, width))
-            yield k0, n, lanes, Fed((rows,), k0 - lead, (positions[g],)), registers[g]
+            yield k0, n, lanes, Fed((rows,), k0 - lead, (positions[g],)), memories[g]
 
 
 def lead_of(chain: Chain) -> int:

@@ -15,7 +15,7 @@ from owtsweep.config import Section, as_mapping, require
 from owtsweep.errors import as_text
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub import measures
-from owtsweep.studies.hub.batch import Sums, direct_sums_of, superposed_sums_of
+from owtsweep.studies.hub.batch import Sums, sum_errors
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
@@ -68,15 +68,8 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
     """The settings that every block depends on; the grid's lists are not among them."""
     whole = as_mapping(config)
     keys = (
-        "seed",
-        "engine",
-        "record",
-        "spectrum",
-        "normalise",
-        "band",
-        "wave_direction",
-        "sensors",
-    )
+        "seed", "engine", "record", "spectrum", "normalise", "band", "wave_direction", "sensors",
+    )  # fmt: skip
     content = {key: whole[key] for key in keys}
     content["settling_time"] = config.measures.settling_time
     content["extremes"] = config.measures.extremes
@@ -132,15 +125,12 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
     Schemes with a kernel run together on each span of the records, while it is in the processor's
     cache. So the first block of an amplitude (or the first superposed block) runs all of them.
     """
-    records: Records | None = None
+    first = blocks[0].content
+    records = make_records(config, first["natural_period"], first["replicates"])
     schemes = {s.name: under(s, config) for s in resolve_all(config.schemes)}
     ready: dict[int, pd.DataFrame | Exception] = {}
     for number, block in enumerate(blocks):
-        content = block.content
-        if records is None:
-            records = make_records(config, content["natural_period"], content["replicates"])
-        scheme = schemes[content["scheme"]]
-        amplitude = content.get("amplitude")
+        scheme, amplitude = schemes[block.content["scheme"]], block.content.get("amplitude")
         if uses_kernels(config, scheme):
             if number not in ready:
                 together = {
@@ -190,28 +180,22 @@ def _by_kernels(
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame | Exception]:
     """Each scheme's rows at one amplitude, or the exception raised when its chain was made."""
-    made = zip(schemes, _chains(config, list(schemes.values()), records), strict=True)
-    result: dict[int, pd.DataFrame | Exception] = {}
-    chains: dict[int, Chain] = {}
-    for number, chain in made:
-        if isinstance(chain, Exception):  # raised later, when its block is due
-            result[number] = chain
-        else:
-            chains[number] = chain
+    made = dict(zip(schemes, _chains(config, list(schemes.values()), records), strict=True))
+    chains = {n: chain for n, chain in made.items() if not isinstance(chain, Exception)}
+    # raised later, when its block is due
+    failed: dict[int, pd.DataFrame | Exception] = {
+        n: error for n, error in made.items() if isinstance(error, Exception)
+    }
     if not chains:
-        return result
+        return failed
     settled = _settled(config, records)
-    every = list(chains.values())
-    if amplitude is None:
-        sums = superposed_sums_of(every, records, settled)
-    else:
-        keep = config.measures.extremes
-        sums = direct_sums_of(every, records, amplitude, settled, keep_squared=keep)
+    keep = config.measures.extremes
+    sums = sum_errors(list(chains.values()), records, settled, amplitude, keep_squared=keep)
     tables = [
         _from_sums(of_scheme, schemes[number].name, records, amplitude)
         for number, of_scheme in zip(chains, sums, strict=True)
     ]
-    return result | dict(zip(chains, _frames(tables), strict=True))
+    return failed | dict(zip(chains, _frames(tables), strict=True))
 
 
 def _chains(

@@ -79,14 +79,35 @@ class Chain:
         return result
 
     def _covariance(self) -> Array:
-        return _output_covariance(
-            self.axis,
-            self.gains,
-            self.filter.C,
-            self.filter.window,
-            self.predictor.steps,
-            self.input_model,
-        )
+        """Covariance of the output's (p, v) for one axis, (rows, 2, 2).
+
+        The predictor starts from the smoothed state of `window` steps before the filter's newest
+        sample and feeds it inputs whose noise v_i the smoother has partly seen. For the filter's
+        own optimal estimate E[error_s v_i] = cov(error_s, error_i) h', since v_i minus its estimate
+        is h (error_i) and the estimate is uncorrelated with the error. The noise of later inputs is
+        independent. (The bias' walk over these steps is added as if it were independent. For the
+        default sensors it is 1e-3 of the rest.)
+        """
+        axis, gains, window = self.axis, self.gains, self.filter.window
+        if self.input_model is None or self.predictor.steps == 0:
+            return gains.filtered[:, :2, :2].copy()
+        noise = prediction_noise(self.input_model, self.predictor.steps)
+        pick = SIGMA_2_STATES
+        # without a window there are no smoother gains
+        C = self.filter.C if window > 0 else gains.filtered
+        rows = FilterRows(gains.filtered, gains.predicted, C)
+        result = np.empty((gains.rows, 2, 2))
+        for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
+            count = min(_ROWS_AT_ONCE, gains.rows - first)
+            smoothed = np.broadcast_to(axis.initial_covariance, (count, 4, 4)).copy()
+            coupling = np.zeros((count, 4, 3))
+            covariances(rows, window, axis.force_row, noise.response, smoothed, coupling, first)
+            covariance = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
+            cross = noise.transition @ coupling[:, pick]
+            covariance += cross + cross.transpose(0, 2, 1)
+            covariance += noise.process + axis.force_variance * noise.response.T @ noise.response
+            result[first : first + count] = covariance[:, :2, :2]
+        return result
 
 
 def _precision(covariance: Array) -> Array:
@@ -103,10 +124,8 @@ Kernel = Callable[..., Chain]
 
 def chain_for_runs(scheme: Any, sensors: Sensors, tuning: Any, steps: int) -> Chain:
     """A scheme's chain, without the parts that runs do not need if the kernel can omit them."""
-    if getattr(scheme.kernel, "keeps_chains", False):
-        made: Chain = scheme.kernel(sensors, tuning, steps, for_runs=True)
-    else:
-        made = scheme.kernel(sensors, tuning, steps)
+    options = {"for_runs": True} if getattr(scheme.kernel, "keeps_chains", False) else {}
+    made: Chain = scheme.kernel(sensors, tuning, steps, **options)
     return made
 
 
@@ -240,40 +259,3 @@ def _predictor_arrays(model: Discrete | None, steps: int, step: float) -> Predic
     return PredictorArrays(
         steps=steps, step=step, half=float(model.B[0, 0]), pv=A[0, 1], pb=A[0, 2], vb=A[1, 2]
     )
-
-
-def _output_covariance(
-    axis: AxisFilter,
-    gains: GainSchedule,
-    C: Array,
-    window: int,
-    steps: int,
-    predict: Discrete | None,
-) -> Array:
-    """Covariance of the output's (p, v) for one axis, (rows, 2, 2).
-
-    The predictor starts from the smoothed state of `window` steps before the filter's newest
-    sample and feeds it inputs whose noise v_i the smoother has partly seen. For the filter's own
-    optimal estimate E[error_s v_i] = cov(error_s, error_i) h', since v_i minus its estimate is
-    h (error_i) and the estimate is uncorrelated with the error. The noise of later inputs is
-    independent. (The bias' walk over these steps is added as if it were independent. For the
-    default sensors it is 1e-3 of the rest.)
-    """
-    if predict is None or steps == 0:
-        return gains.filtered[:, :2, :2].copy()
-    noise = prediction_noise(predict, steps)
-    pick = SIGMA_2_STATES
-    # without a window there are no smoother gains
-    rows = FilterRows(gains.filtered, gains.predicted, C if window > 0 else gains.filtered)
-    result = np.empty((gains.rows, 2, 2))
-    for first in range(0, gains.rows, _ROWS_AT_ONCE):  # the working copies stay small
-        count = min(_ROWS_AT_ONCE, gains.rows - first)
-        smoothed = np.broadcast_to(axis.initial_covariance, (count, 4, 4)).copy()
-        coupling = np.zeros((count, 4, 3))
-        covariances(rows, window, axis.force_row, noise.response, smoothed, coupling, first)
-        covariance = noise.transition @ smoothed[:, pick[:, None], pick] @ noise.transition.T
-        cross = noise.transition @ coupling[:, pick]
-        covariance += cross + cross.transpose(0, 2, 1)
-        covariance += noise.process + axis.force_variance * noise.response.T @ noise.response
-        result[first : first + count] = covariance[:, :2, :2]
-    return result

@@ -31,6 +31,6 @@ def describe_run(run: Candidate) -> Aspects:
         best_of=None
         if samples
         else lambda rows, grid, schemes, criterion: answers.best_scheme(
-            rows, schemes, [criterion], grid["amplitude"], window
+            rows, schemes, [criterion], grid, window
         ),
     )

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array, aligned
-from owtsweep.studies.hub.kernels.layout import WIDTH, ImuNoise
+from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.records import Records
 from owtsweep.studies.hub.sensors import fix_count
 
@@ -55,27 +55,18 @@ class Lanes:
         """True velocity along the wave, (steps, replicates), m/s."""
         return np.stack([motion.velocity for motion in self.records.motion], axis=1)
 
-    @cached_property
-    def _noise_force(self) -> Array:
-        R = self.records.sensors.rotation
-        return np.concatenate([noise.specific_force @ R.T for noise in self.records.noise], axis=1)
-
-    @cached_property
-    def _noise_fixes(self) -> Array:
-        return np.concatenate([noise.fixes for noise in self.records.noise], axis=1)
-
     def at(self, amplitude: float) -> tuple[Array, Array]:
         """Force and fixes of whole series at an amplitude (m), lanes by replicate and axis."""
-        s = self.records.sensors
-        direction = np.tile(self.records.direction, len(self.records.replicates))
-        motion = np.stack([motion.acceleration for motion in self.records.motion], axis=1)
-        count = len(self.records.noise[0].fixes)
-        fixes = np.stack(
-            [m.position_at(-s.delay, s.fix_interval, count) for m in self.records.motion], axis=1
-        )
+        motions, noises, s = self.records.motion, self.records.noise, self.records.sensors
+        direction = np.tile(self.records.direction, len(motions))
+        motion = np.stack([m.acceleration for m in motions], axis=1)
+        count = len(noises[0].fixes)
+        fixes = np.stack([m.position_at(-s.delay, s.fix_interval, count) for m in motions], axis=1)
+        noise_force = np.concatenate([n.specific_force @ s.rotation.T for n in noises], axis=1)
+        noise_fixes = np.concatenate([n.fixes for n in noises], axis=1)
         return (
-            amplitude * np.repeat(motion, 2, axis=1) * direction + self._noise_force,
-            amplitude * np.repeat(fixes, 2, axis=1) * direction + self._noise_fixes,
+            amplitude * np.repeat(motion, 2, axis=1) * direction + noise_force,
+            amplitude * np.repeat(fixes, 2, axis=1) * direction + noise_fixes,
         )
 
 
@@ -160,8 +151,8 @@ class Feed:
 
             return turned
         sources = [records.force_noise(index) for index in self.indices]
-        one = sources[0]
-        imu = ImuNoise(one.walk, one.initial, one.sigma, one.gravity)
+        bias_x, white_x = sources[0].bias[0], sources[0].white[0]
+        imu = (bias_x.deviation, bias_x.initial, white_x.sigma, sources[0].gravity)
         normals, bias = np.empty((len(sources), 4, size)), np.zeros((len(sources), 2))
         begun = False
 

@@ -15,7 +15,7 @@ from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.filter_states import bias_of, has_acceleration, lag_of
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve_all
-from owtsweep.studies.hub.true_bias import simulate_bias
+from owtsweep.studies.hub.sensors import simulate_bias
 
 #: Natural period of the paper's time histories, section 5.2, s.
 NATURAL_PERIOD = 3.8

@@ -59,10 +59,6 @@ class Horizon:
     initial_covariance: Array
     bounds: Array
 
-    def intervals(self, fix: int) -> int:
-        """How many GNSS intervals the window holds when fix number `fix` is its newest."""
-        return min(fix, self.length)
-
     def arrays(self, gains: GainSchedule, sensors: Sensors) -> HorizonArrays:
         """The maps of all fixes until they repeat, for the kernels."""
         M = sensors.fix_interval
@@ -70,13 +66,12 @@ class Horizon:
         count = self.length + settled + 1
         maps = np.zeros((count, 3, 4 * self.length + 4))
         for fix in range(self.first, count):
-            n = self.intervals(fix)
-            covariance = self.arrival_covariance(fix, gains, M)
+            fixed = self.fixed and self.uses_filter(fix)  # while the window fills, there is a prior
             solution = window_map(
                 self.weights,
-                n,
-                arrival_covariance=None if self.is_fixed(fix) else covariance,
-                fixed_arrival=self.is_fixed(fix),
+                min(fix, self.length),
+                arrival_covariance=None if fixed else self.arrival_covariance(fix, gains, M),
+                fixed_arrival=fixed,
                 use_first_fix=not self.uses_filter(fix),
             )
             maps[fix, :, : solution.shape[1]] = solution
@@ -90,10 +85,6 @@ class Horizon:
             inputs=INPUTS.index(self.inputs),
             step=sensors.step,
         )
-
-    def is_fixed(self, fix: int) -> bool:
-        """Whether the window's oldest state is fixed; while the window fills, it has a prior."""
-        return self.fixed and self.uses_filter(fix)
 
     def uses_filter(self, fix: int) -> bool:
         """Whether the arrival state is the filter's (x_m0 of register 3, Algorithm 5).

@@ -30,9 +30,8 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.one_pass import OnePassSeries
     from owtsweep.studies.hub.schemes import check_scheme as require_scheme
     from owtsweep.studies.hub.schemes import resolve_all
-    from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise
+    from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
-    from owtsweep.studies.hub.true_bias import simulate_bias
 
 __all__ = [
     "ROOMS", "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "Lanes",
@@ -57,8 +56,7 @@ _HOMES = {
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
     "schemes": ["require_scheme", "resolve_all"],
-    "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors"],
-    "true_bias": ["simulate_bias"],
+    "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
 }
 #: Name here -> name in its module, where they differ.
 _OTHER_NAMES = {"make_sensors": "sensors", "require_scheme": "check_scheme"}

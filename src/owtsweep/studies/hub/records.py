@@ -14,7 +14,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
 from owtsweep.motion.spectra import Spectrum, spectrum
-from owtsweep.motion.spectral import SpectralSource
+from owtsweep.motion.synthesis import SpectralSource
 from owtsweep.streams import stream
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig

@@ -6,7 +6,7 @@ noise does not depend on its motion.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +14,6 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
 from owtsweep.sensing.noise import WhiteNoise, WienerBias
-from owtsweep.sensing.sampling import Sampling
 from owtsweep.studies.hub.config import SensorConfig
 from owtsweep.studies.hub.contract import Sensors
 
@@ -44,7 +43,7 @@ def sensors(config: SensorConfig) -> Sensors:
 
 def fix_count(steps: int, fix_interval: int) -> int:
     """How many fixes arrive in a record: they come at steps 0, M, 2 M, ..."""
-    return Sampling(fix_interval).count(steps)
+    return -(-steps // fix_interval)
 
 
 def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
@@ -82,21 +81,6 @@ class ForceNoise:
         self.white = [WhiteNoise(stream(f"imu_{axis}"), sensors.force_sigma) for axis in "xy"]
         self.gravity = sensors.rotation.T @ np.array(sensors.gravity)
 
-    @property
-    def walk(self) -> float:
-        """Standard deviation of the bias' change over a step, m/s^2."""
-        return self.bias[0].deviation
-
-    @property
-    def initial(self) -> float:
-        """The bias at the first step, m/s^2."""
-        return self.bias[0].initial
-
-    @property
-    def sigma(self) -> float:
-        """Standard deviation of the white noise of a sample, m/s^2."""
-        return self.white[0].sigma
-
     def draw(self, normals: Array) -> None:
         """Write the next unit normals of bias_x, imu_x, bias_y, imu_y to `normals` (4, steps).
 
@@ -131,3 +115,29 @@ def fix_noise(sensors: Sensors, steps: int, stream: Callable[[str], np.random.Ge
     """(fixes, 2) white noise of the fixes of a record, m, from the stream gnss."""
     white = WhiteNoise(stream("gnss"), sensors.position_sigma)
     return white.draw(fix_count(steps, sensors.fix_interval), 2)
+
+
+def simulate_bias(
+    config: SensorConfig,
+    sensors: Sensors,
+    steps: int,
+    stream: Callable[[str], np.random.Generator],
+    *,
+    piece: int | None = None,
+) -> Iterator[Array]:
+    """Yield R b^b of a record, (steps, 2) m/s^2 in NED, in pieces.
+
+    Parameters
+    ----------
+    stream
+        Gives the random generator for a name. With the streams of a record's noise, the bias is
+        the one in that noise.
+    piece
+        Steps of a piece; the whole record at once by default.
+    """
+    biases = ForceNoise(config, sensors, stream).bias
+    size = piece or steps
+    for begin in range(0, steps, size):
+        length = min(size, steps - begin)
+        bias = np.stack([axis.draw(length) for axis in biases], axis=1)
+        yield np.asarray(bias @ sensors.rotation.T)

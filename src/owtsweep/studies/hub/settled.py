@@ -27,15 +27,8 @@ def settled(chain: Chain) -> Chain:
     """
     gains, last = chain.gains, slice(-chain.gains.cycle, None)
     filter_arrays = chain.filter
-    kept = replace(
-        gains,
-        K=gains.K[last].copy(),
-        applied=gains.applied[last].copy(),
-        fresh=gains.fresh[last].copy(),
-        innovation_variance=gains.innovation_variance[last].copy(),
-        predicted=gains.predicted[last].copy(),
-        filtered=gains.filtered[last].copy(),
-    )
+    schedules = ("K", "applied", "fresh", "innovation_variance", "predicted", "filtered")
+    kept = replace(gains, **{name: getattr(gains, name)[last].copy() for name in schedules})
     changes: dict[str, Any] = {"K": kept.K, "applied": kept.applied}
     if filter_arrays.window > 0:
         changes |= {name: getattr(filter_arrays, name)[last].copy() for name in ("C", "D")}

@@ -10,22 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.results.best_scheme import name_columns as best_columns
-from owtsweep.results.conditions import Value
+from owtsweep.results.best_scheme import find_best_schemes
+from owtsweep.results.conditions import Grid
+from owtsweep.results.cube import Cube
 from owtsweep.results.status import OK
-from owtsweep.results.summary import name_columns as summary_columns
+from owtsweep.results.summary import summarise
 from owtsweep.results.superposition import superpose
-from owtsweep.statistics.contest import agree, find_alike, group_coinciding, rank
-from owtsweep.studies.hub.conditions import CONDITIONS
+from owtsweep.statistics.contest import agree, contest, group_coinciding
+from owtsweep.studies.hub.conditions import CONDITIONS, get_grid, make_cube
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from owtsweep.studies.hub.config import HubConfig
 
-NAMES = [condition.name for condition in CONDITIONS]
-#: Mean square errors in the order of tables.
-MSE = ("x", "y", "vx", "vy", "position", "velocity")
 #: Two schemes are distinguishable if they differ by more than this (relative), which is the
 #: accuracy of the curves.
 RESOLUTION = 1e-3
@@ -62,7 +60,8 @@ class Expected:
 
 def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
     """Select one measure and one window from the rows of a study."""
-    rows = _plain(rows)
+    # plain text instead of the store's categories, which sort differently
+    rows = rows.astype(dict.fromkeys(("scheme", "measure", "window"), object))
     used = rows[(rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)]
     present = tuple(name for name in schemes if (used["scheme"] == name).any())
     tables: list[pd.DataFrame] = [
@@ -71,11 +70,6 @@ def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: s
     ]
     periods = tables[0].columns.to_numpy(dtype=float)
     return Expected(present, periods, tables[0].to_numpy(float), tables[1].to_numpy(float))
-
-
-def _plain(rows: pd.DataFrame) -> pd.DataFrame:
-    """Convert the store's categories to plain text, because categories sort and map differently."""
-    return rows.astype(dict.fromkeys(("scheme", "measure", "window"), object))
 
 
 @dataclass(frozen=True)
@@ -97,94 +91,32 @@ def judge(values: Array) -> Verdict:
     """Find the least MSE and the next, from values (schemes, periods, amplitudes).
 
     Schemes that agree up to rounding count as one, under the last of their names. The runner-up is
-    the best scheme that does not coincide with the winner (`statistics.contest.rank`).
+    the best scheme that does not coincide with the winner (`statistics.contest`).
     """
-    flat = values.reshape(len(values), -1)
-    everybody = np.ones(flat.shape, dtype=bool)
-    alike = find_alike(flat[..., np.newaxis], everybody, everybody[0][:, np.newaxis])
-    ranking = rank(flat, alike, everybody)
-    best, runner_up = (place.reshape(values.shape[1:]) for place in ranking[:2])
-    mse_best = np.take_along_axis(values, best[np.newaxis], axis=0)[0]
-    mse_next = np.take_along_axis(values, runner_up[np.newaxis], axis=0)[0]
-    mse_next = np.where(runner_up < 0, np.nan, mse_next)
-    return Verdict(best, runner_up, mse_best, mse_next, mse_next - mse_best > RESOLUTION * mse_best)
+    result = contest(values.reshape(len(values), -1, 1))
+    clear = result.difference > RESOLUTION * result.mse_best
+    parts: Any = (result.best, result.runner_up, result.mse_best, result.mse_runner_up, clear)
+    return Verdict(*(part.reshape(values.shape[1:]) for part in parts))
 
 
 def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """The tables summary and best_scheme. There are no records: intervals are NaN and n is 0."""
     from owtsweep.studies.hub import criteria, scheme_names
 
-    names = scheme_names(config)
-    return {
-        "summary": summary(config, rows, names),
-        "best_scheme": best_scheme(
-            rows, names, criteria(config), config.grid.amplitude, config.measures.window
-        ),
-    }
-
-
-def summary(config: HubConfig, rows: pd.DataFrame, schemes: Sequence[str]) -> pd.DataFrame:
-    """The summary, sorted like that of a study of records."""
-    amplitudes = np.array(sorted(config.grid.amplitude), dtype=float)
-    rows = _plain(rows)
-    used = rows[rows["status"] == OK]
-    if len(amplitudes) * len(config.grid.natural_period) > MOST_CELLS:
-        judged = used["measure"] == config.measures.criterion
-        used = used[judged & (used["window"] == config.measures.window)]
-    order = {name: i for i, name in enumerate(schemes)}
-    place = {name: i for i, name in enumerate(MSE)}
-    repeated = used.loc[used.index.repeat(len(amplitudes))].assign(
-        amplitude=np.tile(amplitudes, len(used))
-    )
-    repeated = repeated.assign(
-        mean=superpose(repeated["motion"], 0.0, repeated["noise"], repeated["amplitude"]),
-        ci_low=np.nan,
-        ci_high=np.nan,
-        n=0,
-        order=repeated["scheme"].map(order),
-        place=repeated["measure"].map(place),
-    )
-    keys = ["order", "natural_period", "amplitude", "place", "window"]
-    table: pd.DataFrame = repeated.sort_values(keys, kind="stable", ignore_index=True)
-    return table[summary_columns(NAMES)]
+    window, measure = config.measures.window, config.measures.criterion
+    best = best_scheme(rows, scheme_names(config), criteria(config), get_grid(config), window)
+    if len(config.grid.amplitude) * len(config.grid.natural_period) > MOST_CELLS:
+        rows = rows[(rows["measure"] == measure) & (rows["window"] == window)]
+    return {"summary": summarise(make_cube(config, rows)).assign(n=0), "best_scheme": best}
 
 
 def best_scheme(
-    rows: pd.DataFrame,
-    schemes: Sequence[str],
-    criteria: Sequence[str],
-    amplitudes: Sequence[Value],
-    window: str,
+    rows: pd.DataFrame, schemes: Sequence[str], criteria: Sequence[str], grid: Grid, window: str
 ) -> pd.DataFrame:
-    """The best scheme of every cell, sorted as in a study of records."""
-    import pandas as pd
-
-    levels = np.array(sorted(amplitudes), dtype=float)
-    parts = []
-    for number, criterion in enumerate(criteria):
-        curves = expected(rows, schemes, criterion, window)
-        verdict = judge(curves.at(levels))
-        names = np.array([*curves.schemes, ""], dtype=object)  # -1: no runner-up
-        count = verdict.best.size
-        columns: dict[str, Any] = {
-            "natural_period": np.repeat(curves.periods, len(levels)),
-            "amplitude": np.tile(levels, len(curves.periods)),
-            "criterion": criterion,
-            "window": window,
-            "best": names[verdict.best.ravel()],
-            "runner_up": names[verdict.runner_up.ravel()],
-            "mse_best": verdict.mse_best.ravel(),
-            "mse_runner_up": verdict.mse_runner_up.ravel(),
-            "difference": (verdict.mse_runner_up - verdict.mse_best).ravel(),
-            "ci_low": np.full(count, np.nan),
-            "ci_high": np.full(count, np.nan),
-            "distinguishable": verdict.distinguishable.ravel(),
-            "order": number,
-        }
-        parts.append(pd.DataFrame(columns))
-    table = pd.concat(parts, ignore_index=True)
-    keys = ["natural_period", "amplitude", "order"]
-    return table.sort_values(keys, kind="stable", ignore_index=True)[best_columns(NAMES)]
+    """The best scheme of every cell, as in a study of records, but by `RESOLUTION`."""
+    table = find_best_schemes(Cube.of_rows(rows, schemes, CONDITIONS, grid), window, criteria)
+    clear = table["difference"] > RESOLUTION * table["mse_best"]
+    return table.assign(distinguishable=clear)
 
 
 def coinciding(

@@ -12,9 +12,9 @@ import io
 import json
 import os
 import threading
-from collections import OrderedDict
 from collections.abc import Callable, Mapping
-from functools import cache
+from dataclasses import dataclass, field
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -24,11 +24,22 @@ from owtsweep.arrays import Array
 
 #: Greatest number of entries in memory. The folder has no limit; the user may empty it.
 KEPT = 64
-_MEMORY: OrderedDict[str, dict[str, Array]] = OrderedDict()
-_LOCK = threading.Lock()
-_LOCKS: dict[str, threading.Lock] = {}
 #: Files and folders of the package with the code that the cached numbers depend on.
 SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
+
+
+@dataclass
+class Entry:
+    """Arrays in memory, None until they are known; who computes them holds the lock."""
+
+    lock: threading.Lock = field(default_factory=threading.Lock)
+    arrays: dict[str, Array] | None = None
+
+
+@lru_cache(KEPT)
+def find_entry(key: str) -> Entry:
+    """The entry of a key, empty at first; `find_entry.cache_clear` empties the memory."""
+    return Entry()
 
 
 def folder() -> Path:
@@ -49,28 +60,14 @@ def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> 
     """
     text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
-    with _LOCK:
-        mine = _LOCKS.setdefault(key, threading.Lock())
-    with mine:  # threads that need the same arrays wait for the first thread
-        arrays = _MEMORY.get(key)
-        if arrays is None:
-            arrays = _read(folder() / f"{key}.npz")
-        if arrays is None:
-            arrays = compute()
-            _write(folder() / f"{key}.npz", arrays)
-    with _LOCK:
-        _MEMORY[key] = arrays
-        _MEMORY.move_to_end(key)
-        while len(_MEMORY) > KEPT:
-            _LOCKS.pop(_MEMORY.popitem(last=False)[0], None)
-    return arrays
-
-
-def forget() -> None:
-    """Empty the memory; the files stay."""
-    with _LOCK:
-        _MEMORY.clear()
-        _LOCKS.clear()
+    path, entry = folder() / f"{key}.npz", find_entry(key)
+    with entry.lock:  # threads that need the same arrays wait for the first thread
+        if entry.arrays is None:
+            entry.arrays = _read(path)
+        if entry.arrays is None:
+            entry.arrays = compute()
+            _write(path, entry.arrays)
+        return entry.arrays
 
 
 def _read(path: Path) -> dict[str, Array] | None:

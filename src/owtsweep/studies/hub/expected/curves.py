@@ -17,7 +17,7 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.expected import inputs, nodes
 from owtsweep.studies.hub.expected.inputs import Probe
-from owtsweep.studies.hub.expected.probing import Workspace, energies
+from owtsweep.studies.hub.expected.probing import Workspace
 from owtsweep.studies.hub.sensors import fix_count
 
 #: An interval is halved where interpolation at its middle is wrong by more than this: relative to
@@ -85,7 +85,7 @@ def curves(
         frequency=motion[0],
         motion=motion[1] / lengths[:, None],
         noise=np.array(noise) / lengths,
-        constant=prober(inputs.constant())[..., 0] / lengths,
+        constant=prober.energies(inputs.constant())[..., 0] / lengths,
     )
 
 
@@ -93,14 +93,9 @@ class _Prober:
     """Runs one chain on the test inputs of records of one length."""
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
-        self.chain, self.sensors, self.steps, self.settled = chain, sensors, steps, settled
+        self.sensors, self.steps = sensors, steps
         self.scales = nodes.scales(chain, sensors)
-        self.space = Workspace(chain, steps, sensors)
-
-    def __call__(self, probe: Probe) -> Array:
-        return energies(
-            self.chain, self.sensors, probe, self.steps, self.settled, workspace=self.space
-        )
+        self.energies = Workspace(chain, sensors, steps, settled).energies
 
     def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
         """The nodes over the band and the error energies there."""
@@ -110,11 +105,10 @@ class _Prober:
                 np.any(np.abs(predicted - computed) > MOTION_TOLERANCE * computed, axis=(0, 1))
             )
 
-        first = nodes.over_band(band, self.scales, self.steps * self.sensors.step)
-
         def answer(frequency: Array) -> Array:
-            return self(inputs.motion(frequency, self.sensors))
+            return self.energies(inputs.motion(frequency, self.sensors))
 
+        first = nodes.over_band(band, self.scales, self.steps * self.sensors.step)
         return nodes.refined(first, answer(first), answer, _between, wrong)
 
     def fixes(self) -> Array:
@@ -132,9 +126,8 @@ class _Prober:
         """Sum over a basis of `count` phasors; numbers n and count - n have equal energies."""
         number = np.arange(1.0, count // 2 + 1.0)
         weight = np.where(2.0 * number == count, 1.0, 2.0) / count
-        return self(probe(np.zeros(1)))[..., 0] / count + self._sum(
-            number, weight, len(number), per_number, probe
-        )
+        constant = self.energies(probe(np.zeros(1)))[..., 0] / count
+        return constant + self._sum(weight, per_number, probe)
 
     def walks(self) -> Array:
         """Error energies from a Wiener process with increments of variance 1, (measure, window).
@@ -148,20 +141,18 @@ class _Prober:
         number = np.arange(1.0, highest + 1.0)
         angle = inputs.walks(number, self.steps).angle
         weight = 4.0 / (2.0 * last + 1.0) / (2.0 - 2.0 * np.cos(angle))
-        return self._sum(number, weight, highest, per_number, lambda n: inputs.walks(n, self.steps))
+        return self._sum(weight, per_number, lambda n: inputs.walks(n, self.steps))
 
-    def _sum(
-        self,
-        number: Array,
-        weight: Array,
-        last: int,
-        per_number: float,
-        probe: Callable[[Array], Probe],
-    ) -> Array:
-        """Sum of weight x energy over all basis vectors; most energies are interpolated."""
-        first = nodes.numbers(last, per_number, self.scales)
+    def _sum(self, weight: Array, per_number: float, probe: Callable[[Array], Probe]) -> Array:
+        """Sum of weight x energy over all basis vectors 1, 2, ...; most are interpolated."""
+
+        def answer(number: Array) -> Array:
+            return self.energies(probe(number))
+
+        number = np.arange(1.0, len(weight) + 1.0)
+        first = nodes.numbers(len(weight), per_number, self.scales)
         upto = np.concatenate([[0.0], np.cumsum(weight)])
-        values = self(probe(first))
+        values = answer(first)
         if len(first) < 2:
             return np.asarray(np.sum(weight * values, axis=-1))
         total = np.sum(weight * _between(number, first, values), axis=-1)
@@ -175,9 +166,7 @@ class _Prober:
         def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
             return large(left, right, np.abs(predicted - computed))
 
-        curve = nodes.refined(
-            first, values, lambda n: self(probe(n)), _between, wrong, matters=large, whole=True
-        )
+        curve = nodes.refined(first, values, answer, _between, wrong, matters=large, whole=True)
         return np.asarray(np.sum(weight * _between(number, *curve), axis=-1))
 
 

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 FINE = 200
 #: In grids of more periods than this, no figure per period is drawn.
 MOST_PERIODS = 12
-#: Value of `normalise` -> what an amplitude measures.
-MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
 
 
 def drawings(
@@ -45,7 +43,7 @@ def drawings(
     drawn = {
         **figures.maps(config, partial(draw_map, config, tables, rows)),
         "error_spectra": lambda: error_spectra.draw(config, coinciding=same),
-        **figures.over_amplitude(config, tables["summary"], periods, lambda: same),
+        **figures.over_amplitude(config, tables["summary"], periods, same),
     }
     return figures.save_each(drawn, metadata)
 
@@ -67,12 +65,12 @@ def draw_map(
         return figures.draw_cells(config, tables, rows, criterion, same)
     periods = np.linspace(min(grid.natural_period), max(grid.natural_period), FINE)
     amplitudes = np.geomspace(min(grid.amplitude), max(grid.amplitude), FINE)
-    finished = [name for name in names if ((rows["scheme"] == name) & (rows["status"] == OK)).any()]
-    fine = engine.rows_of(config, finished, [float(period) for period in periods])
+    done = set(rows.loc[rows["status"] == OK, "scheme"])
+    fine = engine.rows_of(config, [name for name in names if name in done], periods.tolist())
     expected = answers.expected(fine, names, criterion, window)
     values = expected.at(amplitudes)
     verdict = answers.judge(values)
-    amplitude = f"amplitude: {MEANING[config.normalise]} along the waves"
+    amplitude = f"amplitude: {figures.MEANING[config.normalise]} along the waves"
     field = smooth_map.Field(
         across=NATURAL_PERIOD,
         upwards=replace(AMPLITUDE, label=amplitude),

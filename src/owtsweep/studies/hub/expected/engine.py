@@ -7,10 +7,9 @@ scheme, which do not depend on the period.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -76,16 +75,14 @@ def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -
 
     The kernels release the GIL, so threads run in parallel.
     """
-    # The slowest schemes are usually listed last. Start with them, so that no core is idle at the
-    # end.
-    work: list[Callable[[], object]] = [partial(curves_of, config, name) for name in names[::-1]]
-    if config.normalise == "peak":
-        work += [partial(factor_at, config, end) for end in ladder(config, periods)]
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        for done in [pool.submit(part) for part in work]:
-            done.result()
-        parts = list(pool.map(lambda name: rows(config, name, periods), names))
-    return pd.concat(parts, ignore_index=True)
+        if config.normalise == "peak":
+            for rung in ladder(config, periods):  # ready by the time that the rows need them
+                pool.submit(factor_at, config, rung)
+        # The slowest schemes are usually listed last. Start with them, so that no core is idle at
+        # the end.
+        parts = list(pool.map(lambda name: rows(config, name, periods), names[::-1]))
+    return pd.concat(parts[::-1], ignore_index=True)
 
 
 def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame:
@@ -97,7 +94,10 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
     sensors = sensing.sensors(config.sensors)
     curve = curves_of(config, name)
     motion = motion_of(config, curve, periods)
-    noise = noise_of(config, curve)
+    # (axis, measure, window); the initial bias and gravity are constant forces
+    bias = np.full(2, config.sensors.imu.bias_initial)
+    constant = sensors.rotation @ bias - np.array(sensors.gravity)
+    noise = curve.noise.sum(axis=0) + (constant**2)[:, None, None] * curve.constant
     angle = np.deg2rad(config.wave_direction)
     along = (np.cos(angle) ** 2, np.sin(angle) ** 2)
     steps = round(config.record.duration / sensors.step)
@@ -105,20 +105,19 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
     parts = []
     for m, measure in enumerate(MEASURES):
         for w, window in enumerate(measures.WINDOWS):
-            axes = [(AXES[measure][i], along[i], noise[i, m, w]) for i in range(2)]
-            whole = (measure, 1.0, noise[0, m, w] + noise[1, m, w])
-            for label, share, floor in (*axes, whole):
-                parts.append(
-                    {
-                        "natural_period": np.asarray(periods, dtype=float),
-                        "measure": label,
-                        "window": window,
-                        "motion": share * motion[:, m, w],
-                        "noise": floor,
-                        "n_samples": samples[w],
-                    }
-                )
-    table = pd.concat([pd.DataFrame(part) for part in parts], ignore_index=True)
+            floors = (noise[0, m, w], noise[1, m, w], noise[0, m, w] + noise[1, m, w])
+            labels = (*AXES[measure], measure)
+            for label, share, floor in zip(labels, (*along, 1.0), floors, strict=True):
+                columns = {
+                    "natural_period": np.asarray(periods, dtype=float),
+                    "measure": label,
+                    "window": window,
+                    "motion": share * motion[:, m, w],
+                    "noise": floor,
+                    "n_samples": samples[w],
+                }
+                parts.append(pd.DataFrame(columns))
+    table = pd.concat(parts, ignore_index=True)
     finite = bool(np.all(np.isfinite(table[["motion", "noise"]].to_numpy())))
     table = table.assign(
         replicate=0,
@@ -140,13 +139,13 @@ def curves_of(config: HubConfig, name: str) -> Curves:
     steps = round(config.record.duration / sensors.step)
     settled = round(config.measures.settling_time / sensors.step)
     band = (config.band[0], config.band[1])
-    by_name = {resolve(entry).name: entry for entry in config.schemes}
-    scheme: Any = resolve(by_name[name])
+    entry = {resolve(entry).name: entry for entry in config.schemes}[name]
+    scheme: Any = resolve(entry)
     what = {
         "what": "curves",
         "version": EXPECTED_VERSION,
         "sensors": asdict(sensors),
-        "scheme": sampled.scheme_content(config, by_name[name], scheme),
+        "scheme": sampled.scheme_content(config, entry, scheme),
         "steps": steps,
         "settled": settled,
         "band": list(band),
@@ -154,10 +153,9 @@ def curves_of(config: HubConfig, name: str) -> Curves:
 
     def compute() -> dict[str, Array]:
         chain = scheme.kernel(sensors, config, steps)
-        computed = curves(chain, sensors, steps=steps, settled=settled, band=band)
-        return {key: getattr(computed, key) for key in Curves.__dataclass_fields__}
+        return vars(curves(chain, sensors, steps=steps, settled=settled, band=band))
 
-    if sampled.explain_anew(by_name[name], scheme):
+    if sampled.explain_anew(entry, scheme):
         return Curves(**compute())
     return Curves(**cached(what, compute))
 
@@ -171,14 +169,5 @@ def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Arr
         [expected_ratio(spectrum(kind, period, bandwidth), at_lines, lines) for period in periods]
     )
     if config.normalise == "peak":
-        expected *= peak_factors(config, list(periods))[:, None, None]
+        expected *= peak_factors(config, periods)[:, None, None]
     return expected
-
-
-def noise_of(config: HubConfig, curve: Curves) -> Array:
-    """Expected mean square error from everything except motion, (axis, measure, window)."""
-    sensors = sensing.sensors(config.sensors)
-    bias = np.full(2, config.sensors.imu.bias_initial)
-    constant = sensors.rotation @ bias - np.array(sensors.gravity)
-    each = constant**2
-    return np.asarray(curve.noise.sum(axis=0) + each[:, None, None] * curve.constant)

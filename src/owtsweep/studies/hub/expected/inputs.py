@@ -10,12 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.studies.hub.contract import Sensors
-
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)

@@ -30,31 +30,29 @@ SAMPLES = 32
 STREAM = "phase of a peak factor"
 
 
-def peak_factors(config: HubConfig, periods: list[float]) -> Array:
+def peak_factors(config: HubConfig, periods: Sequence[float]) -> Array:
     """Mean of (standard deviation / peak)^2 over the records of each natural period, (periods,)."""
-    if config.spectrum.kind != "translated":  # other spectra exist only at single periods
-        return np.array([factor_at(config, period) for period in periods])
-    shortest, longest = 1.0 / config.band[1], 1.0 / config.band[0]
     result = []
     for period in periods:
-        ends = _rungs(period, shortest, longest)
-        values = [factor_at(config, float(end)) for end in ends]
-        result.append(np.interp(np.log(period), np.log(ends), values))
+        rungs = _list_rungs(config, period)
+        values = [factor_at(config, rung) for rung in rungs]
+        result.append(np.interp(np.log(period), np.log(rungs), values))
     return np.array(result)
 
 
 def ladder(config: HubConfig, periods: Sequence[float]) -> list[float]:
     """The fixed periods (rungs) from which the given periods are interpolated."""
+    return sorted({rung for period in periods for rung in _list_rungs(config, period)})
+
+
+def _list_rungs(config: HubConfig, period: float) -> list[float]:
+    """The rungs on both sides of a period; the period itself if a spectrum has no others."""
     if config.spectrum.kind != "translated":
-        return sorted(set(periods))
-    edges = 1.0 / config.band[1], 1.0 / config.band[0]
-    return sorted({float(end) for period in periods for end in _rungs(period, *edges)})
-
-
-def _rungs(period: float, shortest: float, longest: float) -> Array:
+        return [period]
     rung = np.log2(period) * PER_OCTAVE
-    ends = 2.0 ** (np.array([np.floor(rung), np.floor(rung) + 1.0]) / PER_OCTAVE)
-    return np.asarray(np.clip(ends, shortest, longest))
+    rungs = 2.0 ** (np.array([np.floor(rung), np.floor(rung) + 1.0]) / PER_OCTAVE)
+    shortest, longest = 1.0 / config.band[1], 1.0 / config.band[0]
+    return [float(end) for end in np.clip(rungs, shortest, longest)]
 
 
 def factor_at(config: HubConfig, period: float) -> float:

@@ -29,10 +29,14 @@ BLOCK = 2048
 
 
 class Workspace:
-    """Memory for the runs of one chain, reused by each run because allocation takes time."""
+    """Runs one chain on probes of records of one length.
 
-    def __init__(self, chain: Chain, steps: int, sensors: Sensors) -> None:
-        self.chain, self.arrays = chain, batch.arrays_of(chain)
+    Its memory is reused by each run, because allocation takes time. Only one run at a time.
+    """
+
+    def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
+        self.chain, self.arrays, self.cycle = chain, batch.arrays_of(chain), cycle_of(chain)
+        self.sensors, self.steps, self.settled = sensors, steps, settled
         self.chunk, self.lead = batch.chunk_of(chain)[0], batch.lead_of(chain)
         self.scratch, self.output = batch.shared_memory([chain], 2)
         self.no_fixes = aligned(fix_count(steps, sensors.fix_interval), LANES)
@@ -54,6 +58,36 @@ class Workspace:
             array.fill(0.0)
         return pair
 
+    def energies(self, probe: Probe) -> Array:
+        """Sums of squared errors over the windows of a record, (measure, window, n).
+
+        Measures are position and velocity, windows full and settled; for phasors the sums of cosine
+        and sine are added.
+        """
+        lanes_each = 2 if probe.phasor else 1
+        each = min(WIDTH // lanes_each, max(MOST_INPUTS // (self.steps * lanes_each), 1))
+        parts = [
+            self._run(probe.part(first, first + each)) for first in range(0, len(probe.angle), each)
+        ]
+        return np.concatenate(parts, axis=-1)
+
+    def _run(self, probe: Probe) -> Array:
+        """Energies of a part of a probe; extrapolates a periodic response to the record's end."""
+        each = LANES if probe.phasor else 2 * LANES
+        pairs = [
+            _Pair(self, number, probe.part(first, first + each))
+            for number, first in enumerate(range(0, len(probe.angle), each))
+        ]
+        # the first test for repetition; never for single sines, whose energy oscillates
+        earliest = max(filling(self.chain), self.settled) + (JUDGED + 1) * self.cycle
+        done = _together(pairs, self.steps, earliest if probe.phasor else self.steps + 1)
+        sums = np.concatenate([pair.sums for pair in pairs], axis=-1)
+        if done < self.steps:
+            ring = np.concatenate([pair.ring for pair in pairs], axis=-1)
+            complete = np.delete(ring, (done // self.cycle) % len(ring), axis=0)
+            sums[1] += complete.mean(axis=0) * ((self.steps - done) / self.cycle)
+        return np.stack([sums[0] + sums[1], sums[1]], axis=1)
+
 
 class PairMemory(NamedTuple):
     """The state of a chain for two groups of lanes, and rows of force and truth, (rows, 8) each."""
@@ -61,48 +95,6 @@ class PairMemory(NamedTuple):
     registers: Registers
     force: tuple[Array, Array]
     wave: tuple[Array, Array]
-
-
-def energies(
-    chain: Chain,
-    sensors: Sensors,
-    probe: Probe,
-    steps: int,
-    settled: int,
-    workspace: Workspace | None = None,
-) -> Array:
-    """Sums of squared errors over the windows of a record, (measure, window, n).
-
-    Measures are position and velocity, windows full and settled; for phasors the sums of cosine and
-    sine are added. Many calls may use one `workspace` of the chain, but not at the same time.
-    """
-    space = workspace or Workspace(chain, steps, sensors)
-    lanes_each = 2 if probe.phasor else 1
-    each = min(WIDTH // lanes_each, max(MOST_INPUTS // (steps * lanes_each), 1))
-    parts = [
-        _run(space, sensors, probe.part(first, first + each), steps, settled)
-        for first in range(0, len(probe.angle), each)
-    ]
-    return np.concatenate(parts, axis=-1)
-
-
-def _run(space: Workspace, sensors: Sensors, probe: Probe, steps: int, settled: int) -> Array:
-    """Energies of a part of a probe; a periodic response is extrapolated to the record's end."""
-    n, cycle = len(probe.angle), cycle_of(space.chain)
-    each = LANES if probe.phasor else 2 * LANES
-    pairs = [
-        _Pair(space, number, sensors, probe.part(first, first + each), steps, settled)
-        for number, first in enumerate(range(0, n, each))
-    ]
-    # the first test for repetition; never for single sines, whose energy oscillates
-    earliest = max(filling(space.chain), settled) + (JUDGED + 1) * cycle
-    done = _together(pairs, steps, earliest if probe.phasor else steps + 1)
-    sums = np.concatenate([pair.sums for pair in pairs], axis=-1)
-    if done < steps:
-        ring = np.concatenate([pair.ring for pair in pairs], axis=-1)
-        complete = np.delete(ring, (done // cycle) % len(ring), axis=0)
-        sums[1] += complete.mean(axis=0) * ((steps - done) / cycle)
-    return np.stack([sums[0] + sums[1], sums[1]], axis=1)
 
 
 def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
@@ -127,29 +119,20 @@ class _Pair:
     They hold eight cosines and their sines, or sixteen sines. Unused lanes are zero.
     """
 
-    def __init__(
-        self,
-        space: Workspace,
-        number: int,
-        sensors: Sensors,
-        probe: Probe,
-        steps: int,
-        settled: int,
-    ) -> None:
-        self.space, self.probe = space, probe
-        self.cycle = cycle_of(space.chain)
+    def __init__(self, space: Workspace, number: int, probe: Probe) -> None:
+        self.space, self.probe, self.cycle = space, probe, space.cycle
         registers, force, wave = space.pair(number)
         self.memory = Memory(registers, space.scratch, space.output)
-        self.waves = _waves(probe, sensors, steps)
+        self.waves = _waves(probe, space)
         self.course = Course(
-            lead=space.lead, chunk=space.chunk, settled=settled, cycle=self.cycle,
+            lead=space.lead, chunk=space.chunk, settled=space.settled, cycle=self.cycle,
             every=JUDGED * self.cycle, lanes=len(probe.angle), tolerance=TOLERANCE,
         )  # fmt: skip
         self.buffers = Buffers(
             filled=np.array([-space.lead, 0]),
             force=force,
             wave=wave,
-            fixes=_fixes(probe, sensors, steps) if np.any(probe.fix) else (space.no_fixes,) * 2,
+            fixes=_fixes(probe, space) if np.any(probe.fix) else (space.no_fixes,) * 2,
             sums=aligned(8, LANES),
             ring=aligned(4 * (JUDGED + 1), LANES),
         )
@@ -178,12 +161,12 @@ class _Pair:
         return rows.reshape(-1, 2, 2 * LANES)[..., : len(self.probe.angle)]
 
 
-def _waves(probe: Probe, sensors: Sensors, steps: int) -> Waves:
+def _waves(probe: Probe, space: Workspace) -> Waves:
     angle, gain, rate = (
         _in_groups(values, probe.phasor)
-        for values in (probe.angle, probe.force, probe.angle / sensors.step)
+        for values in (probe.angle, probe.force, probe.angle / space.sensors.step)
     )
-    blocks = -(-steps // BLOCK)
+    blocks = -(-space.steps // BLOCK)
     first = BLOCK * np.arange(blocks)[:, None, None]
     start = np.exp(1j * (angle * first + probe.shift))
     turn = np.exp(1j * angle)
@@ -199,11 +182,10 @@ def _waves(probe: Probe, sensors: Sensors, steps: int) -> Waves:
     )
 
 
-def _fixes(probe: Probe, sensors: Sensors, steps: int) -> tuple[Array, Array]:
+def _fixes(probe: Probe, space: Workspace) -> tuple[Array, Array]:
     """(fixes, 8) of each group."""
-    count = fix_count(steps, sensors.fix_interval)
-    delay = sensors.delay if probe.truth else 0
-    fix_steps = sensors.fix_interval * np.arange(count)[:, None] - delay
+    delay = space.sensors.delay if probe.truth else 0
+    fix_steps = space.sensors.fix_interval * np.arange(len(space.no_fixes))[:, None] - delay
     values = np.exp(1j * (probe.angle * fix_steps + probe.shift)) * probe.fix
     both = _in_groups(values.imag, probe.phasor)
     if probe.phasor:

@@ -74,7 +74,8 @@ def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
     share = spectrum.density(drawn.frequency)
     share = share / np.sum(share)
     mean = np.sum(share * curves, axis=-1)
-    shapes = np.concatenate([np.ones((1, len(share))), _rows(curves)]) ** 0.5 * share
+    flat = curves.reshape(-1, len(share))
+    shapes = np.concatenate([np.ones((1, len(share))), flat]) ** 0.5 * share
     transformed = np.abs(rfft(shapes, n=drawn.size, axis=-1)) ** 2 * drawn.beat
     # Parseval for real sequences: all terms count twice except the first and, for an even length,
     # the last
@@ -85,7 +86,3 @@ def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
     beats = np.sum(transformed * twice, axis=-1) / drawn.size
     relative = beats[1:].reshape(mean.shape) / mean
     return np.asarray(mean * (1.0 + beats[0] - relative))
-
-
-def _rows(curves: Array) -> Array:
-    return curves.reshape(-1, curves.shape[-1])

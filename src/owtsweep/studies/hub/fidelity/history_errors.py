@@ -20,7 +20,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.filter_states import bias_of
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve_all
-from owtsweep.studies.hub.true_bias import simulate_bias
+from owtsweep.studies.hub.sensors import simulate_bias
 
 #: Natural period of the case of section 5.2, s.
 NATURAL_PERIOD = 3.8

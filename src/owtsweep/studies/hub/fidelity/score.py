@@ -18,7 +18,7 @@ import pandas as pd
 from owtsweep.arrays import Array
 from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub import published
-from owtsweep.studies.hub.batch import Lanes, superposed_sums
+from owtsweep.studies.hub.batch import Lanes, sum_errors
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity.boundaries import PUBLISHED
 from owtsweep.studies.hub.records import make_records
@@ -49,7 +49,7 @@ def scheme_products(
         sensors = batch.records.sensors
         settled = round(config.measures.settling_time / sensors.step)
         chain = resolved.kernel(sensors, config, batch.records.steps)  # type: ignore[attr-defined]
-        sums = superposed_sums(chain, batch, settled, consistency=False)
+        (sums,) = sum_errors([chain], batch.records, settled, consistency=False)
         parts = slice(0, 2) if config.measures.window == "full" else slice(1, 2)
         total = sums.products[parts, :4].sum(axis=0) / sums.steps[parts].sum()
         result[period] = np.asarray(total.mean(axis=2))

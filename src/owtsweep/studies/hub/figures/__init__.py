@@ -1,15 +1,16 @@
-"""The figures and tables of the hub study. A figure's module is imported when it is drawn."""
+"""The figures and tables of the hub study; matplotlib is imported when they are drawn."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import Drawing, save_figure
+from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
 from owtsweep.studies.hub import scheme_names
+from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, make_cube
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,6 +23,8 @@ Draw = Callable[[], "Figure"]
 
 #: Natural periods (s) whose MSE over amplitude the paper shows, and the figure's number.
 PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
+#: Value of `normalise` -> what an amplitude measures.
+MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
 MAP = "figure_18_best_scheme"
 #: Figures 9-14: name -> the quantity shown over time, and whether the figure is zoomed in.
 TIME_HISTORIES = {
@@ -51,24 +54,19 @@ def drawings(
     metadata
         Stored inside the figures.
     """
-    from owtsweep.results.best_scheme import find_coinciding
-    from owtsweep.studies.hub.conditions import CRITERIA, make_cube
+    from owtsweep.studies.hub.figures.tables import write
 
-    @cache
-    def coinciding() -> list[tuple[str, ...]]:
-        return find_coinciding(make_cube(config, rows), CRITERIA)
-
-    def best(criterion: str) -> Figure:
-        records = config.grid.replicates
-        return draw_cells(config, tables, rows, criterion, coinciding(), replicates=records)
-
-    summary = tables["summary"]
-    periods = set(summary["natural_period"])
-    figures = maps(config, best) | over_amplitude(config, summary, periods, coinciding)
+    summary, records = tables["summary"], config.grid.replicates
+    same = find_coinciding(make_cube(config, rows), CRITERIA)
+    best = partial(draw_cells, config, tables, rows, coinciding=same, replicates=records)
+    results = {
+        **maps(config, best),
+        **over_amplitude(config, summary, set(summary["natural_period"]), same),
+    }
     return {
-        **save_each(figures, metadata),
-        "tables_6_to_9": _published(config, summary),
-        **save_each(_illustrations(config, coinciding), metadata),
+        **save_each(results, metadata),
+        "tables_6_to_9": partial(write, summary, config.measures.window),
+        **save_each(_illustrations(config, same), metadata),
     }
 
 
@@ -82,8 +80,8 @@ def save_each(
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
     """The map by the run's criterion and the map by velocity."""
     return {
-        MAP: lambda: draw_map(config.measures.criterion),
-        "best_scheme_velocity": lambda: draw_map("velocity"),
+        MAP: partial(draw_map, config.measures.criterion),
+        "best_scheme_velocity": partial(draw_map, "velocity"),
     }
 
 
@@ -98,7 +96,6 @@ def draw_cells(
 ) -> Figure:
     """Draw the map cell by cell."""
     from owtsweep.figures import best_scheme_map
-    from owtsweep.studies.hub.conditions import CONDITIONS
 
     return best_scheme_map.draw(
         tables["best_scheme"],
@@ -118,22 +115,19 @@ def over_amplitude(
     config: HubConfig,
     summary: pd.DataFrame,
     periods: Iterable[float],
-    coinciding: Callable[[], Sequence[Sequence[str]]],
+    coinciding: Sequence[Sequence[str]],
 ) -> dict[str, Draw]:
     """MSE over amplitude, one figure per natural period."""
+    from owtsweep.studies.hub.figures import mse_over_amplitude
 
-    def draw(period: float) -> Figure:
-        from owtsweep.studies.hub.figures import mse_over_amplitude
-
-        return mse_over_amplitude.draw(
-            summary,
-            period,
-            scheme_names(config),
-            window=config.measures.window,
-            tuning=config.tuning,
-            coinciding=coinciding(),
-        )
-
+    draw = partial(
+        mse_over_amplitude.draw,
+        summary,
+        schemes=scheme_names(config),
+        window=config.measures.window,
+        tuning=config.tuning,
+        coinciding=coinciding,
+    )
     figures: dict[str, Draw] = {}
     for period in sorted(periods):
         number = f"figure_{PAPER_FIGURES[period]}_" if period in PAPER_FIGURES else ""
@@ -141,24 +135,7 @@ def over_amplitude(
     return figures
 
 
-def _published(config: HubConfig, summary: pd.DataFrame) -> Drawing:
-    """Write tables 6-9 as files."""
-    from owtsweep.io.files import write_atomically
-    from owtsweep.io.tables import write_table
-    from owtsweep.studies.hub.figures.tables import tables_6_to_9, to_markdown
-
-    def write(folder: Path, name: str) -> list[Path]:
-        table = tables_6_to_9(summary, window=config.measures.window)
-        text = folder / f"{name}.md"
-        write_atomically(text, to_markdown(table))
-        return [write_table(folder, name, table), text]
-
-    return write
-
-
-def _illustrations(
-    config: HubConfig, coinciding: Callable[[], Sequence[Sequence[str]]]
-) -> dict[str, Draw]:
+def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
     """The figures drawn from the configuration alone: a record, its spectrum, time histories."""
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import simulate_histories
@@ -169,8 +146,8 @@ def _illustrations(
         return time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning)
 
     return {
-        "figure_03_record": lambda: record_and_spectrum.draw_record(config),
-        "figure_04_spectrum": lambda: record_and_spectrum.draw_spectrum(config),
+        "figure_03_record": partial(record_and_spectrum.draw_record, config),
+        "figure_04_spectrum": partial(record_and_spectrum.draw_spectrum, config),
         **{name: partial(history, *shown) for name, shown in TIME_HISTORIES.items()},
-        "error_spectra": lambda: error_spectra.draw(config, coinciding=coinciding()),
+        "error_spectra": partial(error_spectra.draw, config, coinciding=coinciding),
     }

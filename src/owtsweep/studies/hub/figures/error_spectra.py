@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
-from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
@@ -20,10 +22,6 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum
 from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
 from owtsweep.studies.hub.schemes import resolve_all
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 #: Points of a curve, evenly spaced in log frequency.
 POINTS = 150
@@ -98,26 +96,20 @@ def draw(
         If no scheme of the study has an error spectrum.
     """
     shown = compute(config) if errors is None else errors
-    with style.context():
-        figure = style.new_figure(10.0, 6.6 if motion else 5.2)
-        ratios = [3.4, 1.0] if motion else [1.0]
-        grid = figure.subplots(len(ratios), 2, squeeze=False, height_ratios=ratios)
-        for axes, measure in zip(grid[0], UNITS, strict=True):
-            panel(axes, shown, config, measure)
-        for axes in grid[1] if motion else ():
-            draw_motion_spectra(axes, config, figure.axes[0].get_xlim())
-        handles, labels = figure.axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside right upper", frameon=False)
-        figure.suptitle(
-            f"What a motion of 1 m rms adds to the settled MSE, by its frequency, tuning: "
-            f"{config.tuning}",
-            x=0.01,
-            ha="left",
-            fontsize=12,
-        )
-        same = [f"{' and '.join(group)} give the same numbers." for group in coinciding]
-        below = [MOTION_EXPLANATION] if motion else []
-        style.footnote(figure, " ".join([EXPLANATION, *below, *same, *unsettled(config, shown)]))
+    figure = style.new_figure(10.0, 6.6 if motion else 5.2)
+    ratios = [3.4, 1.0] if motion else [1.0]
+    grid = figure.subplots(len(ratios), 2, squeeze=False, height_ratios=ratios)
+    for axes, measure in zip(grid[0], UNITS, strict=True):
+        panel(axes, shown, config, measure)
+    for axes in grid[1] if motion else ():
+        _draw_motion_spectra(axes, config, grid[0, 0].get_xlim())
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right upper", frameon=False)
+    title = "What a motion of 1 m rms adds to the settled MSE, by its frequency, tuning: "
+    figure.suptitle(f"{title}{config.tuning}", x=0.01, ha="left", fontsize=12)
+    same = [f"{' and '.join(group)} give the same numbers." for group in coinciding]
+    below = [MOTION_EXPLANATION] if motion else []
+    style.footnote(figure, " ".join([EXPLANATION, *below, *same, *unsettled(config, shown)]))
     return figure
 
 
@@ -135,14 +127,14 @@ MOTION_EXPLANATION = (
 MOST_SPECTRA = 8
 
 
-def draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
+def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
     """Draw the motion spectra of the grid's natural periods over their band, with peaks of 1."""
     from owtsweep.motion.spectra import spectrum
 
     periods = sorted(config.grid.natural_period)
     chosen = np.unique(np.linspace(0, len(periods) - 1, MOST_SPECTRA).round().astype(int))
     frequency = np.geomspace(config.band[0], config.band[1], 2000)
-    shown = [periods[i] for i in chosen] if len(periods) > MOST_SPECTRA else periods
+    shown = [periods[i] for i in chosen]
     for number, period in enumerate(shown):
         shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
         density = shape.density(frequency) / shape.density(np.array([shape.peak_frequency]))
@@ -169,12 +161,7 @@ def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
     ]
 
 
-def panel(
-    axes: Axes,
-    errors: dict[str, SchemeErrors],
-    config: HubConfig,
-    measure: str,
-) -> None:
+def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measure: str) -> None:
     """Draw one measure's error spectra and noise floors, log-log, natural periods marked.
 
     Raises
@@ -185,31 +172,25 @@ def panel(
     if not errors:
         raise InputError("schemes: none of this run has a settled error spectrum to draw")
     names = list(errors)
-    top = 0.0
     for name, of_scheme in errors.items():
-        look = style_of(name, names)
-        line: dict[str, Any] = {"color": look.color, "linestyle": look.line, "linewidth": 1.6}
-        values = of_scheme.spectrum.of(measure)
-        axes.loglog(of_scheme.spectrum.frequency, values, label=name, **line)
-        top = max(top, float(values.max()))
+        look, spectrum = style_of(name, names), of_scheme.spectrum
+        line: dict[str, Any] = {"color": look.color, "linestyle": look.line}
+        axes.loglog(spectrum.frequency, spectrum.of(measure), label=name, linewidth=1.6, **line)
         if of_scheme.floor is not None:
-            floor = of_scheme.floor.of(measure)
-            line["linewidth"] = 2.2
-            axes.plot(FLOOR_SPAN, (floor, floor), transform=axes.get_yaxis_transform(), **line)
-    _scales(axes, errors, config, measure, top)
+            line |= {"linewidth": 2.2, "transform": axes.get_yaxis_transform()}
+            axes.plot(FLOOR_SPAN, [of_scheme.floor.of(measure)] * 2, **line)
+    _scale(axes, [of_scheme.spectrum for of_scheme in errors.values()], config, measure)
     _mark_periods(axes, config.grid.natural_period)
     axes.set_ylabel(f"{measure} MSE, x + y ({UNITS[measure]})")
 
 
-def _scales(
-    axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measure: str, top: float
-) -> None:
-    frequency: Array = next(iter(errors.values())).spectrum.frequency
+def _scale(axes: Axes, spectra: Sequence[ErrorSpectrum], config: HubConfig, measure: str) -> None:
+    frequency, values = spectra[0].frequency, [spectrum.of(measure) for spectrum in spectra]
     left, right = np.log(frequency[0]), np.log(frequency[-1])
     # room for the bars: they begin where the curves end
     end = left + (right - left) / (FLOOR_SPAN[0] - 0.02)
     axes.set_xlim(frequency[0], np.exp(end))
-    least = min(float(scheme.spectrum.of(measure).min()) for scheme in errors.values())
+    least, top = float(np.min(values)), float(np.max(values))
     axes.set_ylim(max(0.3 * least, top / 10.0**DECADES), 4.0 * top)
     axes.axvline(np.exp(left + FLOOR_SPAN[0] * (end - left) - 0.01), color="0.6", linewidth=0.8)
     axes.text(0.5 * sum(FLOOR_SPAN), 0.02, "noise\nalone", transform=axes.transAxes,
@@ -220,10 +201,8 @@ def _scales(
 
 
 def _frequency_ticks(axes: Axes, low: float, high: float) -> None:
-    from matplotlib.ticker import FuncFormatter, NullFormatter
-
     axes.set_xticks([f for f in (0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 1.0) if low <= f <= high])
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 

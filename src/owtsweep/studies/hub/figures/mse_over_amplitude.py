@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
 
 from owtsweep.figures import curves, style
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
 
-if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.figure import Figure
-
 #: The panels: measure -> label of its axis.
-PANELS = {
-    "position": "position MSE, x + y (m²)",
-    "velocity": "velocity MSE, vx + vy (m²/s²)",
-}
+PANELS = {"position": "position MSE, x + y (m²)", "velocity": "velocity MSE, vx + vy (m²/s²)"}
 #: Published measure -> the measure to which it contributes.
 PARTS = {"x": "position", "y": "position", "vx": "velocity", "vy": "velocity"}
 
@@ -55,6 +49,7 @@ def draw(
     """
     shown = curves.choose(summary, schemes, window, {NATURAL_PERIOD: natural_period})
     printed = _choose_published(natural_period, shown["amplitude"], schemes)
+    whole = printed.assign(measure=printed["measure"].map(PARTS), value=printed["published"])
     tables = sorted(set(printed["table"]))
     label = ""
     if tables:
@@ -67,7 +62,7 @@ def draw(
         PANELS,
         title=f"Mean squared error over amplitude, natural period {natural_period:g} s\n"
         f"{style.describe_window(window)}, tuning: {tuning}",
-        points=_add_parts(printed),
+        points=whole.groupby(["scheme", "measure", "amplitude"])["value"].sum().reset_index(),
         points_label=label,
         coinciding=coinciding,
         notes=[
@@ -85,10 +80,3 @@ def _choose_published(
     inside = table["amplitude"].between(amplitudes.min(), amplitudes.max())
     here = np.isclose(table["natural_period"], natural_period) & inside
     return table[here & table["scheme"].isin(list(schemes))]
-
-
-def _add_parts(printed: pd.DataFrame) -> pd.DataFrame:
-    """Add the published components to get position and velocity."""
-    keys = ["scheme", "measure", "amplitude"]
-    whole = printed.assign(measure=printed["measure"].map(PARTS), value=printed["published"])
-    return whole.groupby(keys)["value"].sum().reset_index()

@@ -5,20 +5,20 @@ The paper's record comes from HAWC2; the one here is a record of the study, draw
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
+from scipy.signal import welch
 
 from owtsweep.arrays import Array
 from owtsweep.figures import style
-from owtsweep.figures.decimate import decimate
+from owtsweep.figures.lines import decimate
 from owtsweep.motion.spectra import spectrum
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.figures import MEANING
 from owtsweep.studies.hub.histories import natural_period_of
-from owtsweep.studies.hub.records import Records, make_records
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from owtsweep.studies.hub.records import make_records
 
 #: Segment length of Welch's estimate, s: long enough to resolve the peak, which is half as wide as
 #: 1/64 Hz.
@@ -31,49 +31,38 @@ MEASURED, GIVEN, EDGE = "#0072B2", "#D55E00", "0.45"
 
 def draw_record(config: HubConfig) -> Figure:
     """Draw the displacement of the study's first record in x and y, whole and in detail."""
-    period = natural_period_of(config)
-    records = make_records(config, period, [0])
-    series = _displacement(records)
-    time = records.sensors.step * np.arange(len(series))
+    period, step, series = _first_record(config)
+    time = step * np.arange(len(series))
     start = 0.5 * max(time[-1] - DETAIL, 0.0)
     detail = (time >= start) & (time <= start + DETAIL)
 
-    with style.context():
-        figure = style.new_figure(10.0, 5.6)
-        panels = figure.subplots(2, 2, sharey=True, width_ratios=[2, 1])
-        for line, name, values in zip(panels, AXES, series.T, strict=True):
-            for axes, chosen in zip(line, (np.full(len(time), True), detail), strict=True):
-                t, shown = decimate(time[chosen], values[chosen])
-                axes.plot(t, shown, color=MEASURED, linewidth=0.5 if chosen.all() else 1.1)
-                axes.set_xlim(t[0], t[-1])
-            line[0].set_ylabel(f"{name} (m)")
-        for axes, title in zip(panels[0], ("the record", f"{DETAIL:g} s of it"), strict=True):
-            axes.set_title(title, loc="left")
-        for axes in panels[1]:
-            axes.set_xlabel("time (s)")
-        figure.suptitle(
-            f"Hub displacement, natural period {period:g} s",
-            x=0.01,
-            ha="left",
-            fontsize=12,
-        )
-        style.footnote(
-            figure,
-            f"Record 0 of the study: random phases, spectrum of Eq. (1), waves towards "
-            f"{config.wave_direction:g}° east of north, {_scale(config)}."
-            " The paper's Figure 3 shows a HAWC2 simulation, which is not published.",
-        )
+    figure = style.new_figure(10.0, 5.6)
+    panels = figure.subplots(2, 2, sharey=True, width_ratios=[2, 1])
+    for line, name, values in zip(panels, AXES, series.T, strict=True):
+        for axes, chosen in zip(line, (np.full(len(time), True), detail), strict=True):
+            t, shown = decimate(time[chosen], values[chosen])
+            axes.plot(t, shown, color=MEASURED, linewidth=0.5 if chosen.all() else 1.1)
+            axes.set_xlim(t[0], t[-1])
+        line[0].set_ylabel(f"{name} (m)")
+    for axes, title in zip(panels[0], ("the record", f"{DETAIL:g} s of it"), strict=True):
+        axes.set_title(title, loc="left")
+    for axes in panels[1]:
+        axes.set_xlabel("time (s)")
+    title = f"Hub displacement, natural period {period:g} s"
+    figure.suptitle(title, x=0.01, ha="left", fontsize=12)
+    style.footnote(
+        figure,
+        f"Record 0 of the study: random phases, spectrum of Eq. (1), waves towards "
+        f"{config.wave_direction:g}° east of north, {_scale(config)}."
+        " The paper's Figure 3 shows a HAWC2 simulation, which is not published.",
+    )
     return figure
 
 
 def draw_spectrum(config: HubConfig) -> Figure:
     """Draw the spectrum of that record, and over it Eq. (1) scaled to the record's variance."""
-    from scipy.signal import welch
-
-    period = natural_period_of(config)
-    records = make_records(config, period, [0])
-    series = _displacement(records)
-    rate = 1.0 / records.sensors.step
+    period, step, series = _first_record(config)
+    rate = 1.0 / step
     length = min(round(SEGMENT * rate), len(series))
     frequency, density = welch(series, fs=rate, nperseg=length, axis=0)
     shape = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
@@ -82,53 +71,44 @@ def draw_spectrum(config: HubConfig) -> Figure:
     given = shape.density(fine)
     given /= np.trapezoid(given, fine)
     shown = (frequency > 0.0) & (frequency <= 1.25 * high)
+    measured: dict[str, Any] = {
+        "color": MEASURED, "marker": ".", "markersize": 3, "linewidth": 0.9,
+        "label": "this record (Welch)",
+    }  # fmt: skip
 
-    with style.context():
-        figure = style.new_figure(10.0, 4.8)
-        panels = figure.subplots(1, 2, sharex=True, sharey=True)
-        for axes, name, values, estimate in zip(panels, AXES, series.T, density.T, strict=True):
-            axes.semilogy(
-                frequency[shown],
-                estimate[shown],
-                color=MEASURED,
-                marker=".",
-                markersize=3,
-                linewidth=0.9,
-                label="this record (Welch)",
-            )
-            scaled = np.var(values) * given
-            axes.semilogy(fine, scaled, color=GIVEN, linewidth=1.6, label="S(f), Eq. (1), scaled")
-            for number, edge in enumerate((low, high)):
-                axes.axvline(
-                    edge, color=EDGE, linestyle="--", label="" if number else "edges of the band"
-                )
-            axes.set_ylim(0.1 * scaled.min(), 4.0 * scaled.max())
-            axes.set_title(name, loc="left")
-            axes.set_xlabel("frequency (Hz)")
-        panels[0].set_xlim(0.0, 1.25 * high)
-        panels[0].set_ylabel("displacement spectrum (m²/Hz)")
-        panels[1].legend(loc="upper right", framealpha=1.0, edgecolor="none")
-        figure.suptitle(
-            f"Displacement spectrum, natural period {period:g} s (1/T = {1 / period:.3f} Hz)",
-            x=0.01,
-            ha="left",
-            fontsize=12,
-        )
-        segments = 2 * (len(series) // length) - 1
-        style.footnote(
-            figure,
-            f"Record 0, {_scale(config)}. Welch's estimate from {segments}"
-            f" Hann segments of {length / rate:g} s, half overlapping, one standard deviation about"
-            f" ±{100.0 * np.sqrt(1.2 / segments):.0f} %; what it shows outside the band leaks from"
-            " inside. S(f) is scaled to the record's variance; nothing is fitted.",
-        )
+    figure = style.new_figure(10.0, 4.8)
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    for axes, name, values, estimate in zip(panels, AXES, series.T, density.T, strict=True):
+        axes.semilogy(frequency[shown], estimate[shown], **measured)
+        scaled = np.var(values) * given
+        axes.semilogy(fine, scaled, color=GIVEN, linewidth=1.6, label="S(f), Eq. (1), scaled")
+        axes.axvline(low, color=EDGE, linestyle="--", label="edges of the band")
+        axes.axvline(high, color=EDGE, linestyle="--")
+        axes.set_ylim(0.1 * scaled.min(), 4.0 * scaled.max())
+        axes.set_title(name, loc="left")
+        axes.set_xlabel("frequency (Hz)")
+    panels[0].set_xlim(0.0, 1.25 * high)
+    panels[0].set_ylabel("displacement spectrum (m²/Hz)")
+    panels[1].legend(loc="upper right", framealpha=1.0, edgecolor="none")
+    title = f"Displacement spectrum, natural period {period:g} s (1/T = {1 / period:.3f} Hz)"
+    figure.suptitle(title, x=0.01, ha="left", fontsize=12)
+    segments = 2 * (len(series) // length) - 1
+    style.footnote(
+        figure,
+        f"Record 0, {_scale(config)}. Welch's estimate from {segments}"
+        f" Hann segments of {length / rate:g} s, half overlapping, one standard deviation about"
+        f" ±{100.0 * np.sqrt(1.2 / segments):.0f} %; what it shows outside the band leaks from"
+        " inside. S(f) is scaled to the record's variance; nothing is fitted.",
+    )
     return figure
 
 
-def _displacement(records: Records) -> Array:
-    return np.asarray(np.outer(records.motion[0].position, records.direction))
+def _first_record(config: HubConfig) -> tuple[float, float, Array]:
+    """The period of the study's first record (s), its step (s), and its displacement (n, 2), m."""
+    period = natural_period_of(config)
+    records = make_records(config, period, [0])
+    return period, records.sensors.step, np.outer(records.motion[0].position, records.direction)
 
 
 def _scale(config: HubConfig) -> str:
-    what = {"peak": "largest displacement", "rms": "standard deviation"}[config.normalise]
-    return f"{what} 1 m along the waves"
+    return f"{MEANING[config.normalise]} 1 m along the waves"

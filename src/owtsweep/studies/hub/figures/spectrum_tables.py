@@ -3,34 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
+import pandas as pd
+from rich import box
+from rich.table import Table
 
-from owtsweep.figures import style
+from owtsweep.figures.drawings import save_figure
 from owtsweep.io.tables import write_table
 from owtsweep.statistics.contest import agree, group_coinciding
+from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.figures.error_spectra import UNITS, SchemeErrors
 from owtsweep.studies.hub.noise_floor import SOURCES
-
-if TYPE_CHECKING:
-    import pandas as pd
-    from rich.table import Table
-
-    from owtsweep.studies.hub.config import HubConfig
 
 
 def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple[list[Path], Table]:
     """Draw the schemes' error spectra, and write them and the noise floors as tables."""
     errors = error_spectra.compute(config)
-    figure = error_spectra.draw(config, errors=errors, coinciding=coinciding(errors), motion=True)
-    folder.mkdir(parents=True, exist_ok=True)
-    files = style.save(figure, folder, "error_spectra", metadata)
+    draw = partial(
+        error_spectra.draw, config, errors=errors, coinciding=coinciding(errors), motion=True
+    )
+    files = save_figure(draw, metadata)(folder, "error_spectra")
+    noise = floors(errors)
     files.append(write_table(folder, "spectrum", curves(errors)))
-    files.append(write_table(folder, "noise_floor", floors(errors)))
-    return files, terminal(config, errors)
+    files.append(write_table(folder, "noise_floor", noise))
+    return files, terminal(config, noise)
 
 
 def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
@@ -38,19 +39,12 @@ def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 
     Columns scheme, frequency (Hz), position (m^2/m^2) and velocity (s^-2), per m^2 of displacement.
     """
-    import pandas as pd
-
-    parts = [
-        pd.DataFrame({"scheme": name, **vars(of_scheme.spectrum)})
-        for name, of_scheme in errors.items()
-    ]
+    parts = [pd.DataFrame({"scheme": name, **vars(of.spectrum)}) for name, of in errors.items()]
     return pd.concat(parts, ignore_index=True)
 
 
 def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     """Table: scheme, measure, source (gnss, imu, bias or all), mse; NaN if it does not settle."""
-    import pandas as pd
-
     rows = []
     for name, of_scheme in errors.items():
         for measure in UNITS:
@@ -72,11 +66,8 @@ def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
     return group_coinciding(list(errors), coincide)
 
 
-def terminal(config: HubConfig, errors: Mapping[str, SchemeErrors]) -> Table:
-    """Show the settled noise floors in the terminal, as root mean squares."""
-    from rich import box
-    from rich.table import Table
-
+def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
+    """Show the settled noise floors (the result of `floors`) as root mean squares."""
     table = Table(
         title=f"Settled error from noise alone, rms of x + y, tuning {config.tuning}",
         box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
@@ -85,13 +76,11 @@ def terminal(config: HubConfig, errors: Mapping[str, SchemeErrors]) -> Table:
     table.add_column("of")
     for source in (*SOURCES, "all"):
         table.add_column(source, justify="right")
-    for name, of_scheme in errors.items():
-        for measure, unit in (("position", "cm"), ("velocity", "cm/s")):
-            if of_scheme.floor is None:
-                table.add_row(name, measure, *["-"] * len(SOURCES), "does not settle")
-                continue
-            parts = getattr(of_scheme.floor, measure)
-            values = [*(parts[source] for source in SOURCES), of_scheme.floor.of(measure)]
-            cells = [f"{100 * np.sqrt(value):.3g} {unit}" for value in values]
-            table.add_row(name, measure, *cells)
+    groups: Any = noise.groupby(["scheme", "measure"], sort=False)
+    for (name, measure), rows in groups:
+        cells = [*["-"] * len(SOURCES), "does not settle"]
+        if rows["mse"].notna().all():
+            unit = {"position": "cm", "velocity": "cm/s"}[measure]
+            cells = [f"{100 * np.sqrt(value):.3g} {unit}" for value in rows["mse"]]
+        table.add_row(name, measure, *cells)
     return table

@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
 
 from owtsweep.io import markdown
+from owtsweep.io.files import write_atomically
+from owtsweep.io.tables import write_table
 from owtsweep.studies.hub import published
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 COLUMNS = (
     "table", "natural_period", "amplitude", "scheme", "measure", "published", "reproduced",
     "ci_low", "ci_high", "ratio", "note",
 )  # fmt: skip
+CONDITIONS = ["natural_period", "amplitude"]
 MISSING = "not in this run"
 NO_VALUE = "–"
 UNITS = {"x": "m²", "y": "m²", "vx": "m²/s²", "vy": "m²/s²"}
 #: A condition of the run is one of the paper's if they agree to this many decimal places.
 DIGITS = 9
+
+
+def write(summary: pd.DataFrame, window: str, folder: Path, name: str) -> list[Path]:
+    """Write tables 6-9 of a summary into a folder, as `<name>.csv` and `<name>.md`."""
+    table, text = tables_6_to_9(summary, window=window), folder / f"{name}.md"
+    write_atomically(text, to_markdown(table))
+    return [write_table(folder, name, table), text]
 
 
 def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
@@ -39,11 +48,10 @@ def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
         reproduced mean; ratio = reproduced / published. Conditions that the run lacks have NaN and
         the note "not in this run".
     """
-    conditions = ["natural_period", "amplitude"]
-    keys = [*conditions, "scheme", "measure"]
+    keys = [*CONDITIONS, "scheme", "measure"]
     run = summary.loc[summary["window"] == window, [*keys, "mean", "ci_low", "ci_high"]]
     run = run.rename(columns={"mean": "reproduced"})
-    run[conditions] = run[conditions].astype(float).round(DIGITS)
+    run[CONDITIONS] = run[CONDITIONS].astype(float).round(DIGITS)
     table = published.mse_tables().merge(run, on=keys, how="left", validate="one_to_one")
 
     table["ratio"] = table["reproduced"] / table["published"]
@@ -59,18 +67,17 @@ def to_markdown(table: pd.DataFrame) -> str:
     Each cell reads "published → reproduced (ratio)".
     """
     parts = []
-    for (number, period, amplitude), rows in table.groupby(
-        ["table", "natural_period", "amplitude"], sort=True
-    ):
-        measures = list(dict.fromkeys(rows["measure"]))
-        header = [f"{measure} ({UNITS[measure]})" for measure in measures]
+    shown = table.assign(cell=[_cell(row) for row in table.to_dict("records")])
+    for (number, period, amplitude), rows in shown.groupby(["table", *CONDITIONS], sort=True):
+        header = [f"{measure} ({UNITS[measure]})" for measure in dict.fromkeys(rows["measure"])]
+        cells = [[scheme, *texts] for scheme, texts in rows.groupby("scheme", sort=False)["cell"]]
         lines = [
             f"### Table {number}: natural period {period:g} s, amplitude {amplitude:g} m",
             "",
             "MSE, published → this run (ratio this run / published)"
             + (f"; {NO_VALUE}: {MISSING}" if rows["reproduced"].isna().any() else ""),
             "",
-            markdown.table(["scheme", *header], list(_by_scheme(rows, measures)), numbers=header),
+            markdown.table(["scheme", *header], cells, numbers=header),
         ]
         notes = [
             f"{row['scheme']} {row['measure']}: {row['note']}."
@@ -81,13 +88,7 @@ def to_markdown(table: pd.DataFrame) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _by_scheme(rows: pd.DataFrame, measures: Sequence[str]) -> Iterator[list[str]]:
-    for scheme in dict.fromkeys(rows["scheme"]):
-        cells = rows[rows["scheme"] == scheme].set_index("measure").to_dict("index")
-        yield [scheme, *(_cell(cells[measure]) for measure in measures)]
-
-
-def _cell(row: dict[str, Any]) -> str:
+def _cell(row: dict[Any, Any]) -> str:
     if row["reproduced"] != row["reproduced"]:
         return f"{_number(row['published'])} → {NO_VALUE}"
     return f"{_number(row['published'])} → {_number(row['reproduced'])} ({row['ratio']:.2f})"

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import time_histories
-from owtsweep.figures.error_panels import show_accumulated, show_errors
 from owtsweep.figures.lines import Line, clip, make_line
-from owtsweep.figures.time_histories import UNITS, Curve, Panel
+from owtsweep.figures.time_histories import UNITS, Curve, Panel, show_accumulated, show_errors
 from owtsweep.studies.hub.histories import Histories
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 #: The schemes of the paper's figures; if the run has none of them, all its schemes are drawn.
 SHOWN = ("MKF", "HME1", "HME2")
@@ -37,17 +34,14 @@ VELOCITY_BOUND = 0.05
 
 #: First and last time that a panel shows, s.
 View = tuple[float, float]
+#: Limits of a panel's vertical axis; None for an end that follows from the values.
+Limits = tuple[float | None, float | None]
 
 
-def draw(
-    histories: Histories,
-    quantity: str,
-    *,
-    zoom: bool = False,
-    tuning: str,
-    schemes: Sequence[str] | None = None,
-) -> Figure:
+def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str) -> Figure:
     """Draw one quantity over time, x above y, and the accumulated errors below them.
+
+    The schemes are those of `SHOWN` that the histories hold, or else all.
 
     Parameters
     ----------
@@ -59,17 +53,13 @@ def draw(
         Show `ZOOM` s of the settled part, and the errors of x there in the lowest panel.
     tuning
         Named in the title.
-    schemes
-        The schemes to draw. By default those of `SHOWN` that the histories hold, or else all.
 
     Raises
     ------
     InputError
-        If there is no such quantity or no scheme to draw.
+        If there is no scheme to draw.
     """
-    if quantity not in UNITS:
-        raise InputError(f"quantity: {quantity!r} is none of {', '.join(UNITS)}")
-    names = _names(histories, quantity, schemes)
+    names = _names(histories, quantity)
     view = _view(histories, quantity, zoom=zoom)
     panels = [_values(histories, quantity, axis, names, view) for axis in range(2)]
     return time_histories.draw(
@@ -81,19 +71,14 @@ def draw(
     )
 
 
-def _names(histories: Histories, quantity: str, schemes: Sequence[str] | None) -> list[str]:
-    if schemes is None:
-        of_the_paper = [name for name in histories.estimated if name in SHOWN]
-        schemes = of_the_paper or list(histories.estimated)
-    for name in schemes:
-        if name not in histories.estimated:
-            have = ", ".join(histories.estimated) or "none"
-            raise InputError(f"schemes: {name!r} was not run on this record; it has {have}")
+def _names(histories: Histories, quantity: str) -> list[str]:
+    estimated = histories.estimated
+    names = [name for name in estimated if name in SHOWN] or list(estimated)
     if quantity == "acceleration":
-        schemes = [n for n in schemes if histories.estimated[n].acceleration is not None]
-    if not schemes:
+        names = [name for name in names if estimated[name].acceleration is not None]
+    if not names:
         raise InputError(f"schemes: none of this run estimates the {quantity}")
-    return list(schemes)
+    return names
 
 
 def _view(histories: Histories, quantity: str, *, zoom: bool) -> View:
@@ -119,91 +104,69 @@ def _values(
 ) -> Panel:
     """The panel of x or y: truth, measurements and estimates."""
 
-    def inside(values: Array) -> Line:
-        return make_line(*clip(histories.time, values[:, axis], view))
+    def inside(time: Array, values: Array) -> Line:
+        return make_line(*clip(time, values[:, axis], view))
 
+    time, truth = histories.time, getattr(histories, quantity)
+    estimates = {name: _estimate(histories, name, quantity) for name in names}
     marks: list[Curve] = []
+    limits: Limits = (None, None)
+    note = ""
     if quantity == "acceleration":
-        marks.append(time_histories.show_measurement(inside(histories.measured)))
-    marks.append(time_histories.show_truth(inside(getattr(histories, quantity))))
-    if _drift_in_view(histories, quantity, axis, view):
-        marks.append(Curve(inside(_integrated(histories, quantity)), ALONE))
+        marks.append(time_histories.show_measurement(inside(time, histories.measured)))
+    marks.append(time_histories.show_truth(inside(time, truth)))
+    if quantity in ("position", "velocity"):
+        drift, limits, note = _drift(histories, quantity, axis, view)
+        marks += drift
     if quantity == "position":
         fixes = clip(histories.fix_time, histories.fixes[:, axis], view)
-        marks.append(
-            time_histories.show_fixes(*fixes, label="GNSS fixes\n(as they arrive)", size=7)
-        )
-    for name in names:
-        time, estimated = _estimate(histories, name, quantity)
-        line = make_line(*clip(time, estimated[:, axis], view))
-        marks.append(time_histories.show_estimate(name, list(histories.estimated), line))
-    return Panel(
-        label=f"{AXES[axis]} {quantity} ({UNITS[quantity]})",
-        marks=marks,
-        view=view,
-        limits=_limits(histories, quantity, axis, names, view),
-        note=_drift_note(histories, quantity, axis, view),
-        note_color=ALONE["color"],
-    )
-
-
-def _limits(
-    histories: Histories, quantity: str, axis: int, names: Sequence[str], view: View
-) -> tuple[float | None, float | None]:
-    """The limits of the axis: for a bias without its start, otherwise without the IMU's drift."""
+        label = "GNSS fixes\n(as they arrive)"
+        marks.append(time_histories.show_fixes(*fixes, label=label, size=7))
     if quantity == "bias":
-        settled = len(histories.time) // 10  # the start would hide everything after it
-        estimates = [_estimate(histories, name, quantity)[1][settled:, axis] for name in names]
-        values = np.concatenate([histories.bias[:, axis], *estimates])
-        margin = 0.3 * np.ptp(values)
-        return values.min() - margin, values.max() + margin
-    if _drift_in_view(histories, quantity, axis, view):
-        limit = _reach(histories, quantity, axis)
-        return -limit, limit
-    return None, None
+        settled = len(time) // 10  # the start would hide everything after it
+        series = [truth, *(values[settled:] for _, values in estimates.values())]
+        ends = np.concatenate(series)[:, axis]
+        margin = 0.3 * np.ptp(ends)
+        limits = ends.min() - margin, ends.max() + margin
+    marks += [
+        time_histories.show_estimate(name, list(histories.estimated), inside(*estimate))
+        for name, estimate in estimates.items()
+    ]
+    label = f"{AXES[axis]} {quantity} ({UNITS[quantity]})"
+    return Panel(label, marks, view, limits, note, note_color=ALONE["color"])
 
 
-def _integrated(histories: Histories, quantity: str) -> Array:
-    """(steps, 2) position or velocity from integrating the IMU alone."""
-    return np.asarray(getattr(histories, f"integrated_{quantity}"))
-
-
-def _reach(histories: Histories, quantity: str, axis: int) -> float:
-    """The largest absolute value on the axis of a panel that shows the IMU's drift."""
-    return VIEW * float(np.max(np.abs(getattr(histories, quantity)[:, axis])))
-
-
-def _drift_in_view(histories: Histories, quantity: str, axis: int, view: View) -> bool:
-    """Whether the integrated IMU is within the panel at some time of the view."""
-    if quantity not in ("position", "velocity"):
-        return False
-    _, alone = clip(histories.time, _integrated(histories, quantity)[:, axis], view)
-    return bool(np.min(np.abs(alone)) <= _reach(histories, quantity, axis))
-
-
-def _drift_note(histories: Histories, quantity: str, axis: int, view: View) -> str:
-    """A note on when the drift of the integrated IMU leaves the panel; empty if it does not."""
-    if quantity not in ("position", "velocity"):
-        return ""
-    alone = _integrated(histories, quantity)[:, axis]
-    limit, unit = _reach(histories, quantity, axis), UNITS[quantity]
-    last = int(np.searchsorted(histories.time, view[1], side="right")) - 1
-    outside = np.abs(alone) > limit
+def _drift(
+    histories: Histories, quantity: str, axis: int, view: View
+) -> tuple[list[Curve], Limits, str]:
+    """The IMU alone: its line and limits if the panel shows it, and a note on when it leaves."""
+    time, truth = histories.time, getattr(histories, quantity)[:, axis]
+    alone = getattr(histories, f"integrated_{quantity}")[:, axis]
+    reach = VIEW * float(np.max(np.abs(truth)))
+    marks: list[Curve] = []
+    limits: Limits = (None, None)
+    seen = clip(time, alone, view)
+    if np.min(np.abs(seen[1])) <= reach:
+        marks, limits = [Curve(make_line(*seen), ALONE)], (-reach, reach)
+    last = int(np.searchsorted(time, view[1], side="right")) - 1
+    outside = np.abs(alone) > reach
     if not outside[last]:
-        return ""
-    return (
-        f"IMU alone, integrated: leaves ±{limit:.2g} {unit} after "
-        f"{histories.time[int(np.argmax(outside))]:.0f} s, is at {alone[last]:.3g} {unit} after "
-        f"{histories.time[last]:.0f} s"
+        return marks, limits, ""
+    unit, left = UNITS[quantity], time[int(np.argmax(outside))]
+    note = (
+        f"IMU alone, integrated: leaves ±{reach:.2g} {unit} after {left:.0f} s, "
+        f"is at {alone[last]:.3g} {unit} after {time[last]:.0f} s"
     )
+    return marks, limits, note
 
 
 def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
     """The errors of x in a view, or the accumulated errors of x and y over the record."""
     truth = getattr(histories, quantity)
     estimates = {name: _estimate(histories, name, quantity) for name in names}
-    errors = {name: (time, values - truth[: len(values)])
-              for name, (time, values) in estimates.items()}  # fmt: skip
+    errors = {
+        name: (time, values - truth[: len(values)]) for name, (time, values) in estimates.items()
+    }
     schemes = list(histories.estimated)
     if view is None:
         return show_accumulated(errors, schemes, quantity, float(histories.time[-1]))

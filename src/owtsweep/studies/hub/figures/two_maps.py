@@ -10,6 +10,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from owtsweep.errors import InputError
 from owtsweep.figures import style
@@ -24,10 +28,6 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
 
 if TYPE_CHECKING:
-    import pandas as pd
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from owtsweep.sweep.runs import Run
 
 LOWER, UPPER = BOUNDARY
@@ -49,8 +49,6 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
         If a run is of another study or has no results for that criterion, or if the criterion has
         no error spectrum.
     """
-    from matplotlib.patches import Patch
-
     if criterion not in error_spectra.UNITS:
         usable = " or ".join(error_spectra.UNITS)
         raise InputError(f"criterion: {criterion!r} has no error spectrum; use {usable}")
@@ -72,22 +70,17 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
         for config, spectra, axes in zip(configs, errors, panels[1], strict=True):
             error_spectra.panel(axes, spectra, config, criterion)
             notes += error_spectra.unsettled(config, spectra)
-            axes.set_title(
-                f"Settled error from a motion of 1 m rms by its frequency, tuning: {config.tuning}",
-                loc="left",
-                fontsize=10,
-            )
-        _share_scales(list(panels[1]))
-        boundary_line = figure.axes[0].plot([], [], **_LINE, label=f"{LOWER}/{UPPER} boundary")
+            title = "Settled error from a motion of 1 m rms by its frequency, tuning: "
+            axes.set_title(f"{title}{config.tuning}", loc="left", fontsize=10)
+        lows, highs = zip(*(axes.get_ylim() for axes in panels[1]), strict=True)
+        for axes in panels[1]:
+            axes.set_ylim(min(lows), max(highs))
         handles: list[Any] = [
             Patch(facecolor=style_of(name, names).color, label=name) for name in names
         ]
-        figure.legend(
-            handles=[*handles, *boundary_line],
-            loc="outside upper center",
-            ncols=len(handles) + 1,
-            frameon=False,
-        )
+        handles += panels[0, 0].plot([], [], **_LINE, label=f"{LOWER}/{UPPER} boundary")
+        columns = len(handles)
+        figure.legend(handles=handles, loc="outside upper center", ncols=columns, frameon=False)
         style.footnote(figure, " ".join([*notes, *_differences(configs), *_explanations(configs)]))
     return figure
 
@@ -116,8 +109,9 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
     )
     rows = run.cases()
     same = find_coinciding(make_cube(config, rows), CRITERIA)
-    notes = [f"{config.tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in
-             same]  # fmt: skip
+    notes = [
+        f"{config.tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in same
+    ]
     try:
         boundaries = find_boundary(rows, CONDITIONS, BOUNDARY, criterion, window)
     except InputError:  # a scheme is not in this run, or amplitudes were run one by one
@@ -153,13 +147,6 @@ def _boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane, tuning: str) -
     return notes
 
 
-def _share_scales(panels: Sequence[Axes]) -> None:
-    low = min(axes.get_ylim()[0] for axes in panels)
-    high = max(axes.get_ylim()[1] for axes in panels)
-    for axes in panels:
-        axes.set_ylim(low, high)
-
-
 def _differences(configs: Sequence[HubConfig]) -> list[str]:
     """The differences between the two runs, other than the schemes' tuning, for the footnote."""
     one, other = configs
@@ -171,20 +158,16 @@ def _differences(configs: Sequence[HubConfig]) -> list[str]:
 
 
 def _explanations(configs: Sequence[HubConfig]) -> list[str]:
-    window = {style.describe_window(config.measures.window) for config in configs}
-    scale = {config.normalise for config in configs}
+    scale = transient = ""
+    if all(config.normalise == "peak" for config in configs):
+        scale = "; there the amplitude is the largest displacement, some 3 to 4 times the rms"
+    if all(config.measures.window == "full" for config in configs):
+        transient = " The maps judge the full record, with its transient."
     return [
         f"Boundary: amplitude at which the mean MSE of {LOWER} and {UPPER} is equal, with its 95 %"
         " interval (bootstrap over the records); between two rows it is placed logarithmically.",
         "Hatched: best and next best cannot be told apart.",
         error_spectra.EXPLANATION,
         "So a boundary in the maps is where the square of the amplitude times the difference of two"
-        " curves makes up for the difference of their bars"
-        + (
-            "; there the amplitude is the largest displacement, some 3 to 4 times the rms."
-            if scale == {"peak"}
-            else "."
-        )
-        + (" The maps judge the full record, with its transient." if len(window) == 1
-           and "full" in next(iter(window)) else ""),
-    ]  # fmt: skip
+        f" curves makes up for the difference of their bars{scale}.{transient}",
+    ]

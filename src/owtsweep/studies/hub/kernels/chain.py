@@ -18,7 +18,7 @@ from owtsweep.studies.hub.kernels.lagging import (
     recall,
     smooth_chunk,
 )
-from owtsweep.studies.hub.kernels.layout import Positions, Steps, Window
+from owtsweep.studies.hub.kernels.layout import Steps
 from owtsweep.vectors.lanes import ROOMY, groups, load, store
 
 
@@ -29,7 +29,7 @@ def filter_span(steps, fed, chain, memory, width, late):
     mhe, registers, M = chain.mhe, memory.registers, chain.filter.fix_interval
     if not mhe.active:
         q = (k0 + first) // M
-        positions = Positions(fed.fixes, q, k0 + first - q * M, M)
+        positions = (fed.fixes, q, k0 + first - q * M, M)
         filter_steps(steps, fed, positions, chain, memory, width, late)
         return
     made, begun = memory.scratch.positions, first
@@ -75,13 +75,13 @@ def prepare(k0, count, fed, chain, memory, whole, late):
     keep(count, window, width, registers, scratch)
     if window == 0:
         return
-    rows, source = Window(scratch.X, scratch.r, scratch.s), k0 - fed.base
+    rows, source = (scratch.X, scratch.r, scratch.s), k0 - fed.base
     if ROOMY:
         smooth_chunk(k0, count, chain, width, rows, fed.force, source)
     else:  # group by group: the registers do not hold more than one
-        X, r, s, force = groups(rows.X), groups(rows.r), groups(rows.s), groups(fed.force)
+        X, r, s, force = groups(rows[0]), groups(rows[1]), groups(rows[2]), groups(fed.force)
         for g in range(len(X)):
-            smooth_chunk(k0, count, chain, width, Window(X[g], r[g], s[g]), force[g], source)
+            smooth_chunk(k0, count, chain, width, (X[g], r[g], s[g]), force[g], source)
 
 
 @njit

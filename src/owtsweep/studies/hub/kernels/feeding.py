@@ -18,7 +18,8 @@ def noise(count, lead, normals, begun, bias, imu, force):
     """Turn unit normals (lanes, 4, steps) of bias_x, imu_x, bias_y, imu_y into groups 1 and 2.
 
     If `begun`, the bias continues from `bias` (lanes, 2); otherwise it starts at its initial value.
-    `imu` is an `ImuNoise`, with axes in NED.
+    imu: (walk, initial, sigma, gravity): sigma of the bias' steps, initial bias, sigma of a sample,
+    and gravity (2,) in NED.
     """
     walk, initial, sigma, gravity = imu
     for axis in range(2):

@@ -35,6 +35,8 @@ def corrected(x0, x1, x2, x3, gains, row, column, innovation):
 def filter_steps(steps, fed, positions, chain, memory, width, late):
     """Algorithm 6 over some steps of a chunk, with these positions.
 
+    positions: (rows, row, phase, interval). The current one is row `row` of `rows`, due `phase`
+    steps ago. The next is due after interval - phase steps, then one every `interval` steps.
     Filtered states and innovations are stored behind the window in the scratch (innovations of the
     position only at steps that have one). A state takes `width` rows. WHOLE stores position,
     velocity, bias and acceleration. PREDICTED stores what they contribute to position and velocity

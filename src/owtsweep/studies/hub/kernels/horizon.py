@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub.kernels.layout import ALL, AVERAGED, Positions
+from owtsweep.studies.hub.kernels.layout import ALL, AVERAGED
 from owtsweep.vectors.lanes import element, load, store, zero
 
 
@@ -64,8 +64,8 @@ def tick_of(k0, i, interval):
 
 @njit
 def positions_from(k0, i, interval, rows):
-    """The MHE's positions in `rows` that the filter takes from step i of a chunk on."""
-    return Positions(rows, tick_of(k0, i, interval), (k0 + i) % interval, interval)
+    """The MHE's positions in `rows`, as `filter_steps` takes them from step i of a chunk on."""
+    return (rows, tick_of(k0, i, interval), (k0 + i) % interval, interval)
 
 
 @njit

@@ -60,7 +60,8 @@ def smooth_chunk(k0, count, chain, width, window_rows, force, source):
     state is x_{k|k} + S_k, where S_k = C_k (e_{k+1} + S_{k+1} + D_{k+1} i_{k+1+window}). The
     recursion is stable backwards in time only. Each chunk therefore starts it anew, one window
     beyond its last state, and in that window no innovation leaves.
-    States have `width` rows, as the filter wrote them.
+    window_rows: the states X, of `width` rows each as the filter wrote them, and the innovations r
+    of the force and s of the position; see `Scratch`.
     Meanwhile the force of the next chunk is prefetched, row source + count + i, because the filter
     reads it faster than memory delivers it.
     """

@@ -158,30 +158,6 @@ class Truth(NamedTuple):
     direction: Array
 
 
-class Totals(NamedTuple):
-    """Arrays to which squared errors are added or written.
-
-    sums: one array (36, 8), see `kernels.sums`. squared: one array (steps, 8) of the squared
-    position error, filled if `keep` is true.
-    """
-
-    sums: Groups
-    squared: Groups
-    keep: bool
-
-
-class Stretch(NamedTuple):
-    """Steps begin ... stop - 1 of a record, processed `chunk` steps at a time.
-
-    From step `settled` on, errors count as settled.
-    """
-
-    begin: int
-    stop: int
-    chunk: int
-    settled: int
-
-
 class Steps(NamedTuple):
     """Steps first ... stop - 1 of the chunk that begins at the record's step k0.
 
@@ -192,36 +168,6 @@ class Steps(NamedTuple):
     first: int
     stop: int
     shift: int
-
-
-class Positions(NamedTuple):
-    """Positions that a filter takes: fixes, or the MHE's positions.
-
-    The current one is row `row`, due `phase` steps ago. The next is due after interval - phase
-    steps, then one every `interval` steps.
-    """
-
-    rows: Groups
-    row: int
-    phase: int
-    interval: int
-
-
-class Window(NamedTuple):
-    """The smoother's data: states X, innovations r of force and s of position; see `Scratch`."""
-
-    X: Groups
-    r: Groups
-    s: Groups
-
-
-class ImuNoise(NamedTuple):
-    """An IMU's noise: sigma of the bias' steps, initial bias, sigma of a sample, gravity (2,)."""
-
-    walk: float
-    initial: float
-    sigma: float
-    gravity: Array
 
 
 def new_registers(groups: int, window: int, horizon: int) -> Registers:

@@ -36,8 +36,9 @@ def advance(begin, resume, samples, f, h, m, estimates):
 
     Returns the number of rows when all are done. If the MHE violates its constraints at a row, it
     returns that row. The caller then solves the window with its constraints, puts the answer into
-    m.given (and m.node), and calls again from that row with `resume`. f, h, m: `FilterSettings`,
-    `HorizonSettings` and `OnlineRegisters`.
+    m.given (and m.node), and calls again from that row with `resume`. samples: force (steps, 2),
+    m/s^2 in the IMU's frame, and fixes (steps, 2), m in NED, NaN for none. f, h, m:
+    `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
     """
     force, fixes = samples
     state, covariance, innovation, variance = estimates
@@ -80,9 +81,7 @@ def take_sample(force, f, m):
         for i in range(keep):
             old = row - keep + i
             m.force[i, 0], m.force[i, 1] = m.force[old, 0], m.force[old, 1]
-            for register in (m.X, m.e):
-                put(register[i], 0, 0, register[old])
-            for register in (m.C, m.Pm, m.Pf):
+            for register in (m.X, m.e, m.C, m.Pm, m.Pf):
                 put(register[i], 0, 0, register[old])
         row = keep
     for i in range(2):
@@ -196,18 +195,13 @@ def horizon_position(f, h, m):
         m.given[axis] = last[0, axis]
     if h.constrained:
         if since > 0:  # the nodes at fixes were checked, and solved anew, at the last fix
-            return not violates_beyond_rounding(last, f, h)
+            # with a tolerance: this node is predicted from one that may be on its bound
+            return not violates(last, h.bounds * (1.0 + 1e-8), f.rotation, f.gravity)
         start = 1 if h.arrival == FIXED and m.counter[STEP] >= h.length * f.fix_interval else 0
         for i in range(start, n + 1):
             if violates(m.nodes[i], h.bounds, f.rotation, f.gravity):
                 return False
     return True
-
-
-@njit
-def violates_beyond_rounding(last, f, h):
-    """As `violates`, with a tolerance: the node is predicted from one that may be on its bound."""
-    return violates(last, h.bounds * (1.0 + 1e-8), f.rotation, f.gravity)
 
 
 @njit

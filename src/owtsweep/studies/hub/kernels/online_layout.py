@@ -14,13 +14,6 @@ from owtsweep.arrays import Array
 STEP, ROW, LINKS, DETERMINED, COUNTERS = 0, 1, 2, 3, 4
 
 
-class Samples(NamedTuple):
-    """force (steps, 2), m/s^2 in the IMU's frame; fixes (steps, 2), m in NED, NaN for none."""
-
-    force: Array
-    fixes: Array
-
-
 class OnlineEstimates(NamedTuple):
     """The output of an estimator over some steps.
 

@@ -35,7 +35,9 @@ def estimates(k0, count, fed, chain, memory):
 def superposed(stretch, fed, truth, chain, weights, memory, sums):
     """Add up the products of eight replicates in the groups motion, noise x, noise y.
 
-    `sums`: one array (36, 8), as in `kernels.sums`.
+    stretch: (begin, stop, chunk, settled): steps begin ... stop - 1 are processed `chunk` steps at
+    a time; from step `settled` on errors count as settled. sums: one array (36, 8), as in
+    `kernels.sums`.
     """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     true, w, total = borrowed(truth), borrowed(weights), borrowed(sums)
@@ -59,10 +61,15 @@ def superposed(stretch, fed, truth, chain, weights, memory, sums):
 
 
 @njit
-def direct(stretch, fed, truth, chain, weights, memory, totals):
-    """Add up the squared errors of eight replicates in the groups x and y of whole series."""
+def direct(stretch, fed, truth, chain, weights, memory, sums, squared):
+    """Add up the squared errors of eight replicates in the groups x and y of whole series.
+
+    As `superposed`. squared: one array (steps, 8), filled with the squared position error unless it
+    is empty.
+    """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
-    true, w, total = borrowed(truth), borrowed(weights), borrowed(totals)
+    true, w = borrowed(truth), borrowed(weights)
+    total = (borrowed(sums), borrowed(squared), len(squared[0]) > 0)
     k0, stop, chunk, settled = stretch
     while k0 < stop:
         count = min(chunk, stop - k0)

@@ -141,7 +141,10 @@ def superposed_span(steps, fed, truth, chain, memory, weights, sums, top):
 
 @njit
 def direct_span(steps, fed, truth, chain, memory, weights, totals, top):
-    """Add the squared errors (product 2) of some steps of a chunk to the rows from `top`."""
+    """Add the squared errors (product 2) of some steps of a chunk to the rows from `top`.
+
+    totals: the sums, the squared position error of each step, and whether that is written.
+    """
     k0, first, stop, shift = steps
     force, base, scratch = fed.force, fed.base, memory.scratch
     position, velocity, direction = truth

@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.contract import Sensors
     from owtsweep.studies.hub.online.estimator import OnlineEstimator
-
-__all__ = ["Streaming", "online"]
 
 
 def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
@@ -39,38 +36,16 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     """
     from owtsweep.studies import compose
     from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.studies.hub.schemes import resolve
     from owtsweep.studies.hub.sensors import sensors
 
-    streaming = Streaming(scheme)
+    registered: Any = resolve(scheme)
+    if not hasattr(registered, "stream"):
+        raise InputError(f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1 or HME2")
     if not isinstance(overrides, str):  # a string is refused below
         overrides = [*overrides, f"schemes=[{scheme}]"]
     config = compose(overrides)
     if not isinstance(config, HubConfig):
         raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
-    return streaming.start(sensors(config.sensors), config)
-
-
-class Streaming:
-    """A registered scheme whose `start` makes its online form, for tests and for `schemes`."""
-
-    def __init__(self, scheme: str) -> None:
-        from owtsweep.studies.hub.schemes import resolve
-
-        self._scheme: Any = resolve(scheme)
-        if not hasattr(self._scheme, "stream"):
-            raise InputError(f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1 or HME2")
-        self.name: str = self._scheme.name
-        self.linear: bool = self._scheme.linear
-
-    def under(self, tuning: Any) -> Streaming:
-        """The form for a tuning: with constraints the scheme is not linear."""
-        from owtsweep.studies.hub.schemes import under
-
-        made = Streaming(self.name)
-        made.linear = under(self._scheme, tuning).linear
-        return made
-
-    def start(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Make a fresh estimator."""
-        estimator: OnlineEstimator = self._scheme.stream(sensors, tuning)
-        return estimator
+    estimator: OnlineEstimator = registered.stream(sensors(config.sensors), config)
+    return estimator

@@ -17,7 +17,6 @@ from owtsweep.studies.hub.kernels.online_layout import (
     HorizonSettings,
     OnlineEstimates,
     OnlineRegisters,
-    Samples,
 )
 from owtsweep.studies.hub.models import axis_filter, input_model
 from owtsweep.studies.hub.online.registers import (
@@ -117,7 +116,7 @@ class OnlineEstimator:
         specific_force = np.ascontiguousarray(specific_force, dtype=float)
         positions = np.ascontiguousarray(positions, dtype=float)
         self._check(specific_force, positions)
-        steps, samples = len(specific_force), Samples(specific_force, positions)
+        steps, samples = len(specific_force), (specific_force, positions)
         out = OnlineEstimates(
             np.empty((steps, 4)), np.empty((steps, 2, 2)), np.empty((steps, 2)), np.empty(steps)
         )

@@ -11,15 +11,13 @@ from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.schemes.stored import StoredScheme
 
-#: Name -> module and description, in the order of tables and figures.
+#: Name -> description, in the order of tables and figures. The scheme is in the module of the
+#: same name in lower case, as its `SCHEME`.
 REGISTERED = {
-    "EKF": (
-        "owtsweep.studies.hub.schemes.ekf",
-        "Kalman filter, GNSS innovation zeroed between fixes",
-    ),
-    "MKF": ("owtsweep.studies.hub.schemes.mkf", "multirate Kalman filter on the undelayed IMU"),
-    "HME1": ("owtsweep.studies.hub.schemes.hme1", "delayed MKF, online smoother, predictor"),
-    "HME2": ("owtsweep.studies.hub.schemes.hme2", "HME1 fed by a moving horizon estimator"),
+    "EKF": "Kalman filter, GNSS innovation zeroed between fixes",
+    "MKF": "multirate Kalman filter on the undelayed IMU",
+    "HME1": "delayed MKF, online smoother, predictor",
+    "HME2": "HME1 fed by a moving horizon estimator",
 }
 
 
@@ -44,7 +42,7 @@ def resolve(entry: Any) -> Scheme:
             raise InputError(
                 f"schemes: there is no scheme {entry!r}; use {names} or {{_target_: package.Class}}"
             )
-        module = import_module(REGISTERED[entry][0])
+        module = import_module(f"{__name__}.{entry.lower()}")
         return module.SCHEME  # type: ignore[no-any-return]
     if isinstance(entry, StoredScheme):
         return entry

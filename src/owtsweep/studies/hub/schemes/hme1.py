@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.predictor import predict
 from owtsweep.estimation.smoother import FixedLagSmoother
-from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.config import FilterTuning
 from owtsweep.studies.hub.contract import Sensors
@@ -51,22 +51,17 @@ class DelayedChain:
         self.samples.append(np.array(specific_force, dtype=float))
         return self.samples[-1 - self.sensors.delay]
 
-    def step(
-        self, delayed: Array, fix: Array | None, held_fix: Array
-    ) -> tuple[Estimate, FilterStep]:
+    def step(self, delayed: Array, fix: Array | None) -> tuple[Estimate, FilterStep]:
         """Filter, smooth and predict (Algorithms 6-9) from the delayed sample and a position."""
-        step = self.filter.step(delayed, fix, held_fix)
+        step = self.filter.step(delayed, fix)
         smoothed = self.smoother.update(step.x, step.P, step.x_predicted, step.P_predicted)
         state: Array = np.zeros(8) if smoothed is None else smoothed[0]
         inputs = np.array(self.samples)[:-1] @ self.sensors.rotation.T  # all but the newest
         start = np.array([state[:2], state[2:4], state[6:8]])  # x1, x2, x4 of both axes
         now = np.array([predict(self.input_model, start[:, i], inputs[:, [i]]) for i in range(2)])
-        innovation = None
-        if fix is not None:
-            innovation = Innovation(step.innovation, step.innovation_covariance)
         covariance = np.kron(self._covariance(full=smoothed is not None), np.eye(2))
         self.count += 1
-        return Estimate(now[:, 0], now[:, 1], covariance, innovation), step
+        return Estimate(now[:, 0], now[:, 1], covariance, step.innovation), step
 
     def _covariance(self, *, full: bool) -> Array:
         if self.on_schedule or not full:
@@ -87,16 +82,13 @@ class HME1Estimator:
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
         self.sensors = sensors
         self.chain = DelayedChain(tuning.hme1, tuning.hme.smoother_window, sensors, gains)
-        self.held_fix: Array = np.zeros(2)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """One pass through Algorithm 1."""
-        if position is not None:
-            self.held_fix = np.array(position, dtype=float)
         if (position is not None) != (self.chain.count % self.sensors.fix_interval == 0):
             self.chain.on_schedule = False
         delayed = self.chain.push(specific_force)
-        return self.chain.step(delayed, position, self.held_fix)[0]
+        return self.chain.step(delayed, position)[0]
 
 
 class HME1:

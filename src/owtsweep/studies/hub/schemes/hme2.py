@@ -113,7 +113,6 @@ class HME2Estimator:
         self.chain = DelayedChain(tuning.hme2, choose_window(tuning), sensors, gains)
         self.mhe = MovingHorizonEstimator(mhe, sensors, gains, tuning.hme.mhe.solver)
         self.settings = mhe
-        self.held_fix: Array = np.zeros(2)
         self.step = 0
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
@@ -137,9 +136,7 @@ class HME2Estimator:
             fix = position  # too few fixes for a window: the filter gets the fix itself
         elif self.step % self.settings.interval == 0:
             fix = self.mhe.position(since_fix)
-        if fix is not None:
-            self.held_fix = fix
-        estimate, filtered = self.chain.step(delayed, fix, self.held_fix)
+        estimate, filtered = self.chain.step(delayed, fix)
         if since_fix == 0:
             self.mhe.take_state(filtered)
         self.mhe.take_input(self.step, self.sensors.rotation @ delayed)

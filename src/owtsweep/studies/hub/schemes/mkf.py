@@ -8,10 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from owtsweep.arrays import Array
-from owtsweep.evaluation.estimate import Estimate, Innovation
+from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.config import FilterTuning
 from owtsweep.studies.hub.contract import Sensors
@@ -27,17 +25,11 @@ class FilterEstimator:
         self.filter = MultirateKalmanFilter(
             axis_filter(tuning, sensors), sensors.rotation, tuning.update_rule
         )
-        self.held_fix: Array = np.zeros(2)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """One step of Algorithm 6."""
-        if position is not None:
-            self.held_fix = np.array(position, dtype=float)
-        step = self.filter.step(specific_force, position, self.held_fix)
-        innovation = None
-        if position is not None:
-            innovation = Innovation(step.innovation, step.innovation_covariance)
-        return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], innovation)
+        step = self.filter.step(specific_force, position)
+        return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], step.innovation)
 
 
 class FilterScheme:

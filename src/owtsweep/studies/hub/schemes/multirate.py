@@ -7,13 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.evaluation.estimate import Innovation
 from owtsweep.studies.hub.models import POSITION, AxisFilter
 
 _I = np.eye(2)
 
 
 class FilterStep(NamedTuple):
-    """What Algorithm 6 returns, and the innovation of the position.
+    """What Algorithm 6 returns, and the innovation of the position if there is a fix.
 
     States are (8,), covariances (8, 8); the innovation is (2,), its covariance (2, 2).
     """
@@ -22,8 +23,7 @@ class FilterStep(NamedTuple):
     P: Array
     x_predicted: Array
     P_predicted: Array
-    innovation: Array
-    innovation_covariance: Array
+    innovation: Innovation | None
 
 
 class MultirateKalmanFilter:
@@ -47,57 +47,51 @@ class MultirateKalmanFilter:
         self.kf.P = np.kron(axis.initial_covariance, _I)
         self.position_rows = np.kron(POSITION, _I)
         self.force_rows = rotation.T @ np.kron(axis.force_row, _I)  # (6b): R'(x3 - x4)
-        self.R_position = axis.position_variance * _I
-        self.R_force = axis.force_variance * _I
+        self.position_variance = axis.position_variance
+        self.force_variance = axis.force_variance
         self.previous_input = np.zeros((2, 1))
+        # the last fix; only the rule `mask_rows` uses it, as Algorithm 6 is printed
+        self.held_fix: Array = np.zeros(2)
 
-    def step(self, force: Array, fix: Array | None, held_fix: Array | None = None) -> FilterStep:
-        """Predict, then correct with this step's specific force (IMU frame) and fix.
-
-        `held_fix` is the last fix. Only the rule `mask_rows` uses it, as Algorithm 6 is printed.
-        """
+    def step(self, force: Array, fix: Array | None) -> FilterStep:
+        """Predict, then correct with this step's specific force (IMU frame) and fix."""
         kf = self.kf
         kf.predict(u=self.previous_input)
         self.previous_input = self.rotation @ force.reshape(2, 1)
         x_predicted, P_predicted = kf.x.copy(), kf.P.copy()
+        innovation = None
         if fix is not None:
-            innovation = fix - x_predicted[:2, 0]
-        else:
-            innovation = np.zeros(2)
-        S = self.position_rows @ P_predicted @ self.position_rows.T + self.R_position
+            self.held_fix = np.array(fix, dtype=float)
+            S = self.position_rows @ P_predicted @ self.position_rows.T
+            S = S + self.position_variance * _I
+            innovation = Innovation(fix - x_predicted[:2, 0], S)
         if self.rule == "proper" or fix is not None:
             self._correct(force, fix)
         elif self.rule == "every_step":
             self._correct(force, x_predicted[:2, 0])  # the innovation is zero
         else:
-            self._masked(force, held_fix)
+            self._masked(force)
         return FilterStep(
-            kf.x[:, 0].copy(), kf.P.copy(), x_predicted[:, 0], P_predicted, innovation, S
+            kf.x[:, 0].copy(), kf.P.copy(), x_predicted[:, 0], P_predicted, innovation
         )
 
     def _correct(self, force: Array, fix: Array | None) -> None:
         """Correct with the available measurements by filterpy's update (Joseph form)."""
-        rows, values, noise = [], [], []
+        parts = []
         if fix is not None:
-            rows.append(self.position_rows)
-            values.append(fix)
-            noise.append(self.R_position)
+            parts.append((self.position_rows, fix, self.position_variance))
         if not self.takes_input:
-            rows.append(self.force_rows)
-            values.append(force)
-            noise.append(self.R_force)
-        if not rows:
-            return
-        R = np.kron(np.eye(len(rows)), _I)
-        for i, block in enumerate(noise):
-            R[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] = block
-        self.kf.update(np.concatenate(values).reshape(-1, 1), R=R, H=np.vstack(rows))
+            parts.append((self.force_rows, force, self.force_variance))
+        if parts:
+            rows, values, variances = zip(*parts, strict=True)
+            R = np.kron(np.diag(variances), _I)
+            self.kf.update(np.concatenate(values).reshape(-1, 1), R=R, H=np.vstack(rows))
 
-    def _masked(self, force: Array, held_fix: Array | None) -> None:
+    def _masked(self, force: Array) -> None:
         """Correct between fixes by Algorithm 6, lines 5-10: part of K is zero, P = (I - K H) P."""
         kf = self.kf
         H = np.vstack([self.position_rows, self.force_rows])
-        R = np.block([[self.R_position, np.zeros((2, 2))], [np.zeros((2, 2)), self.R_force]])
+        R = np.kron(np.diag([self.position_variance, self.force_variance]), _I)
         if self.takes_input:
             H, R = H[:2], R[:2, :2]
         K = kf.P @ H.T @ np.linalg.inv(H @ kf.P @ H.T + R)
@@ -106,8 +100,7 @@ class MultirateKalmanFilter:
             K[:, :2] = 0.0
         else:
             K[:2] = 0.0
-            if held_fix is not None:
-                z[:2] = held_fix
+            z[:2] = self.held_fix
         kf.x = kf.x + K @ (z.reshape(-1, 1) - H @ kf.x)
         P = (np.eye(8) - K @ H) @ kf.P
         kf.P = 0.5 * (P + P.T)  # a covariance is symmetric

@@ -10,8 +10,7 @@ import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.figures import time_histories
-from owtsweep.figures.decimate import decimate
-from owtsweep.figures.lines import POINTS
+from owtsweep.figures.lines import POINTS, decimate
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.time_histories import UNITS, Band, Curve, Level, Panel
 from owtsweep.studies.replay.config import ReplayConfig

@@ -10,7 +10,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import style
-from owtsweep.figures.decimate import decimate
+from owtsweep.figures.lines import decimate
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import BEYOND, summarise_motion
 from owtsweep.studies.replay.place import read_fit
