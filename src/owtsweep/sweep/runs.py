@@ -15,6 +15,7 @@ from owtsweep.sweep.gather import as_text, sort_rows
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import Plan, make_plan
 from owtsweep.sweep.rows import Setback, collect_setbacks
+from owtsweep.sweep.schema import needed_columns
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import OK, UNABLE, Engine, Study
 
@@ -61,7 +62,7 @@ class Run:
     @property
     def store(self) -> Store:
         """The shards."""
-        return Store(self.folder)
+        return Store(self.folder, needed_columns(self.study, self.config))
 
     @property
     def engine(self) -> Engine:
@@ -121,9 +122,10 @@ class Run:
     def unable(self) -> list[Setback]:
         """Stored cases that their scheme cannot compute, by block and reason; reads all shards."""
         setbacks = []
+        store = self.store
         for key, block in self.plan().items():
-            if UNABLE in (self.store.statuses(key) or ()):
-                rows = self.store.read(key)
+            if UNABLE in (store.statuses(key) or ()):
+                rows = store.read(key)
                 setbacks += [] if rows is None else collect_setbacks(block, rows, UNABLE)
         return setbacks
 
