@@ -80,7 +80,9 @@ def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
     try:
         joined = pa.concat_tables(tables, promote_options="permissive").combine_chunks()
     except pa.ArrowInvalid as error:
-        raise InputError(f"cases: the numbers of these shards do not fit together ({error})") from error
+        raise InputError(
+            f"cases: the numbers of these shards do not fit together ({error})"
+        ) from error
     columns = {}
     for name, column in zip(joined.column_names, joined.columns, strict=True):
         if pa.types.is_large_string(column.type) or pa.types.is_string(column.type):

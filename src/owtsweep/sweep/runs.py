@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import Config, require
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
 from owtsweep.figures.drawings import draw_each
 from owtsweep.io.tables import read_table
 from owtsweep.sweep.gather import as_text, sort_rows
@@ -181,7 +181,7 @@ class Run:
 
     def metadata(self) -> dict[str, str]:
         """Facts about the run that its figures store."""
-        return {"run": self.hash, "folder": self.folder.name}
+        return {"run": self.hash, "folder": printable(self.folder.name)}
 
     def summary(self) -> pd.DataFrame:
         """Means and intervals over the replicates: `summary.csv`."""

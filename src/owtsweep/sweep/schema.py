@@ -27,7 +27,7 @@ _KINDS = {
     "null": NOTHING,
 }
 #: What `Engine.row_types` says of a column -> the kinds that it may be of.
-_ALLOWED = {
+_ALLOWED: Mapping[type | None, tuple[str, ...]] = {
     str: (TEXT, CATEGORIES, NOTHING),
     float: (NUMBERS, NOTHING),
     None: (TEXT, CATEGORIES, NUMBERS, FLAGS, NOTHING),
@@ -91,6 +91,21 @@ def check_columns(schema: Any, needed: Needed) -> None:
         if kinds[name] not in _ALLOWED[type_]:
             belongs = TEXT if type_ is str else NUMBERS
             raise WrongRows(f"its column {name} holds {kinds[name]} where {belongs} belong")
+
+
+def check_table(table: Any, needed: Needed) -> None:
+    """Check the values of a `pyarrow.Table` whose columns were checked.
+
+    Raises
+    ------
+    WrongRows
+        If a status is none of the three, or a text that the study needs is missing.
+    """
+    for name, type_ in needed.items():
+        if type_ is str and name != "reason" and table[name].null_count:
+            raise WrongRows(f"its column {name} has an empty value")
+    if "status" in needed:
+        check_statuses(frozenset(table["status"].unique().to_pylist()))
 
 
 def check_statuses(statuses: frozenset[Any]) -> None:

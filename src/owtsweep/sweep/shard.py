@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from owtsweep.sweep.schema import Needed, WrongRows, check_columns, check_statuses
+from owtsweep.sweep.schema import Needed, WrongRows, check_columns, check_statuses, check_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -93,8 +93,8 @@ def decode(data: bytes, key: str, needed: Needed) -> Any:
     with _refusal():
         # Shards are small: Arrow's threads cost more than they save.
         table = _opened(data, key, needed).read(use_threads=False)
-        if "status" in needed:
-            check_statuses(frozenset(table["status"].unique().to_pylist()))
+        table.validate(full=True)  # text that is no UTF-8 could not be made Python's
+        check_table(table, needed)
         return table
 
 
@@ -148,7 +148,7 @@ def _opened(data: bytes, key: str, needed: Needed) -> Any:
 def _refusal() -> Iterator[None]:
     try:
         yield
-    except (pa.ArrowException, OSError) as error:
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise DamagedShard(f"it is no Parquet file ({error})") from error
 
 
