@@ -21,18 +21,22 @@ from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, dump
 from owtsweep.config.composition import compose_hydra
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.errors import InputError, as_text, require
+from owtsweep.errors import InputError, as_text, printable, require
 from owtsweep.io.files import check_writable, write_atomically
+from owtsweep.io.reading import read_json
 from owtsweep.studies import compose, from_mapping, locate
 from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.multirun_record import PlannedRun, write_record
+from owtsweep.sweep.provenance import read_manifest
 
 logger = logging.getLogger(__name__)
 
 #: The folder of the outcomes inside the folder of a multirun.
 OUTCOMES = ".outcomes"
 NOT_FINISHED = "not finished"
+#: Most bytes of an outcome: overrides may be long, and there are few.
+MOST_BYTES = 10_000_000
 
 
 def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -139,11 +143,26 @@ class JobOutcome:
 def _describe_failures(run_folder: Path) -> str:
     """How many cases failed, according to the manifest of the run."""
     try:
-        manifest: dict[str, Any] = json.loads((run_folder / "manifest.json").read_text())
-        failed = int(manifest["cases"]["failed"])
-    except (OSError, ValueError, KeyError, TypeError):
+        failed = int(read_manifest(run_folder)["cases"]["failed"])
+    except (ValueError, KeyError, TypeError):
         return "some cases failed"
     return f"{failed} case{'s' * (failed != 1)} failed"
+
+
+def _read_outcome(file: Path) -> JobOutcome:
+    """The outcome in a file; that of a damaged file is a failure, for that reason."""
+    try:
+        match read_json(file, MOST_BYTES):
+            case {
+                "folder": str(name),
+                "overrides": list(words),
+                "code": int(code),
+                "reason": str(reason),
+            } if name == file.stem and all(isinstance(word, str) for word in words):
+                return JobOutcome(name, words, code, printable(reason))
+        raise InputError(f"{file}: this is no outcome of a run")
+    except InputError as error:
+        return JobOutcome(file.stem, [], FAILED, str(error))
 
 
 def _tell(
@@ -154,7 +173,8 @@ def _tell(
     by_run = {run.folder: JobOutcome(run.folder, run.overrides, FAILED, silent) for run in planned}
     # Those written are also of runs of another sweeper, whose combinations are not known before.
     for file in sorted((folder / OUTCOMES).glob("*.json")):
-        by_run[file.stem] = JobOutcome(**json.loads(file.read_text()))
+        outcome = _read_outcome(file)
+        by_run[outcome.folder] = outcome
     outcomes = list(by_run.values())
     bad = [outcome for outcome in outcomes if outcome.code]
     if stopped:

@@ -6,6 +6,7 @@ Exit codes: 0 done, 1 some cases failed, 2 bad input, 130 interrupted.
 from __future__ import annotations
 
 import argparse
+import errno
 import logging
 import shlex
 import sys
@@ -165,6 +166,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # `owtsweep list | head`
         sys.stderr.close()
         return DONE
+    except OSError as error:
+        if error.errno not in (errno.EMFILE, errno.ENFILE):
+            raise
+        print(
+            "owtsweep: this process may not open more files; raise its limit (ulimit -n 1024)",
+            file=sys.stderr,
+        )
+        return BAD_INPUT
 
 
 def same_command(arguments: Sequence[str]) -> str:

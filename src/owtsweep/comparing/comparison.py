@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+from owtsweep.errors import printable
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -21,6 +23,7 @@ def show(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.10g}"
     text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+    text = printable(text)
     return text if len(text) <= 30 else f"{text[:27]}..."
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import stat
 from pathlib import Path
+from typing import Any
 
 from owtsweep.errors import InputError
 
@@ -16,16 +17,32 @@ def require_regular(path: Path) -> None:
     InputError
         If there is none, or it is something else.
     """
-    try:
-        mode = path.stat().st_mode
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file") from None
-    except (OSError, ValueError) as error:  # ValueError: a null character in its name
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot be read ({reason})") from error
+    mode = _mode(path, "file")
     if not stat.S_ISREG(mode):
         kind = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
         raise InputError(f"{path}: this is {kind}; name a file")
+
+
+def require_folder(path: Path) -> None:
+    """Check that a path is a folder.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it is something else.
+    """
+    if not stat.S_ISDIR(_mode(path, "folder")):
+        raise InputError(f"{path}: this is a file; name a folder")
+
+
+def _mode(path: Path, kind: str) -> int:
+    try:
+        return path.stat().st_mode
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such {kind}") from None
+    except (OSError, ValueError) as error:  # ValueError: a null character in its name
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{path}: cannot be read ({reason})") from error
 
 
 def read_bytes(path: Path, most: int) -> bytes:
@@ -61,8 +78,8 @@ def read_text(path: Path, most: int) -> str:
         raise InputError(f"{path}: this is no text in UTF-8 ({error.reason})") from error
 
 
-def read_json(path: Path, most: int) -> object:
-    """The data of a JSON file of at most `most` bytes.
+def read_json(path: Path, most: int) -> Any:
+    """The data of a JSON file of at most `most` bytes; of any type, and some hundred levels deep.
 
     Raises
     ------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,11 @@ from owtsweep.results.unable import list_unable, without_unable
 if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
+
+#: Largest number that is used: sums of squares of larger ones overflow.
+LARGEST = 1e140
+#: Most values of a cube per row, beside those of an ordinary one that lacks most of its rows.
+_SPARSEST, _ORDINARY = 1000, 10_000_000
 
 
 @dataclass(frozen=True)
@@ -144,8 +150,8 @@ class Cube:
         Parameters
         ----------
         rows
-            The rows of a run's cases. Those that failed or have no finite number are left out, and
-            so is a scheme in a cell that it is unable to work in.
+            The rows of a run's cases. Those that failed, lack a label, or have no number up to
+            `LARGEST` are left out, and so is a scheme in a cell that it is unable to work in.
         schemes
             The schemes that take part.
         conditions
@@ -158,7 +164,7 @@ class Cube:
         require_usable(conditions)
         unable = list_unable(rows[rows["scheme"].isin(list(schemes))], conditions, grid)
         rows = without_unable(rows, conditions)
-        superposed, direct = _choose(rows, schemes, conditions[-1], grid)
+        superposed, direct = _choose(rows, schemes, conditions, grid)
         used = superposed | direct
         names = [condition.name for condition in conditions]
         *outer, last = names
@@ -199,18 +205,32 @@ def join_lines(parts: Sequence[pd.DataFrame], columns: Sequence[str]) -> pd.Data
 
 
 def _choose(
-    rows: pd.DataFrame, schemes: Sequence[str], last: Condition, grid: Grid
+    rows: pd.DataFrame, schemes: Sequence[str], conditions: Sequence[Condition], grid: Grid
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Masks of the rows to use: superposed rows, and rows with a value of the last condition."""
+    *outer, last = conditions
     finished = ((rows["status"] == OK) & rows["scheme"].isin(list(schemes))).to_numpy()
-    direct = finished & np.isfinite(rows["value"].to_numpy(dtype=float))
+    for name in ("measure", "window", "replicate", *(c.name for c in outer)):
+        finished = finished & _there(rows[name])
+    direct = finished & _usable(rows["value"])
     if not last.expands:
         return np.zeros(len(rows), dtype=bool), direct
     at_one = rows[last.name].notna().to_numpy()
     superposed = finished & ~at_one
     for name in PRODUCTS:
-        superposed &= np.isfinite(rows[name].to_numpy(dtype=float))
+        superposed &= _usable(rows[name])
     return superposed, direct & at_one & rows[last.name].isin(list(grid[last.name])).to_numpy()
+
+
+def _usable(column: Any) -> NDArray[np.bool_]:
+    """Which values are numbers up to `LARGEST`."""
+    return np.asarray(np.abs(column.to_numpy(dtype=float)) <= LARGEST)
+
+
+def _there(column: Any) -> NDArray[np.bool_]:
+    """Which values are neither missing nor infinite."""
+    there: NDArray[np.bool_] = column.notna().to_numpy()
+    return there & np.isfinite(column.to_numpy()) if column.dtype.kind == "f" else there
 
 
 def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
@@ -248,6 +268,11 @@ def _arrange(
             codes = pd.Index(labels[name]).get_indexer(texts.categories)[texts.codes]
         place *= len(labels[name])
         place += codes
+    size = math.prod(len(labels[name]) for name in axes)
+    require(
+        size <= max(_SPARSEST * place.size, _ORDINARY),
+        f"rows: {place.size} values for {size} cases; the labels of their rows do not fit together",
+    )
     arrays = np.full((len(columns), *(len(labels[name]) for name in axes)), np.nan)
     for flat, name in zip(arrays.reshape(len(columns), -1), columns, strict=True):
         flat[place] = _of(rows, name, chosen)

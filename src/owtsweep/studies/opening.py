@@ -5,12 +5,14 @@ The folder may be another person's.
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
 from owtsweep.config import Config, checked, require
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
+from owtsweep.io.reading import require_folder
 from owtsweep.studies import registry
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.stored_plan import read_blocks, read_stored_plan
@@ -26,7 +28,10 @@ def open_run(folder: Path) -> Run:
         not installed.
     """
     path = folder / "config.yaml"
-    require(path.exists(), f"{folder}: there is no config.yaml in it; name the folder of a run")
+    require_folder(folder)
+    require(
+        os.path.lexists(path), f"{folder}: there is no config.yaml in it; name the folder of a run"
+    )
     plain, text = read_stored(path)
     stored = read_stored_plan(folder, text)
     config = _make_config(path, plain, None if stored is None else stored.get("code"))

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.rows import Setback
+from owtsweep.sweep.schema import WrongRows
 from owtsweep.sweep.shard import DamagedShard, decode
 from owtsweep.sweep.worker import (
     NOT_COMPUTED,
@@ -193,9 +194,9 @@ class Executor:
         """Store the shards that a worker has handed back."""
         for shard in result.returned:
             try:
-                decode(shard.data, shard.key)
+                decode(shard.data, shard.key, self.work.store.needed)
                 self.work.store.write(shard.key, shard.data)
-            except (DamagedShard, OSError) as error:
+            except (DamagedShard, WrongRows, OSError) as error:
                 result.computed -= shard.succeeded
                 result.disk_full = result.disk_full or is_disk_full(error)
                 result.failures.append(Setback(shard.label, one_line(error), shard.succeeded))

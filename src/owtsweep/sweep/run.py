@@ -7,7 +7,7 @@ import logging
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -28,7 +28,6 @@ from owtsweep.sweep.provenance import (
 )
 from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Results, Run
-from owtsweep.sweep.store import Store
 from owtsweep.sweep.stored_plan import NAME as PLAN
 from owtsweep.sweep.stored_plan import dump_plan
 from owtsweep.sweep.study import OK, UNABLE, Study
@@ -291,7 +290,7 @@ def _executor(run: Run) -> Iterator[Executor]:
         f"study {run.study.name}: its backend is {backend!r}; a study says threading or loky",
     )
     # Absolute: workers outlive a sweep and keep their first working directory.
-    store = Store(run.folder.absolute())
+    store = replace(run.store, folder=run.folder.absolute())
     work = Work(run.study, run.config, store, all_versions(run.study), backend)
     if backend != "dask":
         # joblib's count respects the affinity mask and the quota of a container.

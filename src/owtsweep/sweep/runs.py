@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import Config, require
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
 from owtsweep.figures.drawings import draw_each
 from owtsweep.io.tables import read_table
 from owtsweep.sweep.gather import as_text, sort_rows
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import Plan, make_plan
 from owtsweep.sweep.rows import Setback, collect_setbacks
+from owtsweep.sweep.schema import needed_columns
 from owtsweep.sweep.store import Store
 from owtsweep.sweep.study import OK, UNABLE, Engine, Study
 
@@ -61,7 +62,7 @@ class Run:
     @property
     def store(self) -> Store:
         """The shards."""
-        return Store(self.folder)
+        return Store(self.folder, needed_columns(self.study, self.config))
 
     @property
     def engine(self) -> Engine:
@@ -121,9 +122,10 @@ class Run:
     def unable(self) -> list[Setback]:
         """Stored cases that their scheme cannot compute, by block and reason; reads all shards."""
         setbacks = []
+        store = self.store
         for key, block in self.plan().items():
-            if UNABLE in (self.store.statuses(key) or ()):
-                rows = self.store.read(key)
+            if UNABLE in (store.statuses(key) or ()):
+                rows = store.read(key)
                 setbacks += [] if rows is None else collect_setbacks(block, rows, UNABLE)
         return setbacks
 
@@ -179,7 +181,7 @@ class Run:
 
     def metadata(self) -> dict[str, str]:
         """Facts about the run that its figures store."""
-        return {"run": self.hash, "folder": self.folder.name}
+        return {"run": self.hash, "folder": printable(self.folder.name)}
 
     def summary(self) -> pd.DataFrame:
         """Means and intervals over the replicates: `summary.csv`."""

@@ -7,6 +7,7 @@ names is imported, and a run of an older version can still be read.
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections.abc import Mapping
 from hashlib import blake2b
@@ -14,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep.config import Config
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
 from owtsweep.io.reading import read_json
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.study import Block
@@ -57,7 +58,7 @@ def read_stored_plan(folder: Path, text: str) -> Mapping[str, Any] | None:
         If the file is no plan.
     """
     path = folder / NAME
-    if not path.exists():
+    if not os.path.lexists(path):
         return None
     stored = read_json(path, MOST_BYTES)
     if not isinstance(stored, dict):
@@ -82,7 +83,7 @@ def read_blocks(folder: Path, stored: Mapping[str, Any]) -> Plan:
             case [str(key), str(label), int(cases), int(per_row)] if (
                 _KEY.fullmatch(key) and cases > 0 and per_row > 0
             ):
-                plan[key] = Block("", label, {}, cases, per_row)
+                plan[key] = Block("", printable(label), {}, cases, per_row)
             case _:
                 raise _refuse(folder / NAME)
     return plan

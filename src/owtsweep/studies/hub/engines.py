@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
@@ -25,6 +25,13 @@ logger = logging.getLogger(__name__)
 
 class _Engine:
     """What both engines share: the columns that identify a row, and the map as the result."""
+
+    #: Columns without which no table can be made.
+    row_types: ClassVar[Mapping[str, type]] = {
+        **dict.fromkeys(("scheme", "measure", "window"), str),
+        **dict.fromkeys(("natural_period", "replicate", "amplitude", "n_samples"), float),
+        **dict.fromkeys(("motion", "cross", "noise", "value"), float),
+    }
 
     def sort_columns(self) -> list[str]:
         """The columns that identify a row."""

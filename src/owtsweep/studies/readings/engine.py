@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import pandas as pd
 
@@ -26,6 +26,11 @@ class SearchEngine:
     """`owtsweep.sweep.study.Engine` for the searches; a row is a trial."""
 
     samples = True
+    #: Columns without which no table can be made.
+    row_types: ClassVar[Mapping[str, type]] = {
+        **dict.fromkeys(("target", "truth", "search"), str),
+        **dict.fromkeys(("trial", "score"), float),
+    }
     plan = staticmethod(searches.plan)
     run = staticmethod(searches.run)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.studies.hub.public import ROOMS
 from owtsweep.sweep.study import Block, add_versions
@@ -26,6 +26,11 @@ class ReplayStudy:
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
     samples = True
+    #: Columns without which no table can be made.
+    row_types: ClassVar[Mapping[str, type]] = {
+        **dict.fromkeys(("file", "scheme", "measure", "window"), str),
+        **dict.fromkeys(("replicate", "value", "n_samples"), float),
+    }
 
     def config_type(self) -> type[ReplayConfig]:
         """The hub study's configuration, with keys on how to read a record."""
