@@ -175,7 +175,8 @@ def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measur
     for name, of_scheme in errors.items():
         look, spectrum = style_of(name, names), of_scheme.spectrum
         line: dict[str, Any] = {"color": look.color, "linestyle": look.line}
-        axes.loglog(spectrum.frequency, spectrum.of(measure), label=name, linewidth=1.6, **line)
+        curve = spectrum.frequency, spectrum.of(measure)
+        axes.loglog(*curve, label=style.label_of(name), linewidth=1.6, **line)
         if of_scheme.floor is not None:
             line |= {"linewidth": 2.2, "transform": axes.get_yaxis_transform()}
             axes.plot(FLOOR_SPAN, [of_scheme.floor.of(measure)] * 2, **line)
