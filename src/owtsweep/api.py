@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
@@ -50,7 +51,7 @@ def load(path: str | PathLike[str]) -> Run:
     InputError
         If the folder holds no run, or one that this version cannot read.
     """
-    return studies.open_run(Path(path))
+    return studies.open_run(Path(os.path.expanduser(path)))
 
 
 def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] = ()) -> Replay:

@@ -19,7 +19,7 @@ from typing import Any
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM
 from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, dump
-from owtsweep.config.composition import compose_hydra
+from owtsweep.config.composition import compose_hydra, quote_home
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.errors import InputError, as_text, printable, require
 from owtsweep.io.files import check_writable, write_atomically
@@ -225,7 +225,7 @@ def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str],
     if any(o.startswith("hydra/sweeper=") and o != "hydra/sweeper=basic" for o in overrides):
         return []
     with hydra_in_one_line(tree):
-        parsed = OverridesParser.create().parse_overrides(list(overrides))
+        parsed = OverridesParser.create().parse_overrides([quote_home(o) for o in overrides])
         keys = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
         batches = BasicSweeper.split_arguments(keys, max_batch_size=None)
     swept = {o.get_key_element() for o in keys if o.is_sweep_override()}

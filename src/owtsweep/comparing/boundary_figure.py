@@ -123,7 +123,8 @@ def _draw_panel(
                 axes.vlines(place, *np.clip([low, high], *edges), linewidth=1.2, **look)
         look |= {"marker": MARKERS[number % len(MARKERS)], "markersize": 5}
         drawn = np.clip(line, *edges)
-        axes.plot(x, drawn, linewidth=1.4, linestyle="-" if joined else "none", label=name, **look)
+        dashes, label = "-" if joined else "none", style.label_of(name)
+        axes.plot(x, drawn, linewidth=1.4, linestyle=dashes, label=label, **look)
         outside = np.where(drawn == line, np.nan, drawn)
         axes.plot(x, outside, linestyle="none", markerfacecolor="white", **look)
 

@@ -112,7 +112,7 @@ def draw(
             grid[lowest][column].tick_params(labelbottom=True)
             grid[lowest][column].set_xlabel(plane.across.title)
         handles: list[Any] = [
-            Patch(facecolor=style_of(name, shared.schemes).color, label=name)
+            Patch(facecolor=style_of(name, shared.schemes).color, label=style.label_of(name))
             for name in shared.schemes
         ]
         handles += explain_marks(hatched=hatched, holes=holes)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 from typing import Any, ClassVar, Literal
+
+from pydantic import field_validator
 
 from owtsweep.config.section import Section, key
 from owtsweep.errors import require
@@ -56,6 +59,11 @@ class Config(Section):
     config_version: int = key("version of these keys", default=CONFIG_VERSION)
     compute: Compute = key("how to compute; changes no result", default=Compute())
 
+    @field_validator("results")
+    @classmethod
+    def _find_home(cls, value: str) -> str:
+        return os.path.expanduser(value)  # as a shell: `~nobody` stays as it is
+
     def describe_code(self) -> Any:
         """What readers of a run must know of code of the user's that the keys name: JSON data.
 
@@ -90,6 +98,10 @@ class Config(Section):
             f"engine: {self.engine!r} is not known; the study has one engine, {engine.default}",
         )
         require(self.results.strip() != "", "results: it is empty; name a folder, e.g. results")
+        require(
+            self.results.isprintable(),
+            f"results: {self.results!r} holds a character that cannot be printed; use another name",
+        )
         require(
             self.config_version == CONFIG_VERSION,
             f"config_version: {self.config_version} is not known; this version writes and reads "

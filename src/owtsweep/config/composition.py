@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,13 +43,18 @@ class Tree:
         listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
         groups = self.groups()
         admitted = []
-        for override in overrides:
+        for override in map(quote_home, overrides):
             path = override.partition("=")[0].split(".")
             fields = fields_along(self.model, path)
             has_default = any(not field.is_required() for field in fields)  # or its section has one
             unlisted = len(fields) == len(path) and has_default and not _holds(listed, path)
             admitted.append(f"++{override}" if unlisted and path[0] not in groups else override)
         return admitted
+
+
+def quote_home(override: str) -> str:
+    """`results=~/x` as Hydra reads it: in quotes. Most shells do not expand `~` in it."""
+    return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
 
 
 def _holds(mapping: Any, path: Sequence[str]) -> bool:

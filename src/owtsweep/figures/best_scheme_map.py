@@ -191,7 +191,8 @@ def _make_legend(
         alike = next((group for group in groups if group[-1] == name), (name,))
         cells = winners.count(name)
         label = f"{' = '.join(alike)} ({cells} cell{'s' * (cells != 1)})"
-        handles.append(Patch(facecolor=style_of(name, schemes).color, label=label))
+        look = style_of(name, schemes)
+        handles.append(Patch(facecolor=look.color, label=style.label_of(label)))
     hatched = not all(row["distinguishable"] for row in rows)
     return handles + explain_marks(hatched=hatched, holes=holes)
 

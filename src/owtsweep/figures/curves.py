@@ -164,7 +164,8 @@ def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points_label: str)
     handles: list[Any] = []
     for name in schemes:
         look = style_of(name, schemes)
-        line: dict[str, Any] = {"linestyle": look.line, "marker": look.marker, "label": name}
+        line: dict[str, Any] = {"linestyle": look.line, "marker": look.marker}
+        line["label"] = style.label_of(name)
         handles.append(Line2D([], [], color=look.color, **line))
     if shown["ci_low"].notna().any():
         handles.append(Patch(facecolor="0.6", alpha=0.5, label="95 % interval\nof the mean"))

@@ -163,7 +163,7 @@ def _make_legend(
         if name not in hidden:
             share = _describe_share(float(np.mean(field.best == number)))
             color = style_of(name, schemes).color
-            handles.append(Patch(color=color, label=f"{name}: {share}"))
+            handles.append(Patch(color=color, label=style.label_of(f"{name}: {share}")))
     return handles
 
 

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import json
+import re
 import textwrap
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from owtsweep.io.files import write_all
 
 RESOLUTION = 160  # dots per inch of PNG files
 SVG_LIMIT = 500 * 1024  # bytes
@@ -30,6 +36,10 @@ RC: Any = {
     "hatch.linewidth": 1.0,
     "svg.hashsalt": "owtsweep",  # ids of an SVG are random without it
 }
+#: The TeX of our own labels. Any other TeX is somebody's name, and is drawn as it was typed.
+OWN_TEX = re.compile(r"\$_[2xy]\$")
+#: Has no width. Put before a label that begins with `_`, which matplotlib leaves out of legends.
+JOINER = "\N{WORD JOINER}"
 WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 
@@ -51,6 +61,11 @@ def footnote(figure: Figure, text: str) -> None:
     """Put a paragraph below everything else, with lines broken to the width of the figure."""
     letters = int(13 * figure.get_figwidth())
     figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
+
+
+def label_of(name: str) -> str:
+    """The label of a line that stands for somebody's name, so that it is in the legend."""
+    return JOINER + name if name.startswith("_") else name
 
 
 def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns: int) -> None:
@@ -100,16 +115,38 @@ def save(
     -------
     list of Path
         The PNG and the SVG.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses; older files stay as they were.
     """
     notes = dict(metadata or {})
     folder.mkdir(parents=True, exist_ok=True)
     png, svg = folder / f"{stem}.png", folder / f"{stem}.svg"
     described = {"Date": None, "Description": json.dumps(notes, sort_keys=True)}
-    with context():
-        figure.savefig(png, dpi=RESOLUTION, metadata=notes)
-        figure.savefig(svg, metadata=described)
-        if svg.stat().st_size > SVG_LIMIT:
+    _draw_names_as_typed(figure)
+    with context(), warnings.catch_warnings():
+        # of a letter that the font lacks, or a name as long as the figure: both are drawn
+        warnings.simplefilter("ignore", UserWarning)
+        raster = _render(figure, "png", dpi=RESOLUTION, metadata=notes)
+        vector = _render(figure, "svg", metadata=described)
+        if len(vector) > SVG_LIMIT:
             # letters as text instead of outlines: smaller, but in the viewer's font
             with mpl.rc_context({"svg.fonttype": "none"}):
-                figure.savefig(svg, metadata=described)
+                vector = _render(figure, "svg", metadata=described)
+    write_all({png: raster, svg: vector})
     return [png, svg]
+
+
+def _draw_names_as_typed(figure: Figure) -> None:
+    # The numbers of logarithmic axes are TeX too; their texts are made later, while it is drawn.
+    for text in figure.findobj(Text):
+        if isinstance(text, Text) and "$" in OWN_TEX.sub("", text.get_text()):
+            text.set_parse_math(False)
+
+
+def _render(figure: Figure, kind: str, **options: Any) -> bytes:
+    buffer = BytesIO()
+    figure.savefig(buffer, format=kind, **options)
+    return buffer.getvalue()

@@ -175,7 +175,7 @@ def show_scheme(name: str, names: Sequence[str], line: Line, **look: Any) -> Cur
 
 def show_estimate(name: str, names: Sequence[str], line: Line) -> Curve:
     """A scheme's estimate, above the truth."""
-    return show_scheme(name, names, line, linewidth=1.2, label=name, zorder=2.5)
+    return show_scheme(name, names, line, linewidth=1.2, label=style.label_of(name), zorder=2.5)
 
 
 def show_errors(

@@ -82,7 +82,7 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     comparison = _arrange(loaded, preferred)
     hashes = " ".join(candidate.hash for candidate in comparison.runs)
     folder = _folder(paths, [run for run, _ in loaded])
-    check_writable(folder)
+    check_writable(folder, "compare", "move away what is there, or get the right to write")
     findings = study.compare(comparison, folder, metadata={"runs": hashes, "folder": folder.name})
     every_note = tuple(map(printable, (*notes, *findings.notes)))
     swept = pd.DataFrame([run.shown for run in comparison.runs], columns=list(comparison.keys))
@@ -205,5 +205,5 @@ def _report(
         keys = ", ".join(f"`{key}`" for key in comparison.following)
         parts.append(f"Changing along with these keys: {keys}.")
     if notes:
-        parts.append("Notes:\n\n" + "\n".join(f"- {note}" for note in notes))
+        parts.append("Notes:\n\n" + "\n".join(f"- {markdown.escape(note)}" for note in notes))
     return "\n\n".join([*parts, findings.report]).rstrip() + "\n"

@@ -13,6 +13,7 @@ from typing import Any
 
 from owtsweep.config import Config, dump, require, typed
 from owtsweep.config.stored import read_stored
+from owtsweep.errors import InputError
 from owtsweep.io.files import check_writable, remove_stale, unwritable, write_all, write_atomically
 from owtsweep.io.tables import write_tables
 from owtsweep.sweep.execute import BACKENDS, Executor
@@ -30,7 +31,7 @@ from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Results, Run
 from owtsweep.sweep.stored_plan import NAME as PLAN
 from owtsweep.sweep.stored_plan import dump_plan
-from owtsweep.sweep.study import OK, UNABLE, Study
+from owtsweep.sweep.study import OK, UNABLE, Study, blame
 from owtsweep.sweep.versions import all_versions, count_outdated
 from owtsweep.sweep.worker import TaskResult, Work, one_line
 
@@ -263,7 +264,12 @@ class _Sweep:
         if rows is None or not (rows["status"] == OK).any():
             logger.warning("no case has succeeded: there are no tables")
             return None
-        results = Results(rows, run.engine.tables(run.config, rows))
+        try:
+            with blame(run.study):
+                results = Results(rows, run.engine.tables(run.config, rows))
+        except InputError as error:  # the cases are stored; nothing of them is lost
+            self._fail([Setback("no tables were made", str(error), 0)])
+            return None
         try:
             write_tables(run.folder, results.tables)
         except OSError as error:

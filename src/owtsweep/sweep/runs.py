@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,7 @@ from owtsweep.sweep.plan import Plan, make_plan
 from owtsweep.sweep.rows import Setback, collect_setbacks
 from owtsweep.sweep.schema import needed_columns
 from owtsweep.sweep.store import Store
-from owtsweep.sweep.study import OK, UNABLE, Engine, Study
+from owtsweep.sweep.study import OK, UNABLE, Engine, Study, blame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -116,7 +117,9 @@ class Run:
         """
         rows, missing = self.store.read_all(self.plan())
         if rows is not None:
-            rows = sort_rows(rows, self.engine.sort_columns())
+            with blame(self.study):
+                columns = self.engine.sort_columns()
+            rows = sort_rows(rows, columns)
         return rows, len(missing)
 
     def unable(self) -> list[Setback]:
@@ -165,7 +168,10 @@ class Run:
         Raises
         ------
         InputError
-            If the run has no finished case or no figure of that name.
+            If the run has no finished case or no figure of that name, or its study is another
+            package's and does not work.
+        OSError
+            If the file system refuses a file; figures that were there stay whole.
         """
         folder = self.folder / "figures"
         rows = results.rows if results else self._finished()
@@ -174,10 +180,11 @@ class Run:
             f"{self.folder}: no case has succeeded, so there is nothing to draw; see its run.log",
         )
         # made of these rows, not read from files
-        tables = results.tables if results else self.engine.tables(self.config, rows)
+        with blame(self.study):
+            tables = results.tables if results else self.engine.tables(self.config, rows)
+            drawings = self.engine.drawings(self.config, tables, rows, self.metadata())
         folder.mkdir(exist_ok=True)
-        drawings = self.engine.drawings(self.config, tables, rows, self.metadata())
-        return draw_each(drawings, folder, only)
+        return draw_each(drawings, folder, only, partial(blame, self.study))
 
     def metadata(self) -> dict[str, str]:
         """Facts about the run that its figures store."""

@@ -78,13 +78,13 @@ def to_markdown(blocks: Sequence[Block], folder: Path) -> str:
 def _markdown(block: Block, folder: Path) -> str:
     match block:
         case Heading(text, level):
-            return f"{'#' * level} {text}"
+            return f"{'#' * level} {markdown.escape(text)}"
         case Paragraph(text):
-            return text
+            return markdown.escape(text)
         case Bullets(items):
-            return "\n".join(f"- {item}" for item in items)
+            return "\n".join(f"- {markdown.escape(item)}" for item in items)
         case Picture(path, caption):
-            return f"![{caption}]({path.relative_to(folder).as_posix()})"
+            return f"![{markdown.escape(caption)}]({path.relative_to(folder).as_posix()})"
         case TextTable(columns, rows, numbers):
             return markdown.table(columns, rows, numbers=numbers)
 

@@ -54,8 +54,8 @@ class HistoryErrors:
 def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
     """Simulate HME1 and HME2 at 3.8 s on the run's replicates, at most 20.
 
-    Returns None if the run lacks one of the schemes, if one of them has no batch kernel, or if the
-    run's spectrum does not exist at 3.8 s.
+    Returns None if the run lacks one of the schemes, if one of them has no batch kernel or is code
+    of a stored run's author, which is not run, or if the run's spectrum does not exist at 3.8 s.
     """
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     if not all(name in schemes and hasattr(schemes[name], "kernel") for name in SCHEMES):
@@ -66,13 +66,16 @@ def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
     for replicate in range(min(config.grid.replicates, MOST_REPLICATES)):
         try:
             records = make_records(config, NATURAL_PERIOD, [replicate])
+            chains = {
+                name: schemes[name].kernel(records.sensors, config, records.steps)  # type: ignore[attr-defined]
+                for name in SCHEMES
+            }
         except InputError:
             return None
         streams = records.stream(0)
         bias = next(simulate_bias(config.sensors, records.sensors, records.steps, streams))
         settled = round(config.measures.settling_time / records.sensors.step)
-        for name in SCHEMES:
-            chain = schemes[name].kernel(records.sensors, config, records.steps)  # type: ignore[attr-defined]
+        for name, chain in chains.items():
             errors = absolute_errors(chain, records, bias)
             inside[name].append(float(np.mean(errors["velocity"][settled:] <= VELOCITY_BOUND)))
             for quantity, error in errors.items():

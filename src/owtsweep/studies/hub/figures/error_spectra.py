@@ -22,6 +22,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum
 from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
 from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.schemes.stored import StoredScheme
 
 #: Points of a curve, evenly spaced in log frequency.
 POINTS = 150
@@ -46,7 +47,8 @@ class SchemeErrors:
 def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeErrors]:
     """Error spectra and noise floors of all schemes of a study that have a kernel.
 
-    A scheme whose response does not settle with this tuning is left out.
+    A scheme whose response does not settle with this tuning is left out, and so is code of a stored
+    run's author; `unsettled` names them.
     """
     sensors = sensing.sensors(config.sensors)
     low, high = config.band
@@ -149,9 +151,12 @@ def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, flo
 
 def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
     """Sentences that say what the panel does not show."""
-    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
+    missing = [s for s in resolve_all(config.schemes, config) if s.name not in errors]
+    theirs = [scheme.name for scheme in missing if isinstance(scheme, StoredScheme)]
+    ours = [scheme.name for scheme in missing if not isinstance(scheme, StoredScheme)]
     without = {
-        "curve (no kernel, or it does not settle)": [n for n in names if n not in errors],
+        "curve (no kernel, or it does not settle)": ours,
+        "curve (code of the run's author is not run)": theirs,
         "bar (the noise does not settle)": [n for n in errors if errors[n].floor is None],
     }
     return [
@@ -175,7 +180,8 @@ def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measur
     for name, of_scheme in errors.items():
         look, spectrum = style_of(name, names), of_scheme.spectrum
         line: dict[str, Any] = {"color": look.color, "linestyle": look.line}
-        axes.loglog(spectrum.frequency, spectrum.of(measure), label=name, linewidth=1.6, **line)
+        curve = spectrum.frequency, spectrum.of(measure)
+        axes.loglog(*curve, label=style.label_of(name), linewidth=1.6, **line)
         if of_scheme.floor is not None:
             line |= {"linewidth": 2.2, "transform": axes.get_yaxis_transform()}
             axes.plot(FLOOR_SPAN, [of_scheme.floor.of(measure)] * 2, **line)

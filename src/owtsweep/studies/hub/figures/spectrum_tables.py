@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 from rich import box
 from rich.table import Table
+from rich.text import Text
 
 from owtsweep.figures.drawings import save_figure
 from owtsweep.io.tables import write_table
@@ -69,7 +70,7 @@ def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
 def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
     """Show the settled noise floors (the result of `floors`) as root mean squares."""
     table = Table(
-        title=f"Settled error from noise alone, rms of x + y, tuning {config.tuning}",
+        title=Text(f"Settled error from noise alone, rms of x + y, tuning {config.tuning}"),
         box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
     )  # fmt: skip
     table.add_column("scheme")
@@ -82,5 +83,5 @@ def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
         if rows["mse"].notna().all():
             unit = {"position": "cm", "velocity": "cm/s"}[measure]
             cells = [f"{100 * np.sqrt(value):.3g} {unit}" for value in rows["mse"]]
-        table.add_row(name, measure, *cells)
+        table.add_row(Text(name), measure, *cells)  # as typed: it may hold rich's markup
     return table

@@ -76,7 +76,8 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
         for axes in panels[1]:
             axes.set_ylim(min(lows), max(highs))
         handles: list[Any] = [
-            Patch(facecolor=style_of(name, names).color, label=name) for name in names
+            Patch(facecolor=style_of(name, names).color, label=style.label_of(name))
+            for name in names
         ]
         handles += panels[0, 0].plot([], [], **_LINE, label=f"{LOWER}/{UPPER} boundary")
         columns = len(handles)

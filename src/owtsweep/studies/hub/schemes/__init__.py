@@ -9,7 +9,7 @@ from typing import Any
 from owtsweep.config import require
 from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.schemes.stored import StoredScheme
+from owtsweep.studies.hub.schemes.stored import StoredScheme, check_name
 
 #: Name -> description, in the order of tables and figures. The scheme is in the module of the
 #: same name in lower case, as its `SCHEME`.
@@ -118,3 +118,4 @@ def check_scheme(scheme: Any, target: str) -> None:
         lacks.append("start(sensors, tuning)")
     if lacks:
         raise InputError(f"schemes: {target} lacks {', '.join(lacks)}; see owtsweep.testing")
+    check_name(scheme.name)

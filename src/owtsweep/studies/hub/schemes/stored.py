@@ -58,6 +58,25 @@ class StoredKernelScheme(StoredScheme):
         self.start(sensors, tuning)
 
 
+#: Most characters of a scheme's name: it stands in the cells and legends of figures.
+LONGEST_NAME = 60
+
+
+def check_name(name: Any) -> None:
+    """Check that a scheme's name can be shown in tables, figures and a terminal.
+
+    Raises
+    ------
+    InputError
+        If it is no text, empty, too long, or holds a control character.
+    """
+    require(
+        isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable(),
+        f"schemes: the name {str(name)[:LONGEST_NAME]!r} cannot be used; give one of 1 to "
+        f"{LONGEST_NAME} printable characters",
+    )
+
+
 def describe(schemes: Sequence[Scheme]) -> list[dict[str, Any]]:
     """What plan.json holds of the schemes of a run, in their order."""
     return [
@@ -104,6 +123,7 @@ def _stand_in(entry: Mapping[str, Any], facts: Mapping[str, Any]) -> StoredSchem
         isinstance(name, str) and name != "" and isinstance(linear, bool),
         "schemes: plan.json gives a scheme without a name, or does not say whether it is linear",
     )
+    check_name(name)
     kind = StoredKernelScheme if facts.get("kernel") is True else StoredScheme
     return kind(entry, str(name), bool(linear))
 
