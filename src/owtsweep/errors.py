@@ -1,6 +1,5 @@
 """Errors that a user can act on, and text that a terminal can be given."""
 
-
 #: Most characters of a message: what is longer is a value that fills the screen.
 LONGEST = 1000
 
@@ -32,11 +31,11 @@ def as_text(error: BaseException) -> str:
     return printable(shorten(" ".join(f"{type(error).__name__}: {message}".split())))
 
 
-def shorten(text: str) -> str:
-    """A text of at most `LONGEST` characters: without its middle if it is longer."""
-    if len(text) <= LONGEST:
+def shorten(text: str, most: int = LONGEST) -> str:
+    """A text of at most so many characters: without its middle if it is longer."""
+    if len(text) <= most:
         return text
-    half = (LONGEST - len(" ... ")) // 2
+    half = (most - len(" ... ")) // 2
     return f"{text[:half]} ... {text[-half:]}"
 
 

@@ -80,7 +80,7 @@ class Kernel(Good):
 
 
 class Version(Good):
-    class version:  # noqa: N801
+    class version:
         __str__ = raising
 
     version = version()

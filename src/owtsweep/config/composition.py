@@ -122,11 +122,11 @@ def compose_plain(
         raise
     except (ValueError, TypeError, OSError) as error:  # no name where Hydra expects an option's
         wrong = [o for o in overrides if o.split("=")[0] in tree.groups()]
-        text = " ".join(str(error).split())
+        text = shorten(" ".join(str(error).split()), 300)
         if not wrong:
             raise InputError(f"{' '.join(overrides)}: this cannot be composed ({text})") from error
         raise InputError(
-            f"{shorten(wrong[0])}: this is a config group; name one of its options ({text})"
+            f"{shorten(wrong[0], 300)}: this is a config group; name one of its options ({text})"
         ) from error
     for name, value in plain.items():
         _require_storable(name, value)

@@ -144,9 +144,7 @@ def collect(
         if estimate.covariance is not None:
             if covariance is None:
                 covariance = np.full((steps, size, size), np.nan)
-            covariance[k] = _check_array(
-                estimate.covariance, (size, size), "covariance", first + k
-            )
+            covariance[k] = _check_array(estimate.covariance, (size, size), "covariance", first + k)
         if estimate.innovation is not None:
             value, weight = estimate.innovation.value, estimate.innovation.covariance
             if innovation is None or innovation_covariance is None:

@@ -190,7 +190,7 @@ def _by_kernels(
         return failed | _run_chains(config, schemes, chains, records, amplitude)
     except Exception as error:
         if len(chains) == 1:
-            return failed | {number: error for number in chains}
+            return failed | dict.fromkeys(chains, error)
     # the chain of one scheme is no good: each alone, so that the others' results are not lost
     for number in chains:
         failed |= _by_kernels(config, {number: schemes[number]}, records, amplitude)
@@ -222,7 +222,7 @@ def _chains(
 
     def made(scheme: Any) -> Chain | Exception:
         try:
-            chain = chain_for_runs(scheme, records.sensors, config, records.steps)
+            chain: object = chain_for_runs(scheme, records.sensors, config, records.steps)
         except KeyboardInterrupt:
             raise
         except Exception as error:

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 MOST_STEPS = 100_000_000
 #: A time counts as a multiple of a step if it is one within this fraction of the step.
 GRAIN = 1e-6
+#: Least `Spectrum.peak_margin`, Hz: below it rounding makes the peak infinite.
+LEAST_MARGIN = 1e-12
 
 
 def check(config: HubConfig) -> None:
@@ -152,7 +154,13 @@ def _check_record(config: HubConfig) -> None:
 
 def _check_spectrum(config: HubConfig) -> None:
     for period in config.grid.natural_period:
-        peak = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth).peak_frequency
+        of_period = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+        peak = of_period.peak_frequency
+        require(
+            of_period.peak_margin > LEAST_MARGIN,
+            f"spectrum.bandwidth: {config.spectrum.bandwidth:g} s^-2 leaves the peak at {period:g} "
+            "s no width; use e.g. 6.7e-6 (1 % damping)",
+        )
         require(
             config.band[0] <= peak <= config.band[1],
             f"grid.natural_period: {period:g} s has its peak at {peak:.3g} Hz, outside band "
