@@ -89,6 +89,7 @@ def run_steps(
     run_record = getattr(estimator, "run_record", None)
     if run_record is not None:
         trajectory: Trajectory = run_record(inputs, fixes)
+        _check_trajectory(trajectory, len(inputs), sum(len(each.components) for each in judged))
     else:
         estimates = _update_step_by_step(estimator, inputs, fixes)
         trajectory = collect(estimates, judged, len(inputs), first)
@@ -143,14 +144,18 @@ def collect(
         if estimate.covariance is not None:
             if covariance is None:
                 covariance = np.full((steps, size, size), np.nan)
-            covariance[k] = estimate.covariance
+            covariance[k] = _check_array(estimate.covariance, (size, size), "covariance", first + k)
         if estimate.innovation is not None:
-            value = np.asarray(estimate.innovation.value)
+            value, weight = estimate.innovation.value, estimate.innovation.covariance
             if innovation is None or innovation_covariance is None:
-                innovation = np.full((steps, len(value)), np.nan)
-                innovation_covariance = np.full((steps, len(value), len(value)), np.nan)
-            innovation[k] = value
-            innovation_covariance[k] = estimate.innovation.covariance
+                m = len(value)
+                innovation = np.full((steps, m), np.nan)
+                innovation_covariance = np.full((steps, m, m), np.nan)
+            m = innovation.shape[1]
+            innovation[k] = _check_array(value, (m,), "innovation", first + k)
+            innovation_covariance[k] = _check_array(
+                weight, (m, m), "innovation's covariance", first + k
+            )
     return Trajectory(state, covariance, innovation, innovation_covariance)
 
 
@@ -158,7 +163,26 @@ def _check_quantity(estimate: Estimate, name: str, size: int, step: int) -> Arra
     """A quantity of an estimate, (size,)."""
     if name not in estimate.quantities:
         raise ValueError(f"the estimate of step {step} has no {name}")
-    array = np.asarray(estimate.quantities[name], dtype=float)
-    if array.shape != (size,):
-        raise ValueError(f"the {name} of step {step} has the shape {array.shape}, not ({size},)")
-    return array
+    return _check_array(estimate.quantities[name], (size,), name, step)
+
+
+def _check_array(value: Any, shape: tuple[int, ...], what: str, step: int) -> Array:
+    """A value as real numbers of this shape; NumPy would stretch or cut others silently."""
+    array = np.asarray(value)
+    if array.shape != shape:
+        raise ValueError(f"the {what} of step {step} has the shape {array.shape}, not {shape}")
+    if array.dtype.kind not in "fiubO":
+        raise ValueError(f"the {what} of step {step} holds {array.dtype}, not real numbers")
+    return array.astype(float, copy=False)
+
+
+def _check_trajectory(trajectory: Trajectory, steps: int, size: int) -> None:
+    """Refuse the answer of `run_record` if it is not that of so many steps and components."""
+    if not isinstance(trajectory, Trajectory):
+        raise TypeError(f"run_record gave a {type(trajectory).__name__}, not a Trajectory")
+    state = np.asarray(trajectory.state)
+    if state.shape != (steps, size) or state.dtype.kind != "f":
+        raise ValueError(
+            f"run_record gave states of {state.dtype} and the shape {state.shape}, not numbers of "
+            f"the shape ({steps}, {size})"
+        )

@@ -83,7 +83,7 @@ def _add_weighted(
     means: dict[str, Mean], name: str, parts: Sequence[Array], covariance: Array
 ) -> None:
     """Add the mean square weighted with the inverse covariance, over the steps that have both."""
-    there = np.isfinite(covariance[:, 0, 0]) & np.isfinite(parts[-1][:, 0])
+    there = np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(parts[-1][:, 0])
     if there.any():  # after the settling time there may be no measurement
         weights = np.linalg.inv(covariance[there])
         products = _products([part[there] for part in parts], weights)

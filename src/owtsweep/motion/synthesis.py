@@ -26,15 +26,28 @@ def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], 
     InputError
         If there are no lines in it.
     """
+    inside = line_numbers(band, period)
+    numbers = np.arange(inside.start, inside.stop)
+    return numbers, numbers / period
+
+
+def line_numbers(band: tuple[float, float], period: float) -> range:
+    """The numbers that `lines` gives, as a range: it takes no memory, however many there are.
+
+    Raises
+    ------
+    InputError
+        If there are none.
+    """
     first = int(np.ceil(band[0] * period - 1e-9))
     last = int(np.floor(band[1] * period + 1e-9))
-    numbers = np.arange(max(first, 1), last + 1)
-    if len(numbers) == 0:
+    numbers = range(max(first, 1), last + 1)
+    if not numbers:
         raise InputError(
             f"band: [{band[0]:g}, {band[1]:g}] Hz holds no line of a record that is "
             f"{period / 2:g} s long; widen it or lengthen record.duration"
         )
-    return numbers, numbers / period
+    return numbers
 
 
 def synthesise(

@@ -23,11 +23,9 @@ from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve_all, under
 from owtsweep.studies.hub.schemes.stored import StoredScheme
 from owtsweep.studies.hub.sensors import Measurements, observe
+from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK
 from owtsweep.sweep.source import describe_source, explain_doubt
 from owtsweep.sweep.study import Block
-
-#: Replicates of one block: 0-7, 8-15, ...
-REPLICATES_PER_BLOCK = 8
 
 
 def plan(config: HubConfig) -> list[Block]:
@@ -188,6 +186,25 @@ def _by_kernels(
     }
     if not chains:
         return failed
+    try:
+        return failed | _run_chains(config, schemes, chains, records, amplitude)
+    except Exception as error:
+        if len(chains) == 1:
+            return failed | dict.fromkeys(chains, error)
+    # the chain of one scheme is no good: each alone, so that the others' results are not lost
+    for number in chains:
+        failed |= _by_kernels(config, {number: schemes[number]}, records, amplitude)
+    return failed
+
+
+def _run_chains(
+    config: HubConfig,
+    schemes: Mapping[int, Any],
+    chains: Mapping[int, Chain],
+    records: Records,
+    amplitude: float | None,
+) -> dict[int, pd.DataFrame]:
+    """The rows of some chains, which run side by side."""
     settled = _settled(config, records)
     keep = config.measures.extremes
     sums = sum_errors(list(chains.values()), records, settled, amplitude, keep_squared=keep)
@@ -195,7 +212,7 @@ def _by_kernels(
         _from_sums(of_scheme, schemes[number].name, records, amplitude)
         for number, of_scheme in zip(chains, sums, strict=True)
     ]
-    return failed | dict(zip(chains, _frames(tables), strict=True))
+    return dict(zip(chains, _frames(tables), strict=True))
 
 
 def _chains(
@@ -205,9 +222,16 @@ def _chains(
 
     def made(scheme: Any) -> Chain | Exception:
         try:
-            return chain_for_runs(scheme, records.sensors, config, records.steps)
+            chain: object = chain_for_runs(scheme, records.sensors, config, records.steps)
+        except KeyboardInterrupt:
+            raise
         except Exception as error:
             return error
+        except BaseException as error:  # a user's kernel may call sys.exit()
+            return RuntimeError(as_text(error))
+        if not isinstance(chain, Chain):
+            return TypeError(f"its kernel gives a {type(chain).__name__}, not a Chain")
+        return chain
 
     threads = min(_threads(config, schemes), len(schemes))
     if threads == 1:
@@ -254,10 +278,16 @@ def _by_loop(
     for part in records.parts():
         for index, replicate in enumerate(part.replicates):
             try:
-                measured = _looped(config, scheme, part, settled, amplitude, index)
-                yield measures.table(period, [replicate], scheme.name, measured, amplitude)
-            except (Exception, SystemExit) as error:  # a user's scheme may raise anything
-                yield measures.failed(period, replicate, scheme.name, as_text(error), amplitude)
+                with np.errstate(over="ignore", invalid="ignore"):  # told as the reason
+                    measured = _looped(config, scheme, part, settled, amplitude, index)
+                if not np.all(np.isfinite(measured.products)):
+                    raise ValueError("squares of the errors are too large, or no numbers")
+                rows = measures.table(period, [replicate], scheme.name, measured, amplitude)
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:  # a user's scheme may raise anything
+                rows = measures.failed(period, replicate, scheme.name, as_text(error), amplitude)
+            yield rows
 
 
 def _looped(

@@ -133,7 +133,7 @@ class Mhe(Section):
     interval: Positive = key(
         "T_m; whole IMU steps whose number divides the GNSS interval", unit="s"
     )
-    horizon: int = key("N_m, length of the window", unit="GNSS interval", ge=1)
+    horizon: int = key("N_m, length of the window", unit="GNSS interval", ge=1, le=1_000_000)
     arrival: Literal["mkf", "fixed", "none"] = key(
         "x_m0: a prior from the scheme's own past (mkf), the oldest state itself (fixed), or none"
     )

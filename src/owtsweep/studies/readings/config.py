@@ -22,8 +22,8 @@ class Calibration(Section):
         "name: overrides (sensor truth, record length, normalisation) under which published "
         "targets are searched, each on its own"
     )
-    trials: int = key("trials of each search: the same budget for every scheme", ge=1)
-    replicates: int = key("records per period that a trial is judged on", ge=1)
+    trials: int = key("trials of each search: the same budget for every scheme", ge=1, le=1_000_000)
+    replicates: int = key("records per period that a trial is judged on", ge=1, le=10_000)
     sampler_seeds: list[int] = key("a search is repeated with each of them", min_length=1)
 
 

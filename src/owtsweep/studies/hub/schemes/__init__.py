@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
@@ -19,6 +20,9 @@ REGISTERED = {
     "HME1": "delayed MKF, online smoother, predictor",
     "HME2": "HME1 fed by a moving horizon estimator",
 }
+
+#: What a scheme may have besides the contract.
+OPTIONAL = ("under", "kernel", "stream", "sections", "constrained")
 
 
 def resolve(entry: Any) -> Scheme:
@@ -79,32 +83,59 @@ def under(scheme: Scheme, tuning: Any) -> Scheme:
     A scheme whose properties depend on the tuning has a method `under(tuning)`: with constraints,
     for example, HME2 is not linear.
     """
-    if tuning is not None and hasattr(scheme, "under"):
-        return scheme.under(tuning)  # type: ignore[no-any-return]
-    return scheme
+    if tuning is None or not hasattr(scheme, "under"):
+        return scheme
+    with _blame(scheme.name, "its method `under` must return a scheme"):
+        formed: Scheme = scheme.under(tuning)
+        check_scheme(formed, scheme.name)
+    return formed
+
+
+@contextmanager
+def _blame(target: str, advice: str) -> Iterator[None]:
+    """Turn whatever a scheme's code raises into one line; only Ctrl-C goes through.
+
+    Raises
+    ------
+    InputError
+        It names the scheme.
+    """
+    try:
+        yield
+    except InputError as error:
+        told = str(error)
+        raise InputError(
+            told if told.startswith("schemes: ") else f"schemes: {target} is no scheme: {told}"
+        ) from None
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # it may even call sys.exit()
+        raise InputError(
+            f"schemes: {target} cannot be made ({as_text(error)}); {advice}"
+        ) from error
 
 
 def _instantiate(entry: Mapping[str, Any]) -> Scheme:
-    target = str(entry["_target_"])
-    module_name, _, class_name = target.rpartition(".")
+    target = entry["_target_"]
+    module_name, _, class_name = str(target).rpartition(".")
+    require(
+        class_name != "" and module_name.strip(".") != "" and not module_name.startswith("."),
+        f"schemes: _target_: {target!r} names no class; use {{_target_: package.Class}}",
+    )
     arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
-    try:
+    advice = "it must be importable from here (PYTHONPATH) and take the given arguments"
+    with _blame(target, advice):
         made = getattr(import_module(module_name), class_name)
         require(
             isinstance(made, type) and callable(getattr(made, "start", None)),
             "it is no class with a method start(sensors, tuning)",
         )
-        scheme = made(**arguments)
-    except InputError as error:
-        raise InputError(f"schemes: {target} is no scheme: {error}") from None
-    except (Exception, SystemExit) as error:  # a user's module may raise anything while it loads
-        text = as_text(error)
-        raise InputError(
-            f"schemes: {target} cannot be made ({text}); it must be importable from here "
-            "(PYTHONPATH) and take the given arguments"
-        ) from error
-    check_scheme(scheme, target)
-    return scheme  # type: ignore[no-any-return]
+        scheme: Scheme = made(**arguments)
+        check_scheme(scheme, target)
+        for name in OPTIONAL:  # a property that raises would do so in the middle of a sweep
+            getattr(scheme, name, None)
+        str(getattr(made, "version", ""))
+    return scheme
 
 
 def check_scheme(scheme: Any, target: str) -> None:
