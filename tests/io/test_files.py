@@ -74,11 +74,9 @@ def test_check_refuses_files_and_dangling_links_in_the_way(tmp_path, below):
         ("a" * 300, "File name too long"),
         ("a" * 150 + "/b" * 1900, "folders, one in the other"),
         ("/".join(["a" * 200] * 21), "File name too long"),
-        ("link", "is no folder"),
     ],
 )
-def test_check_refuses_what_is_too_long_or_leads_in_a_circle(tmp_path, below, says):
-    (tmp_path / "link").symlink_to(tmp_path / "link")
+def test_check_refuses_what_is_too_long(tmp_path, below, says):
     with pytest.raises(InputError, match=rf"^results: .* cannot be written \(.*{says}") as caught:
         check_writable(tmp_path / below)
     assert len(str(caught.value)) < 500
