@@ -15,7 +15,7 @@ from owtsweep.motion.recorded.formats.table import refuse, shorten
 #: Bytes of a longest line, and of the blocks that are read at once.
 BLOCK = 1 << 22
 #: A compressed file may unpack to this many bytes, or to this many times its size if that is more.
-MOST_UNPACKED, MOST_TIMES = 1_000_000_000, 100
+MOST_UNPACKED, MOST_TIMES = 300_000_000, 100
 
 
 class TextStream(io.RawIOBase):
@@ -49,7 +49,7 @@ class TextStream(io.RawIOBase):
         if self._left < 0:
             raise refuse(
                 self._path,
-                f"unpacks to more than {MOST_UNPACKED / 1e9:g} GB and {MOST_TIMES} times its size; "
+                f"unpacks to more than {MOST_UNPACKED / 1e6:g} MB and {MOST_TIMES} times its size; "
                 "unpack it yourself if you trust it",
             )
         end = max(chunk.rfind(b"\n"), chunk.rfind(b"\r"))
