@@ -86,7 +86,8 @@ class Description:
 
     def __str__(self) -> str:
         rows = f"{self.rows} rows" + (" looked at, the first of more" if self.cut else "")
-        lines = [f"{printable(str(self.path))}: {self.format}, {len(self.channels)} channels, {rows}", self.clock]
+        path = printable(str(self.path))
+        lines = [f"{path}: {self.format}, {len(self.channels)} channels, {rows}", self.clock]
         by_name = {channel.name: channel for channel in self.channels}
         if self.guess:
             lines += ["", "Guess of the mapping (change one by columns.ROLE=CHANNEL):"]
@@ -212,12 +213,14 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
         rate = 1.0 / median
         longest = max(LONGEST_GAP, 10 * median)
         holes = tuple(gap for gap in find_gaps(time[there]) if gap[1] - gap[0] > longest)
+    with np.errstate(over="ignore"):  # some hold 1e308, as a sign that a value is missing
+        mean, deviation = float(kept.mean()), float(kept.std())
     return Channel(
         name=name,
         unit=unit,
         missing=int(len(values) - len(kept)),
-        mean=float(kept.mean()),
-        deviation=float(kept.std()),
+        mean=mean,
+        deviation=deviation,
         smallest=float(kept.min()),
         largest=float(kept.max()),
         rate=rate,

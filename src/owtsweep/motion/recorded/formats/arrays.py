@@ -118,7 +118,7 @@ def _find_shape(
         if stream.tell() + size > member.file_size:
             name, there = member.filename, member.file_size
             raise refuse(path, f"{name} is to hold {size} bytes of numbers; {there} are there")
-        require_room(path, *shape, *((1,) if len(shape) == 1 else ()), shape[0])
+        require_room(path, shape[0], math.prod(shape[1:]), shape[0])
         return tuple(shape)
 
 
@@ -149,10 +149,15 @@ def open_parquet(path: Path) -> ChannelTable:
         stated = metadata.get(b"unit", metadata.get(b"units", b"")).decode(errors="replace")
         units.append("s" if pa.types.is_timestamp(field.type) else stated)
     names = number_repeats(schema.names)
+    # Texts may hold numbers. As a dictionary, one long text that stands in all rows is read once.
+    is_text = (pa.types.is_string, pa.types.is_large_string)
+    texts = [field.name for field in schema if any(test(field.type) for test in is_text)]
 
     def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
         try:
-            with parquet.ParquetFile(path, page_checksum_verification=True) as file:
+            with parquet.ParquetFile(
+                path, page_checksum_verification=True, read_dictionary=texts
+            ) as file:
                 return {name: _load_column(path, file, names.index(name), rows) for name in wanted}
         except InputError:
             raise
@@ -163,31 +168,31 @@ def open_parquet(path: Path) -> ChannelTable:
 
 
 def _load_column(path: Path, file: Any, place: int, rows: int | None) -> Array:
-    """One column, read in batches: a page may unpack to far more rows than are wanted.
-
-    Texts are refused before they are read, because a dictionary makes one long text many.
-    """
+    """One column, read in batches: a page may unpack to far more rows than are wanted."""
     import pyarrow as pa
 
     field = file.schema_arrow.field(place)
-    kind = field.type.value_type if pa.types.is_dictionary(field.type) else field.type
-    tests = ("integer", "floating", "boolean", "decimal", "timestamp", "null")
-    if not any(getattr(pa.types, f"is_{test}")(kind) for test in tests):
-        raise refuse(path, f"column {field.name} holds no numbers ({field.type})")
     number = file.schema_arrow.names[:place].count(field.name)  # among columns of that name
+    is_time = pa.types.is_timestamp(field.type)
     parts: list[Any] = []
     count, most = 0, MOST_VALUES if rows is None else rows
     for batch in file.iter_batches(batch_size=1 << 20, columns=[field.name], use_threads=False):
         part = batch.column(number)
-        if pa.types.is_timestamp(kind):
-            part = part.cast(pa.timestamp("ns")).cast(pa.int64())
-        else:
-            part = part.cast(pa.float64())
+        try:
+            if is_time:
+                part = part.cast(pa.timestamp("ns")).cast(pa.int64())
+            elif pa.types.is_dictionary(part.type):
+                part = part.dictionary.cast(pa.float64()).take(part.indices)
+            else:
+                part = part.cast(pa.float64())
+        except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
+            kind = field.type.value_type if pa.types.is_dictionary(field.type) else field.type
+            raise refuse(path, f"column {field.name} holds no numbers ({kind})") from None
         parts.append(part.to_numpy(zero_copy_only=False)[: most - count])
         count += len(parts[-1])
         if count >= most:
             break
     values = np.concatenate(parts) if parts else np.empty(0)
-    if pa.types.is_timestamp(kind) and len(values):
+    if is_time and len(values):
         return np.asarray((values - values[0]) * 1e-9, dtype=float)
     return np.array(values, dtype=float)

@@ -87,7 +87,7 @@ def _open_data(path: Path, file: Any, block: str) -> Any:
 
     group = _follow(path, file, block)
     data = _follow(path, group, "data") if isinstance(group, h5py.Group) else None
-    if data is None or data.ndim != 2 or data.dtype.kind not in "fiub":
+    if not isinstance(data, h5py.Dataset) or data.ndim != 2 or data.dtype.kind not in "fiub":
         raise refuse(path, f"is HDF5 but not gtsdf (no {block}/data)")
     return data
 

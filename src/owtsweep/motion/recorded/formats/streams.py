@@ -15,7 +15,7 @@ from owtsweep.motion.recorded.formats.table import refuse, shorten
 #: Bytes of a longest line, and of the blocks that are read at once.
 BLOCK = 1 << 22
 #: A compressed file may unpack to this many bytes, or to this many times its size if that is more.
-MOST_UNPACKED, MOST_TIMES = 300_000_000, 100
+MOST_UNPACKED, MOST_TIMES = 150_000_000, 50
 
 
 class TextStream(io.RawIOBase):
@@ -30,7 +30,7 @@ class TextStream(io.RawIOBase):
         require_regular(path)
         packed = path.suffix.lower() == ".gz"
         self._path = path
-        self._source = gzip.open(path) if packed else path.open("rb")
+        self._source = gzip.open(path) if packed else path.open("rb")  # noqa: SIM115
         size = path.stat().st_size
         self._left = max(MOST_UNPACKED, MOST_TIMES * size) if packed else math.inf
         self._line = 0

@@ -74,7 +74,7 @@ def make_safe(table: ChannelTable) -> ChannelTable:
     if len(table.names) > MOST_CHANNELS:
         many = len(table.names)
         raise refuse(table.path, f"has {many} channels; at most {MOST_CHANNELS} are read")
-    names = number_repeats([_tidy(name) for name in table.names])
+    names = number_repeats([tidy(name) for name in table.names])
     raw = dict(zip(names, table.names, strict=True))
 
     def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
@@ -87,7 +87,7 @@ def make_safe(table: ChannelTable) -> ChannelTable:
             require_room(table.path, len(values), len(wanted))
         return {name: loaded[raw[name]] for name in wanted}
 
-    return replace(table, names=names, units=tuple(map(_tidy, table.units)), load=load)
+    return replace(table, names=names, units=tuple(map(tidy, table.units)), load=load)
 
 
 def require_room(path: Path, rows: int, channels: int, whole: int | None = None) -> None:
@@ -106,7 +106,8 @@ def require_room(path: Path, rows: int, channels: int, whole: int | None = None)
     )
 
 
-def _tidy(text: str) -> str:
+def tidy(text: str) -> str:
+    """A name or unit that can be printed, cut to `LONGEST_NAME`."""
     text = printable(text)
     return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."
 

@@ -176,13 +176,13 @@ def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: st
     """
     names = split_fields(header.lstrip("#!%").strip(), ",")
     parts = len(fields)
-    if len(names) < parts <= 2 * len(names) and all(_INTEGER.match(field) for field in fields):
-        if any(_TIME.match(name) for name in names):
-            raise refuse(
-                path,
-                f"line {first + 1} has {parts} numbers below {len(names)} names: if these are "
-                "decimal commas, write numbers with a point, or semicolons between the columns",
-            )
+    whole = all(_INTEGER.match(field) for field in fields)
+    if whole and len(names) < parts <= 2 * len(names) and any(map(_TIME.match, names)):
+        raise refuse(
+            path,
+            f"line {first + 1} has {parts} numbers below {len(names)} names: if these are decimal "
+            "commas, write numbers with a point, or semicolons between the columns",
+        )
 
 
 def _find_delimiter(line: str) -> str:
