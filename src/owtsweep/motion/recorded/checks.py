@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import refuse
+from owtsweep.motion.recorded.formats.table import MOST_STEPS, refuse
 from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.timing import fit_comb
+from owtsweep.motion.recorded.timing import count_steps, fit_comb
 
 #: An axis with a larger mean measures gravity: it is not horizontal, or its unit is wrong.
 LARGEST_MEAN_FORCE = 5.0  # m/s^2
@@ -17,6 +17,8 @@ LARGEST_MEAN_FORCE = 5.0  # m/s^2
 LARGEST_JUMP = 1000.0  # m
 #: A larger range gets a note that asks whether the unit is right.
 LARGEST_RANGE = 100.0  # m
+#: A larger number, in SI units, is a wrong unit or damage.
+LARGEST_VALUE = 1e9
 FEWEST_SAMPLES = 32
 #: Shorter gaps are interpolated, and so are gaps of two and a half sampling intervals. Fixes and
 #: references may be missing for any time.
@@ -77,9 +79,30 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
         if count < fewest:
             raise refuse(recording.path, f"{name} has {count} values; at least {fewest} are needed")
         time, there = recording.series(role)
+        _check_extent(recording.path, role, name, time, there)
         notes += _check_sampling(recording.path, role, name, time, gaps)
         notes += _check_size(recording.path, role, name, time, there)
     return list(dict.fromkeys(notes))
+
+
+def _check_extent(path: Path, role: str, name: str, time: Array, values: Array) -> None:
+    """Raise if a number is absurd, or if a regular grid for these times would not fit in memory."""
+    largest = float(np.max(np.abs(values)))
+    if largest > LARGEST_VALUE:
+        raise refuse(
+            path,
+            f"{name} holds {largest:.3g} in SI units; more than {LARGEST_VALUE:g} cannot be: check "
+            f"units.{role}, and mark missing values as NaN",
+        )
+    steps = count_steps(time)
+    if not steps <= MOST_STEPS and not role.startswith("fix"):
+        raise refuse(
+            path,
+            f"{name} spans {time[-1] - time[0]:.3g} s at intervals of "
+            f"{np.median(np.diff(time)):.3g} s: that is a regular grid of {steps:.3g} times, "
+            f"{8e-9 * steps:.3g} GB a channel, and at most {MOST_STEPS} are made; does the time "
+            "jump?",
+        )
 
 
 def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) -> list[str]:

@@ -12,6 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.bandlimited import BandLimited
 from owtsweep.motion.recorded.checks import find_gaps
+from owtsweep.motion.recorded.formats.table import MOST_STEPS
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.timing import fit_comb
 
@@ -66,7 +67,7 @@ def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) ->
     Raises
     ------
     InputError
-        If the time that they have in common is less than a second.
+        If the time that they have in common is less than a second, or has too many steps.
     """
     spans = [recording.series(role)[0][[0, -1]] for role in roles]
     start = max(float(span[0]) for span in spans)
@@ -75,6 +76,12 @@ def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) ->
         raise InputError(
             f"{recording.path}: {', '.join(roles)} share {max(end - start, 0.0):.3g} s; at least "
             "1 s is needed"
+        )
+    if not (end - start) * rate <= MOST_STEPS:
+        raise InputError(
+            f"{recording.path}: {end - start:.4g} s at {rate:g} Hz are {(end - start) * rate:.3g} "
+            f"steps, {160e-9 * (end - start) * rate:.3g} GB; at most {MOST_STEPS} are run: check "
+            "units.time, cut the record into parts, or lower sensors.imu.rate"
         )
     return TimeGrid(start, rate, int(np.floor((end - start) * rate + 1e-6)) + 1)
 

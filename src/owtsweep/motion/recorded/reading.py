@@ -72,7 +72,8 @@ def _scale_to_si(
     shared = list(chosen.values()).count(chosen[role]) > 1  # one channel plays two roles
     if shared or not values.flags.writeable:
         values = values.copy()
-    values *= scale
+    with np.errstate(over="ignore"):  # infinite values count as missing
+        values *= scale
     return values
 
 

@@ -51,6 +51,12 @@ class Comb:
         return self.start + self.step * np.arange(self.count)
 
 
+def count_steps(time: Array) -> float:
+    """How many times a regular grid needs for increasing times, (n,) s; it may be infinite."""
+    with np.errstate(over="ignore"):
+        return float((time[-1] - time[0]) / np.median(np.diff(time))) + 1.0
+
+
 def fit_comb(time: Array) -> Comb:
     """Fit a comb to strictly increasing times, (n,) s with n >= 2; teeth may be missing.
 

@@ -23,6 +23,14 @@ from owtsweep.studies.replay.record import ReplayRecord, release_memory
 BEYOND = 2.0
 
 
+#: The measures of a record, which are columns of records.csv beside those of `replay.table`.
+FACTS = (
+    "duration", "rms", "peak", "direction", "direction_share", "natural_period",
+    "natural_period_error", "half_bandwidth", "half_bandwidth_error", "a", "b", "c", "band_share",
+    "fit_p",
+)  # fmt: skip
+
+
 @dataclass(frozen=True)
 class MotionSummary:
     """The horizontal motion of a record, in numbers.

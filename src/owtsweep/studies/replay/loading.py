@@ -12,7 +12,8 @@ from threading import Lock
 from typing import Any
 
 from owtsweep.config import require
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
+from owtsweep.io.reading import require_regular
 from owtsweep.motion.recorded import Recording, read
 from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
@@ -30,7 +31,7 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
     """Label -> file. A label is the file's name without endings, numbered if two are equal."""
     labels: dict[str, str] = {}
     for file in files:
-        stem = Path(file).name.split(".")[0] or Path(file).name
+        stem = printable(Path(file).name.split(".")[0] or Path(file).name)
         label, number = stem, 2
         while label in labels:
             label, number = f"{stem}-{number}", number + 1
@@ -51,6 +52,8 @@ def hash_file(file: str) -> str:
         parts = [path]
         if path.suffix.lower() in (".sel", ".dat"):
             parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
+        for part in parts:
+            require_regular(part)
         states = tuple((str(p), p.stat().st_size, p.stat().st_mtime_ns) for p in parts)
         return _hash(states)
     except OSError as error:

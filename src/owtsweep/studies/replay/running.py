@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import glob
+import os
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,7 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import changed, require
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
+from owtsweep.io.reading import require_regular
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import label_files, load_record
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
     from owtsweep.sweep.progress import Progress
     from owtsweep.sweep.run import Outcome
     from owtsweep.sweep.runs import Run
+
+#: Bytes of the name of a replay; its folder's name has 11 more, and file systems allow 255.
+LONGEST_EXPERIMENT = 244
 
 
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
@@ -66,7 +71,7 @@ def configure(
     experiment = config.experiment
     if len(paths) == 1 and experiment == "replay":
         stem = re.sub(r"[^\w.+,-]", "_", Path(paths[0]).name.split(".")[0])
-        experiment = f"replay-{stem}"
+        experiment = f"replay-{stem}".encode()[:LONGEST_EXPERIMENT].decode(errors="ignore")
     return changed(config, grid=grid, experiment=experiment)
 
 
@@ -81,8 +86,9 @@ def expand(words: Sequence[str]) -> list[str]:
     paths: dict[str, None] = {}
     for word in words:
         path = Path(word).expanduser()
-        if path.exists():
-            require(path.is_file(), f"{word}: this is a folder; name files, e.g. {word}/*.csv")
+        if os.path.exists(path):
+            require(not path.is_dir(), f"{word}: this is a folder; name files, e.g. {word}/*.csv")
+            require_regular(path)
             matches = [path]
         else:
             pattern = any(sign in word for sign in "*?[")
@@ -108,7 +114,7 @@ def verify(config: ReplayConfig) -> list[str]:
     read_sea_states(config)
     notes: dict[str, None] = {}
     for file in config.grid.files:
-        name = f"{Path(file).name}: " if len(config.grid.files) > 1 else ""
+        name = f"{printable(Path(file).name)}: " if len(config.grid.files) > 1 else ""
         notes |= {f"{name}{note}": None for note in load_record(config, file).notes}
     return list(notes)
 

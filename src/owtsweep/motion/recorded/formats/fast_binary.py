@@ -58,7 +58,7 @@ def open_fast_binary(path: Path) -> ChannelTable:
     """
     header = _read_header(path)
     load = partial(_load, path, header)
-    return ChannelTable(path, "FAST binary", header.names, header.units, load)
+    return ChannelTable(path, "FAST binary", header.names, header.units, load, header.steps)
 
 
 def _read_header(path: Path) -> Header:

@@ -9,6 +9,7 @@ are multiplied, below the line "Scale factors".
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -17,10 +18,15 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.io.reading import read_bytes, require_regular
+from owtsweep.motion.recorded.formats.streams import TextStream
 from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse, shorten
 
 SUMMARY_LINE = 8
 FIRST_CHANNEL = 12
+#: A .sel file takes some 150 bytes a channel.
+MOST_BYTES = 1 << 24
 NAME, UNIT = slice(12, 43), slice(43, 54)
 
 
@@ -53,16 +59,18 @@ def open_hawc2(path: Path) -> ChannelTable:
     other = find_companion(path, wanted)
     if other is None:
         raise refuse(path, f"HAWC2 output is two files; {path.with_suffix(wanted).name} is missing")
+    require_regular(other)
     sel, dat = (path, other) if wanted == ".dat" else (other, path)
     selection = _read_selection(sel)
     _check_length(dat, selection)
     load = partial(_load, dat, selection)
     kind = "ASCII" if selection.factors is None else "binary"
-    return ChannelTable(path, f"HAWC2, {kind}", selection.names, selection.units, load)
+    names, units = selection.names, selection.units
+    return ChannelTable(path, f"HAWC2, {kind}", names, units, load, selection.scans)
 
 
 def _read_selection(sel: Path) -> Selection:
-    lines = sel.read_text(encoding="latin-1").splitlines()
+    lines = read_bytes(sel, MOST_BYTES).decode("latin-1").splitlines()
     strange = refuse(sel, "is not a HAWC2 .sel file (line 9: scans, channels, time, ASCII/BINARY)")
     try:
         words = lines[SUMMARY_LINE].split()
@@ -70,7 +78,8 @@ def _read_selection(sel: Path) -> Selection:
     except (IndexError, ValueError):
         raise strange from None
     rows = lines[FIRST_CHANNEL : FIRST_CHANNEL + count]
-    if len(rows) != count or kind.upper() not in ("ASCII", "BINARY") or scans < 1:
+    possible = scans > 0 and count > 0 and 0.0 < duration < math.inf
+    if len(rows) != count or kind.upper() not in ("ASCII", "BINARY") or not possible:
         raise strange
     names = number_repeats([row[NAME].strip() or str(place + 1) for place, row in enumerate(rows)])
     units = (row[UNIT].strip() for row in rows)
@@ -120,13 +129,17 @@ def _load_text(
     import pandas as pd
 
     try:
-        frame = pd.read_csv(
-            dat, sep=r"\s+", header=None, names=range(len(selection.names)), usecols=places,
-            nrows=rows, dtype="float64",
-        )  # fmt: skip
+        with TextStream(dat) as stream:
+            frame = pd.read_csv(
+                stream, sep=r"\s+", header=None, names=range(len(selection.names)),
+                usecols=places, nrows=rows, dtype="float64", encoding_errors="replace",
+            )  # fmt: skip
+    except InputError:
+        raise
     except (ValueError, pd.errors.ParserError) as error:
         raise refuse(dat, f"cannot be read as numbers ({shorten(error, 160)})") from None
-    if rows is None and len(frame) < selection.scans:
+    wanted = selection.scans if rows is None else min(rows, selection.scans)
+    if len(frame) < wanted:
         raise refuse(dat, f"is cut short: {selection.scans} scans announced, {len(frame)} there")
     return {k: frame[k].to_numpy(dtype=float) for k in places}
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +14,7 @@ from owtsweep.figures.palette import style_of
 from owtsweep.figures.time_histories import UNITS, Band, Curve, Level, Panel
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.traces import Traces, collect_traces
+from owtsweep.studies.replay.figures.words import name_file
 from owtsweep.studies.replay.measures import QUANTILE
 from owtsweep.studies.replay.session import Session
 from owtsweep.studies.replay.states import FilterStates
@@ -62,7 +62,7 @@ def draw(
     return time_histories.draw(
         panels,
         title=f"{time_histories.describe(quantity)}{_name_part(session, shown, zoom=zoom)}: "
-        f"{Path(session.record.file).name}, tuning: {config.tuning}",
+        f"{name_file(session.record.file)}, tuning: {config.tuning}",
         footnote=_explain(session, quantity, shown),
         time_label="time on the file's clock (s)",
         shared=True,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.figures.words import name_file
 from owtsweep.studies.replay.place import compute_rms_in_band, expect_map, find_place
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
         axes.set_xlabel("natural period (s)")
         axes.set_ylabel("amplitude: largest displacement (m)")
         axes.set_title(
-            f"Place of {Path(str(record['file'])).name} in the map of the best scheme\n"
+            f"Place of {name_file(str(record['file']))} in the map of the best scheme\n"
             f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}",
             loc="left",
         )

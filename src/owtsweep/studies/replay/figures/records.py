@@ -9,6 +9,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.figures.words import as_plain
 from owtsweep.studies.replay.seastates import find_axes, read_sea_states
 
 if TYPE_CHECKING:
@@ -52,8 +53,8 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             for axis, name in ((axes.xaxis, first), (axes.yaxis, second)):
                 if shown[name].nunique() <= MOST_TICKS:
                     axis.set_ticks(sorted(shown[name].unique()))
-        axes.set_xlabel(_LABELS.get(first, first))
-        axes.set_ylabel(_LABELS.get(second, second))
+        axes.set_xlabel(_LABELS.get(first, as_plain(first)))
+        axes.set_ylabel(_LABELS.get(second, as_plain(second)))
         axes.grid(visible=False)
         window = style.describe_window(config.measures.window)
         axes.set_title(
