@@ -180,12 +180,12 @@ class Executor:
             options = {"backend": Backend(self.client), "pre_dispatch": self.workers or "2*n_jobs"}
         else:
             workers = min(self.workers, tasks)
-            # With one job joblib would run it in this process, and a block may kill its process.
-            least = 2 if self.work.backend == "loky" else 1
+            # With one job joblib would run it in this thread: it could kill this process, and
+            # neither would Ctrl-C end it nor could its own KeyboardInterrupt be told from Ctrl-C.
             options = {
-                "n_jobs": max(workers, least),
+                "n_jobs": max(workers, 2),
                 "backend": self.work.backend,
-                "pre_dispatch": workers if workers < least else "2*n_jobs",
+                "pre_dispatch": 1 if workers == 1 else "2*n_jobs",
             }
         return Parallel(return_as="generator_unordered", batch_size=1, **options)
 
