@@ -16,6 +16,7 @@ from typing import NoReturn
 
 from owtsweep import __version__
 from owtsweep.errors import InputError
+from owtsweep.io.log_lines import Lines
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -179,8 +180,8 @@ def _warnings_to_stderr() -> None:
     if not logger.handlers:
         handler = logging.StreamHandler()
         handler.setLevel(logging.WARNING)
-        handler.addFilter(lambda record: not record.getMessage().startswith("failed: "))
-        handler.setFormatter(logging.Formatter("owtsweep: %(message)s"))
+        handler.addFilter(lambda record: not str(record.msg).startswith("failed: "))
+        handler.setFormatter(Lines("owtsweep: %(message)s"))
         logger.addHandler(handler)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from owtsweep.errors import printable
 from owtsweep.sweep.study import FAILED, OK, UNABLE, Block, Study
 
 if TYPE_CHECKING:
@@ -51,4 +52,4 @@ def collect_setbacks(block: Block, rows: pd.DataFrame, status: str) -> list[Setb
         return []  # saves time: counting nothing with pandas takes longer than writing a shard
     reasons = rows.loc[rows["status"] == status, "reason"].fillna("no reason given").value_counts()
     each = block.cases_per_row
-    return [Setback(block.label, str(reason), each * int(n)) for reason, n in reasons.items()]
+    return [Setback(block.label, printable(str(reason)), each * int(n)) for reason, n in reasons.items()]
