@@ -10,6 +10,7 @@ import logging
 import os
 import signal
 import sys
+import threading
 import time
 import warnings
 from asyncio import CancelledError
@@ -61,8 +62,8 @@ class DummyStudy:
 
     `faults` says at which block (by its label) what happens: "raise", "memory", "exit", "silent"
     (no rows), "statusless" (rows of the wrong shape), "interrupt" (Ctrl-C to the sweep), "kill"
-    (the worker process dies), "slow", "log", those of `BASE`, and those of `ROWS`, where cases have
-    no number.
+    (the worker process dies), "thread" (one that never ends), "slow", "log", those of `BASE`, and
+    those of `ROWS`, where cases have no number.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -120,6 +121,8 @@ class DummyStudy:
                 raise BASE[fault]
             if fault == "kill" and os.getpid() != self.parent:
                 os.kill(os.getpid(), signal.SIGKILL)
+            if fault == "thread":
+                threading.Thread(target=threading.Event().wait, daemon=False).start()
             if fault == "slow":
                 time.sleep(0.1)
             if fault == "log":

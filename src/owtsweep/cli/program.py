@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -15,7 +16,7 @@ from itertools import pairwise
 from typing import NoReturn
 
 from owtsweep import __version__
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.log_lines import Lines
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -166,6 +167,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # `owtsweep list | head`
         sys.stderr.close()
         return DONE
+    except OSError as error:  # stdout on a full disk, a folder that is gone
+        print(f"owtsweep: {as_text(error)}", file=sys.stderr)
+        return FAILED
 
 
 def same_command(arguments: Sequence[str]) -> str:
@@ -191,13 +195,37 @@ def _run(arguments: list[str]) -> int:
         parser.print_help()
         return BAD_INPUT
     name = arguments[0]
+    require(_here_exists(), "the current folder has been deleted; change to one that exists")
     if name in COMMANDS:
         # Intermixed parsing lets flags stand anywhere among the overrides.
         options = parser.commands[name].parse_intermixed_args(_without_cfg_kind(arguments))
     else:
         options = parser.parse_args(arguments)  # --help, or an error that names the commands
     module = import_module(f"owtsweep.cli.{name}")
-    return int(module.run(options, arguments))
+    try:
+        return int(module.run(options, arguments))
+    except Exception as error:
+        raise_interrupt(error)
+        raise
+
+
+def raise_interrupt(error: BaseException) -> None:
+    """Raise KeyboardInterrupt if this error is one in disguise.
+
+    A library that is interrupted in the middle of something may fail in another way then.
+    """
+    earlier = error.__context__
+    while earlier is not None and not isinstance(earlier, KeyboardInterrupt):
+        earlier = earlier.__context__
+    if earlier is not None:
+        raise KeyboardInterrupt from error
+
+
+def _here_exists() -> bool:
+    try:
+        return bool(os.getcwd())
+    except FileNotFoundError:
+        return False
 
 
 def _without_cfg_kind(arguments: list[str]) -> list[str]:

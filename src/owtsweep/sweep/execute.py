@@ -239,15 +239,16 @@ def shared_token(folder: Path) -> Iterator[str | None]:
 
 @contextmanager
 def _hold_interrupts(hold: bool) -> Iterator[None]:
-    """Delay Ctrl-C while processes are started.
+    """Delay Ctrl-C and the end of the terminal while processes are started.
 
-    The processes inherit the blocked signal, so a process that is still loading its libraries does
-    not die of Ctrl-C with a traceback.
+    The processes inherit the blocked signals. Both reach the whole group: a process that is still
+    loading its libraries would die of Ctrl-C with a traceback, and joblib's own process that
+    tidies up would die of the other, with one traceback for each thing that it knew.
     """
     if not hold or threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT, signal.SIGHUP])
     try:
         yield
     finally:
