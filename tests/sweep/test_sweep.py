@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import tempfile
 import time
 
@@ -332,4 +333,13 @@ def test_failures_are_grouped_by_reason():
 def test_a_backend_that_is_none_is_told(study, config, monkeypatch):
     monkeypatch.setattr(type(study), "backend", lambda self, config: "threads")
     with pytest.raises(InputError, match=r"^study dummy: its backend is 'threads'; a study says"):
+        sweep(study, config())
+
+
+@pytest.mark.parametrize("name", ["run.log", "manifest.json"])
+def test_a_pipe_in_place_of_a_file_is_refused(study, config, name):
+    run = sweep(study, config()).run
+    (run.folder / name).unlink()
+    os.mkfifo(run.folder / name)
+    with pytest.raises(InputError, match=f"{name}: this is a pipe or a device where a file"):
         sweep(study, config())

@@ -1,4 +1,4 @@
-"""Logged messages as lines that a terminal can be given; schemes and libraries log what they like."""
+"""Logged messages as printable lines: schemes and libraries log what they like."""
 
 from __future__ import annotations
 

@@ -52,4 +52,6 @@ def collect_setbacks(block: Block, rows: pd.DataFrame, status: str) -> list[Setb
         return []  # saves time: counting nothing with pandas takes longer than writing a shard
     reasons = rows.loc[rows["status"] == status, "reason"].fillna("no reason given").value_counts()
     each = block.cases_per_row
-    return [Setback(block.label, printable(str(reason)), each * int(n)) for reason, n in reasons.items()]
+    return [
+        Setback(block.label, printable(str(reason)), each * int(n)) for reason, n in reasons.items()
+    ]
