@@ -1,4 +1,4 @@
-"""Ways to make a file hostile. Each takes the path of a good file and leaves something bad there."""
+"""Ways to make a file hostile: each takes a good file and leaves something bad in its place."""
 
 from __future__ import annotations
 

@@ -85,8 +85,7 @@ def run(main: Callable[[list[str]], int], argv: Sequence[str]) -> Ended:
         try:
             code = main(list(argv))
         except SystemExit as ended:  # of --help and --version
-            assert ended.code in (0, None), f"owtsweep {' '.join(argv)}: SystemExit {ended.code}"
-            code = 0
+            code = 0 if ended.code in (0, None) else -1
         except Exception as error:
             raise AssertionError(f"owtsweep {' '.join(argv)!r:.300}: {error!r:.500}") from error
     return Ended(code, *(_text(stream) for stream in (out, err)))
@@ -125,16 +124,16 @@ def _limit_time(argv: Sequence[str]) -> Iterator[None]:
 def _forbid_processes() -> Iterator[None]:
     """Let no process start but git, which the manifest asks for the commit."""
     system, start = os.system, subprocess.Popen.__init__
+    harm: list[object] = []
 
     def refuse(self: object, arguments: Sequence[str], *rest: object, **options: object) -> None:
-        assert arguments[0] in ("git", "uname"), f"a process was started: {arguments}"
+        if arguments[0] not in ("git", "uname"):
+            harm.append(arguments)
         start(self, arguments, *rest, **options)  # type: ignore[arg-type]
 
-    def harm(command: str) -> int:
-        raise AssertionError(f"os.system was called: {command}")
-
-    os.system, subprocess.Popen.__init__ = harm, refuse  # type: ignore[method-assign, assignment]
+    os.system, subprocess.Popen.__init__ = harm.append, refuse  # type: ignore
     try:
         yield
     finally:
-        os.system, subprocess.Popen.__init__ = system, start  # type: ignore[method-assign]
+        os.system, subprocess.Popen.__init__ = system, start  # type: ignore
+    assert not harm, f"processes were started: {harm}"

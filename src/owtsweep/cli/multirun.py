@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM, raise_interrupt
 from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, dump
 from owtsweep.config.composition import compose_hydra, quote_home
@@ -105,10 +105,10 @@ class Job:
             name = run_folder(config).name
             code = run_one(config, self.argv)
             reason = _describe_failures(run_folder(config)) if code else ""
-        except InputError as error:
-            code, reason = BAD_INPUT, str(error)
         except Exception as error:  # after any error the other runs go on
-            code, reason = FAILED, as_text(error)
+            raise_interrupt(error)
+            refused = isinstance(error, InputError)
+            code, reason = (BAD_INPUT, str(error)) if refused else (FAILED, as_text(error))
             logger.debug("run %s", name, exc_info=True)
         outcome = JobOutcome(name, task, code, reason)
         file = Path(self.folder) / OUTCOMES / f"{name}.json"

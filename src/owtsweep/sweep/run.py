@@ -120,7 +120,11 @@ def _prepare(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
         check_writable(folder)
     for name in (*texts, "manifest.json", "run.log"):
         path = run.folder / name
-        require(not path.is_dir(), f"{path}: this is a folder where a file belongs; move it away")
+        kind = "folder" if path.is_dir() else "pipe or a device"
+        require(
+            path.is_file() or not path.exists(),
+            f"{path}: this is a {kind} where a file belongs; move it away",
+        )
     if run.config.name is not None and not fresh:
         _require_same_run(run)
     try:
