@@ -188,7 +188,7 @@ def test_a_path_that_is_none(
 
 
 @pytest.mark.faults
-@pytest.mark.parametrize("seed", range(1500))
+@pytest.mark.parametrize("seed", range(700))
 def test_flipped_bits_of_a_run(seed: int, copy: Copy) -> None:
     run = copy("a")
     chosen = random.Random(seed)
@@ -197,7 +197,7 @@ def test_flipped_bits_of_a_run(seed: int, copy: Copy) -> None:
 
 
 @pytest.mark.faults
-@pytest.mark.parametrize("seed", range(1500))
+@pytest.mark.parametrize("seed", range(700))
 def test_flipped_bits_of_a_recording(seed: int, copy: Copy) -> None:
     chosen = random.Random(seed)
     path = copy(f"records/{chosen.choice(RECORDS)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -93,7 +94,7 @@ def _reading(path: Path) -> Iterator[None]:
         raise
     except (
         zipfile.BadZipFile, zlib.error, OSError, EOFError, ValueError, RuntimeError, TypeError,
-        KeyError, OverflowError,
+        KeyError, OverflowError, tokenize.TokenError,
     ) as error:  # fmt: skip
         raise refuse(path, f"is not a whole .npz archive ({shorten(error)})") from None
 
