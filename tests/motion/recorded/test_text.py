@@ -11,7 +11,7 @@ import pytest
 
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded import describe, open_table, read
-from owtsweep.motion.recorded.formats import streams
+from owtsweep.motion.recorded.formats import streams, text
 from owtsweep.motion.recorded.formats.text import open_text
 
 TIME = np.arange(200) / 20.0
@@ -149,11 +149,12 @@ def test_whole_numbers_first_and_decimal_commas_later(tmp_path: Path) -> None:
     assert recording.channels["position_x"][-1] == 0.25
 
 
-@pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "utf-8-sig"])
-def test_units_that_are_no_ascii(tmp_path: Path, encoding: str) -> None:
-    path = tmp_path / "r.csv"
-    path.write_bytes(table(",", ("time [s],x [m],yaw [°]",)).encode(encoding))
-    assert read(path, columns={"yaw": "yaw"}).channels["yaw"][0] == pytest.approx(np.deg2rad(Y[0]))
+def test_head_that_ends_inside_a_letter_is_still_utf_8(tmp_path: Path, monkeypatch) -> None:
+    lines = ["time [s],x [m],yaw [°],site", *(f"{k},0,90,é" for k in range(40))]
+    raw = "\n".join(lines).encode()
+    monkeypatch.setattr(text, "HEAD", raw.rindex("é".encode()) + 1)
+    (tmp_path / "r.csv").write_bytes(raw)
+    assert open_table(tmp_path / "r.csv").units[2] == "°"
 
 
 def test_text_in_utf_16_says_so(tmp_path: Path) -> None:
