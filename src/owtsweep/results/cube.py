@@ -1,4 +1,4 @@
-"""Values of a run as arrays over schemes, conditions, measures, windows and replicates."""
+"""The values of a run as arrays: axes are schemes, conditions, measures, windows, replicates."""
 
 from __future__ import annotations
 
@@ -22,10 +22,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Cube:
-    """The values of a run as arrays over all combinations of labels, NaN where there is no value.
+    """The values of a run as arrays, with one axis each for scheme, conditions, measure and so on.
 
-    Below, `outer` means all conditions except the last, one axis each. Superposed values are
-    computed on request, because for all amplitudes of a large study they would not fit into memory.
+    An element is NaN where there is no value. Below, "outer conditions" are all but the last; each
+    of them has an axis. A superposed row serves all amplitudes, the values of the last condition.
+    Its values are computed on request, because those of a large study would not fit into memory.
 
     Attributes
     ----------
@@ -34,12 +35,13 @@ class Cube:
     conditions, levels
         The study's conditions, and the values of each.
     products
-        (3, scheme, *outer, measure, window, replicate): `PRODUCTS`; None without superposed rows.
+        `PRODUCTS` of superposed rows, shape (3, scheme, *outer, measure, window, replicate); None
+        without superposed rows.
     direct
-        (scheme, *conditions, measure, window, replicate): values of rows that have a value of the
-        last condition; None without such rows.
+        Values of rows that have a value of the last condition, shape
+        (scheme, *conditions, measure, window, replicate); None without such rows.
     unable
-        Schemes that were unable to work in a cell: scheme, conditions, reason.
+        One line per scheme and cell in which it was unable to work: scheme, conditions, reason.
     """
 
     schemes: tuple[str, ...]
@@ -63,29 +65,39 @@ class Cube:
         return [condition.name for condition in self.conditions]
 
     def outer_places(self) -> Iterator[tuple[int, ...]]:
-        """Every combination of the outer conditions as indices; the last index changes fastest.
+        """Yield every combination of the outer conditions as indices; the last changes fastest.
 
-        None if the cube is empty.
+        The outer conditions are all but the last. Nothing is yielded if the cube is empty.
         """
         if not self.empty:
             yield from np.ndindex(*(len(levels) for levels in self.levels[:-1]))
 
     def name_outer(self, place: tuple[int, ...]) -> dict[str, Value]:
-        """The values of the outer conditions at these indices."""
+        """Return name -> value of all conditions but the last, given their indices."""
         outer = zip(self.names, self.levels, place, strict=False)  # the last condition has no index
         return {name: levels[index] for name, levels, index in outer}
 
     def values(self, scheme: int, place: tuple[int, ...], measures: Any = slice(None)) -> Array:
-        """(last condition, measure, window, replicate): values of one scheme at one place.
+        """Return the values of one scheme at one place of the outer conditions.
 
         Parameters
         ----------
         scheme
-            Its index.
+            Index of the scheme.
         place
-            Indices of the outer conditions.
+            Indices of all conditions but the last.
         measures
             The measures as a slice or a list of indices.
+
+        Returns
+        -------
+        array
+            Axes: value of the last condition, measure, window, replicate. NaN without a value.
+
+        Raises
+        ------
+        ValueError
+            If the cube is empty.
         """
         here: Any = (scheme, *place)
         result: Array | None = None
@@ -102,9 +114,10 @@ class Cube:
     def label(
         self, scheme: int, place: tuple[int, ...], indices: Sequence[NDArray[np.intp]]
     ) -> dict[str, Any]:
-        """The labels of some of `values(scheme, place)` as columns, given their indices per axis.
+        """Return the labels of some elements of `values(scheme, place)` as columns: name -> labels.
 
-        Without indices of the replicates there is no column for them.
+        `indices` has one array of indices for each axis of `values`. Without an array for the
+        replicates there is no column of replicates.
         """
         import pandas as pd
 
@@ -116,7 +129,10 @@ class Cube:
         return columns
 
     def to_table(self) -> pd.DataFrame:
-        """One line per value: scheme, conditions, measure, window, replicate, value."""
+        """Make a table of one line per value.
+
+        Columns: scheme, conditions, measure, window, replicate, value.
+        """
         import pandas as pd
 
         columns = ["scheme", *self.names, "measure", "window", "replicate", "value"]
@@ -139,21 +155,26 @@ class Cube:
         *,
         measures: Sequence[str] = (),
     ) -> Cube:
-        """Make the cube from a run's rows; it takes a tenth of the memory of `to_table`.
+        """Make a cube from a run's rows. A cube takes a tenth of the memory of its `to_table`.
 
         Parameters
         ----------
         rows
-            The rows of a run's cases. Those that failed or have no finite number are left out, and
-            so is a scheme in a cell that it is unable to work in.
+            The rows of a run's cases. Left out are rows that failed or have no finite number, and
+            all rows of a scheme in a cell in which it was unable to work.
         schemes
             The schemes that take part.
         conditions
-            The study's.
+            The study's conditions.
         grid
-            Their values. Rows at other values of a condition that expands are left out.
+            Condition -> its values. Rows at other values of a condition that expands are left out.
         measures
-            The order of measures in tables; others follow alphabetically.
+            The order of measures in tables. Measures that are not listed follow alphabetically.
+
+        Raises
+        ------
+        InputError
+            If the conditions are not usable, or the rows have two values for one case.
         """
         require_usable(conditions)
         unable = list_unable(rows[rows["scheme"].isin(list(schemes))], conditions, grid)
@@ -191,7 +212,7 @@ class Cube:
 
 
 def join_lines(parts: Sequence[pd.DataFrame], columns: Sequence[str]) -> pd.DataFrame:
-    """The lines of some tables with these columns as one table."""
+    """Join tables with these columns, one below the other."""
     import pandas as pd
 
     filled = [part for part in parts if len(part)]
@@ -201,7 +222,11 @@ def join_lines(parts: Sequence[pd.DataFrame], columns: Sequence[str]) -> pd.Data
 def _choose(
     rows: pd.DataFrame, schemes: Sequence[str], last: Condition, grid: Grid
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Masks of the rows to use: superposed rows, and rows with a value of the last condition."""
+    """Choose the rows to use; return two masks.
+
+    The first mask marks superposed rows, which serve all values of the last condition. The second
+    marks rows that have one value of the last condition.
+    """
     finished = ((rows["status"] == OK) & rows["scheme"].isin(list(schemes))).to_numpy()
     direct = finished & np.isfinite(rows["value"].to_numpy(dtype=float))
     if not last.expands:
@@ -214,10 +239,10 @@ def _choose(
 
 
 def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
-    """(amplitude, measure, window, replicate) from products (3, measure, window, replicate).
+    """Compute values at all amplitudes from products (3, measure, window, replicate).
 
-    The longer of the axes amplitude and replicate is innermost in memory, where loops and sums are
-    fastest.
+    The axes of the result are amplitude, measure, window, replicate. The longer of the axes
+    amplitude and replicate is innermost in memory, where loops and sums are fastest.
     """
     N = np.asarray(amplitudes)
     if len(N) <= products.shape[-1]:
@@ -235,7 +260,15 @@ def _arrange(
     axes: Sequence[str],
     columns: Sequence[str],
 ) -> Array:
-    """(columns, *axes): columns of the chosen rows, NaN where there is no row."""
+    """Arrange columns of the chosen rows as an array with the axes (columns, *axes).
+
+    `labels` gives the labels of each axis. An element is NaN where there is no row.
+
+    Raises
+    ------
+    InputError
+        If two rows belong to the same element.
+    """
     import pandas as pd
 
     place = np.zeros(int(chosen.sum()), dtype=np.intp)
@@ -256,7 +289,7 @@ def _arrange(
 
 
 def _of(rows: pd.DataFrame, name: str, chosen: NDArray[np.bool_]) -> Any:
-    """A column of the chosen rows, without a copy if all rows are chosen."""
+    """Return a column of the chosen rows, without a copy if all rows are chosen."""
     column = rows[name].array
     return column if chosen.all() else column[chosen]
 
