@@ -1,4 +1,4 @@
-"""Refuses settings that cannot work together, before a run; each message says what would work.
+"""Refuses settings that cannot work together, before a run. Each message says what would work.
 
 Types and bounds of single keys are declared in `config`.
 """
@@ -18,14 +18,21 @@ from owtsweep.studies.hub.schemes import resolve_all
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig, Mhe
 
-#: Longest record that fits a machine's memory: 1e8 steps take gigabytes.
+#: Greatest number of steps of a record: 1e8 steps take gigabytes of memory.
 MOST_STEPS = 100_000_000
-#: A time counts as a multiple of a step if it is one within this fraction of the step.
+#: A time counts as a multiple of a step if it differs from one by less than this fraction of the
+#: step.
 GRAIN = 1e-6
 
 
 def check(config: HubConfig) -> None:
-    """Raise `InputError` for the first setting that cannot work."""
+    """Check that the settings of a run can work together.
+
+    Raises
+    ------
+    InputError
+        For the first setting that cannot work; the message says what would work.
+    """
     _check_sensors(config)
     _check_record(config)
     _check_spectrum(config)
@@ -44,7 +51,7 @@ def check(config: HubConfig) -> None:
 
 
 def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
-    """Refuse settings for which the expectation cannot be computed without records."""
+    """Refuse settings with which the engine `expected` cannot work, because it runs no records."""
     require(
         not config.measures.extremes,
         "measures.extremes: largest errors need records; use engine=batch",

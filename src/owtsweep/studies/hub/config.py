@@ -72,7 +72,7 @@ class SensorConfig(Section):
 
 
 class Variance(Section):
-    """A measurement variance: computed by a rule from the sensor's sigma, times `scale`."""
+    """The variance of a measurement: computed by a rule from the sensor's sigma, times `scale`."""
 
     rule: Literal["sigma2", "sigma2_over_step", "sigma2_times_ratio"] = key(
         "sigma2: sigma^2; sigma2_over_step: sigma^2 / T_a, Eq. (10f) on a per-sample variance; "
@@ -82,7 +82,7 @@ class Variance(Section):
 
 
 class FilterTuning(Section):
-    """One Kalman filter: model, discretisation, update rule and covariances."""
+    """The tuning of one Kalman filter: model, discretisation, update rule and covariances."""
 
     model: Literal["sigma1", "sigma2"] = key(
         "Sigma_1 estimates the acceleration; Sigma_2 takes it as an input"
@@ -171,7 +171,7 @@ class Mhe(Section):
 
     @property
     def bounds(self) -> tuple[float, float, float]:
-        """Bounds of |p|, |v| and |b^b|; infinite where there is none."""
+        """The bounds of position, velocity and bias (magnitudes); infinite where there is none."""
         limits = self.constraints or Constraints()
         values = (limits.position, limits.velocity, limits.bias)
         p, v, b = (float("inf") if value is None else value for value in values)
@@ -188,7 +188,7 @@ class Hme(Section):
 
 
 class Measures(Section):
-    """The measures to compute, and the criterion of the map."""
+    """The measures to compute, and the criterion by which the map shows the best scheme."""
 
     settling_time: NotNegative = key("left out of the window settled", unit="s")
     window: Literal["full", "settled"] = key("the window that the map judges")
@@ -241,7 +241,13 @@ class HubConfig(Config):
     measures: Measures = key("what is measured, and what the map judges")
 
     def check(self) -> None:
-        """Raise `InputError` for values that cannot work together."""
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If they cannot; the message says what would work.
+        """
         super().check()
         from owtsweep.studies.hub.checks import check
 

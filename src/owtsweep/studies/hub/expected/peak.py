@@ -46,7 +46,7 @@ def peak_factors(config: HubConfig, periods: Sequence[float]) -> Array:
 
 
 def ladder(config: HubConfig, periods: Sequence[float]) -> list[float]:
-    """Return the fixed periods (rungs) that `peak_factors` needs for the given periods, all in s."""
+    """Return the fixed periods (rungs), s, that `peak_factors` needs for the given periods, s."""
     return sorted({rung for period in periods for rung in _list_rungs(config, period)})
 
 
