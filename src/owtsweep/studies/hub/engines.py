@@ -47,7 +47,7 @@ class _Engine:
 
 
 class RecordsEngine(_Engine):
-    """The engine of `engine: batch` and `engine: reference`: estimators run on simulated records."""
+    """The engine of `engine: batch` and `engine: reference`: runs schemes on simulated records."""
 
     samples = True
     plan = staticmethod(blocks.plan)
