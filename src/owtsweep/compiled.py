@@ -85,7 +85,10 @@ def announce(directory: Path) -> None:
 
 @cache
 def _announce_when_compiling() -> None:
-    """Call `announce` as soon as a kernel of this package is compiled, not read from the cache."""
+    """Make numba call `announce` whenever it compiles a kernel of this package.
+
+    Reading a kernel from the cache does not count.
+    """
     from numba.core import event
 
     class Listener(event.Listener):  # type: ignore[misc]

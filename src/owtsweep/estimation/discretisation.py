@@ -1,4 +1,4 @@
-"""From continuous to discrete time, Eq. (10) of Ren et al. (2019)."""
+"""Turns models in continuous time into discrete ones, Eq. (10) of Ren et al. (2019)."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ TOLERANCE = 1e-13
 
 @dataclass(frozen=True)
 class GainSchedule:
-    """Gains and covariances of every step: one row per step, until the rows repeat.
+    """The filter's gains and covariances: one row per step, until the rows repeat.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class GainSchedule:
 
     @property
     def rows(self) -> int:
-        """Number of stored rows."""
+        """The number of stored rows."""
         return len(self.K)
 
     def row(self, step: NDArray[np.int64] | int) -> NDArray[np.int64]:

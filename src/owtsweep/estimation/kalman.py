@@ -39,7 +39,9 @@ TOLERANCE = 1e-13
 
 @dataclass(frozen=True)
 class Gains:
-    """Gains and covariances for each pattern of losses; they do not depend on data.
+    """The filter's gains and covariances for each pattern of losses; they do not depend on data.
+
+    The model has n states, and a measurement has m components.
 
     Attributes
     ----------

@@ -27,7 +27,7 @@ FEASIBILITY = 1e-8
 
 @dataclass(frozen=True)
 class WindowWeights:
-    """Weights of the terms of Eq. (11a), per axis.
+    """The weights of the terms of Eq. (11a) of Ren et al. (2019), for one axis.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ def window_map(
 
 
 class CasadiWindow:
-    """Eq. (11) of Ren et al. (2019) as an optimisation problem, solved by CasADi.
+    """The optimisation problem of a window, Eq. (11) of Ren et al. (2019), solved by CasADi.
 
     It tests `window_map`, which solves the same problem in closed form. Only this class can solve a
     window with constraints. Two axes are solved at once: the states are x, y, v_x, v_y, b_x, b_y

@@ -32,7 +32,7 @@ def powers(A: Array, count: int) -> Array:
 
 @dataclass(frozen=True)
 class PredictionNoise:
-    """How noise enters a prediction over some number of steps.
+    """The ways in which noise enters a prediction over some number of steps.
 
     Attributes
     ----------

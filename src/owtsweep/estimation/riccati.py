@@ -35,7 +35,10 @@ class TwoRates(NamedTuple):
 
 
 class Pattern(NamedTuple):
-    """Steps between slow measurements: `start_interval` until `start_steps`, then `interval`."""
+    """The steps between slow measurements.
+
+    They are `start_interval` before the step `start_steps`, and `interval` from it on.
+    """
 
     interval: int
     start_interval: int

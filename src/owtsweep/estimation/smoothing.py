@@ -1,4 +1,4 @@
-"""Smoothing: the state of each step given later measurements too.
+"""Smooths: computes the state of each step given later measurements too.
 
 Rauch, Tung and Striebel (1965): with C[k] = P[k|k] F' P[k+1|k]^-1,
 

@@ -19,7 +19,7 @@ _ONE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 
 
 
 class FilterRows(NamedTuple):
-    """What a smoother takes from a filter, one row per step, shape (rows, 4, 4) each.
+    """The arrays that a smoother takes from a filter, one row per step, shape (rows, 4, 4) each.
 
     `filtered` is the covariance P_k|k, `predicted` is P_k|k-1, and C are the gains of the
     Rauch-Tung-Striebel smoother.

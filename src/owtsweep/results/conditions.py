@@ -21,7 +21,7 @@ Grid = Mapping[str, Sequence[Value]]
 
 @dataclass(frozen=True)
 class Condition:
-    """One axis of a study's grid.
+    """The description of a condition: one axis of a study's grid.
 
     Attributes
     ----------

@@ -56,7 +56,7 @@ class Cube:
 
     @property
     def empty(self) -> bool:
-        """Whether there is no value at all."""
+        """The answer to whether there is no value at all."""
         return self.products is None and self.direct is None
 
     @property

@@ -17,7 +17,7 @@ from owtsweep.errors import InputError
 
 @dataclass
 class WhiteNoise:
-    """Independent normal errors of one channel.
+    """The white noise of one channel: independent, normally distributed errors.
 
     Attributes
     ----------

@@ -53,7 +53,7 @@ class Imu(Section):
 
 
 class SensorConfig(Section):
-    """GNSS and IMU, and the orientation of the IMU."""
+    """The sensors, GNSS and IMU, and the orientation of the IMU."""
 
     gnss: Gnss = key("the position sensor")
     imu: Imu = key("the accelerometers")
@@ -110,7 +110,7 @@ class FilterTuning(Section):
 
 
 class Constraints(Section):
-    """Bounds on the states of the MHE's window: the largest magnitude of each component."""
+    """The bounds of the states in the MHE's window: largest magnitudes of their components."""
 
     position: Positive | None = key(
         "of the hub, north and east; null: none", unit="m", default=None, younger=True
@@ -179,7 +179,7 @@ class Mhe(Section):
 
 
 class Hme(Section):
-    """Settings that HME1 and HME2 share, and the MHE of HME2."""
+    """The settings that HME1 and HME2 share, and those of the MHE of HME2."""
 
     smoother_window: int = key(
         "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
@@ -201,7 +201,7 @@ class Measures(Section):
 
 
 class HubConfig(Config):
-    """All keys of the hub-motion study."""
+    """The configuration of the hub-motion study, with all its keys."""
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
         "tuning", "measures.window", "measures.criterion",

@@ -13,7 +13,7 @@ from owtsweep.evaluation.estimate import Estimate
 
 @dataclass(frozen=True)
 class Sensors:
-    """What an estimator may know about its sensors, IMU and GNSS (PAPER.md, section 1).
+    """The properties of IMU and GNSS that an estimator may know (PAPER.md, section 1).
 
     Attributes
     ----------

@@ -98,7 +98,7 @@ class Records:
 
     @property
     def keeps_noise(self) -> bool:
-        """Whether `noise` has been made, and so is kept in memory."""
+        """The answer to whether `noise` has been made, and so is kept in memory."""
         return "noise" in vars(self)
 
     def force_noise(self, index: int) -> sensing.ForceNoise:

@@ -18,7 +18,7 @@ from owtsweep.studies.hub.contract import Sensors
 
 @dataclass(frozen=True)
 class Probe:
-    """Sinusoids of different frequencies that enter a chain in the same way.
+    """A test input: n sinusoids of different frequencies that enter a chain in the same way.
 
     Attributes
     ----------

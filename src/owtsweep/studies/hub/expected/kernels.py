@@ -1,4 +1,4 @@
-"""Compiled loops of the expected engine: sinusoids, the chain's estimates, and squared errors.
+"""The compiled loops of the expected engine: sinusoids, the chain's estimates, squared errors.
 
 One call runs two groups of eight lanes (one sinusoid in each lane) through a long part of the
 record. Sinusoids are made just before the chain needs them, in buffers that stay in the processor's

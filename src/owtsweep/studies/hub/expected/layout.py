@@ -47,7 +47,7 @@ class Waves(NamedTuple):
 
 
 class Course(NamedTuple):
-    """How two groups of lanes are run, and when their response is tested for repetition.
+    """The plan by which two groups of lanes are run and tested for a response that repeats.
 
     Attributes
     ----------

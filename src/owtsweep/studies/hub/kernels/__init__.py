@@ -6,6 +6,6 @@ innermost loops run over neighbouring memory. Records are processed in chunks of
 the cache, and errors are summed during the run.
 """
 
-#: Raised whenever a change of the kernels alters a number that a study stores; CHANGELOG.md lists
-#: these changes.
+#: Version of the kernels' numbers. Raise it whenever a change of the kernels alters a number that a
+#: study stores, and list the change in CHANGELOG.md.
 NUMERICS_VERSION = 3

@@ -107,7 +107,7 @@ class ChainArrays(NamedTuple):
 
 
 class Registers(NamedTuple):
-    """What each lane carries from chunk to chunk.
+    """The memory that each lane carries from chunk to chunk.
 
     Each field has an array (rows, 8) for each group of eight lanes.
 
@@ -147,7 +147,7 @@ class Registers(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Memory that is used within a chunk only; all runs share it, so that it stays in the cache.
+    """The memory that is used within a chunk only; all runs share it, so it stays in the cache.
 
     Each field has an array (rows, 8) for each group of eight lanes.
 
@@ -179,7 +179,7 @@ class Output(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """All memory of a running chain: registers, working memory and the chunk's estimates."""
+    """The memory of a running chain: registers, working memory and the chunk's estimates."""
 
     registers: Registers
     scratch: Scratch

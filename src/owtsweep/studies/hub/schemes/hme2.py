@@ -206,7 +206,7 @@ class HME2:
 
 
 class ConstrainedHME2:
-    """HME2 with constraints in the MHE's window. It is not linear and has no kernel."""
+    """The scheme HME2 with constraints in the MHE's window; it is not linear and has no kernel."""
 
     name = "HME2"
     linear = False
