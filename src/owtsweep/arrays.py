@@ -1,4 +1,4 @@
-"""The array type of all signatures (real, double precision), and arrays aligned in memory."""
+"""Defines the array type of all signatures (real, double precision); makes aligned arrays."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def keep_freed_memory() -> None:
 
 
 def give_back_freed_memory() -> None:
-    """Return to the system the memory that glibc keeps: some hundred MB per thread."""
+    """Make glibc release its kept memory to the operating system: some hundred MB per thread."""
     trim = _glibc("malloc_trim")
     if trim is not None:
         trim(0)

@@ -1,4 +1,4 @@
-"""Named random streams: the only source of randomness in the package."""
+"""Makes named random streams, the only source of randomness in the package."""
 
 from __future__ import annotations
 

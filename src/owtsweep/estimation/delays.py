@@ -1,7 +1,8 @@
 """The Kalman filter for measurements that arrive late, each with its own delay.
 
 At every step the filter goes back to the earliest step whose measurement has just arrived. From
-there the filter runs again with all measurements that have arrived. This is exact for any delays.
+there the filter runs again with all measurements that have arrived. The result is exact for any
+delays.
 The extra cost is one step of filtering per step of delay. (The other exact method has one large
 state, with a copy of the state for every step of the longest delay.)
 """
@@ -43,12 +44,12 @@ class Delayed:
     ----------
     state
         Shape (series, steps, n): row k is the state of step k given all measurements that have
-        arrived by step k + lag, or by the record's end.
+        arrived by step k + lag, or by the record's end. The lag is that of `filter_delayed`.
     covariance
         Covariances of `state`, shape (series, steps, n, n).
     nis
         Shape (series, steps): normalised innovation squared of the measurements that arrived at
-        each step, given all that arrived earlier. Its expectation is `arrived`.
+        each step, given all that arrived earlier. The expectation of NIS is `arrived`.
     arrived
         Shape (series, steps): number of measurement components that arrived at each step.
     """
@@ -139,10 +140,10 @@ def _arrivals(z: Array, delay: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _earliest(arrival: NDArray[np.int64]) -> list[int]:
-    """Find the first step to filter again at each step; one entry per step.
+    """Find, for each step, the step from which to filter again when the step's measurements arrive.
 
-    It is the earliest step whose measurements arrive at the present step; the present step itself
-    if none arrives.
+    Return one entry per step: the earliest step whose measurements arrive at the present step, or
+    the present step itself if none arrive.
     """
     steps = arrival.shape[1]
     earliest = np.arange(steps)
@@ -155,8 +156,8 @@ class _Chain:
     """The filter's states from the record's start to now, given all that has arrived by now.
 
     The states `predicted` and `filtered` have the shape (series, steps, n), their covariances
-    `predicted_P` and `filtered_P` (patterns, steps, n, n). `nis`, shape (series, steps), is that of
-    the measurements taken at each step.
+    `predicted_P` and `filtered_P` (patterns, steps, n, n). `nis`, shape (series, steps), is the
+    normalised innovation squared of the measurements taken at each step.
     """
 
     def __init__(
@@ -180,7 +181,7 @@ class _Chain:
         self.predicted[:, 0], self.predicted_P[:, 0] = state, covariance
 
     def filter_again(self, first: int, now: int) -> None:
-        """Filter the steps `first` to `now` with what has arrived by `now`."""
+        """Filter the steps `first` to `now` again, with all measurements that arrived by `now`."""
         for k in range(first, now + 1):
             if k > 0:
                 F, Q, _, _, _ = self.model.at(k - 1)

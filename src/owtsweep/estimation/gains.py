@@ -1,7 +1,8 @@
-"""Gains of a two-rate Kalman filter: computed once, shared by all records.
+"""Computes the gains of a Kalman filter with a slow and a fast measurement.
 
-The gains depend only on the model and the tuning, never on data. After a transient they repeat
-with the slow interval, so a schedule stores the transient and one cycle.
+The gains depend only on the model and the tuning, never on data, so all records share them. After a
+transient the gains repeat from one slow measurement to the next, a cycle. A gain schedule therefore
+stores the transient and one cycle.
 """
 
 from __future__ import annotations

@@ -261,8 +261,8 @@ def _change(before: Array, after: Array) -> float:
 def _is_settled(before: float, change: float) -> bool:
     """Return whether all changes of the covariance that are still to come are negligible.
 
-    `change` is the change over the last cycle, `before` that over the cycle before. If changes go
-    on falling by the factor r = change / before per cycle, the changes to come sum to
+    `change` is the change in the last cycle, `before` the change in the previous cycle. If changes
+    go on falling by the factor r = change / before per cycle, the changes to come sum to
     change r / (1 - r). Changes that no longer fall are round-off.
     """
     if change > TOLERANCE:

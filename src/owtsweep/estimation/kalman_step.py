@@ -1,6 +1,6 @@
-"""One step of the Kalman filter, for many series at once.
+"""Computes one step of the Kalman filter, for many series at once.
 
-Kalman (1960); Anderson and Moore (1979), section 3.1.
+Sources: Kalman (1960); Anderson and Moore (1979), section 3.1.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from owtsweep.errors import InputError
 
 
 def predict_covariance(P: Array, F: Array, Q: Array) -> Array:
-    """Return F P F' + Q, the covariances P of shape (..., n, n) one step later."""
+    """Predict covariances P (..., n, n) over one step: return F P F' + Q."""
     return np.asarray(F @ P @ F.T + Q)
 
 

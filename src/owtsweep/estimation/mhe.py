@@ -6,8 +6,8 @@ REPRODUCTION.md, row "Eq. (11)"): norms are squared, nodes are the times of the 
 between neighbouring nodes is weighted once, and there is a last node at the present delayed time,
 t_f after the last fix. Without constraints the last link is met exactly, because the last node has
 no measurement. The estimate is then the least-squares state at the last fix, predicted by the
-inputs. That state is a linear function of fixes, inputs and arrival state with constant
-coefficients; `window_map` computes its matrix.
+inputs. The estimate at the last fix is a linear function of fixes, inputs and arrival state, with
+constant coefficients; `window_map` computes the matrix of coefficients.
 """
 
 from __future__ import annotations
@@ -123,10 +123,10 @@ def window_map(
 class CasadiWindow:
     """The optimisation problem of a window, Eq. (11) of Ren et al. (2019), solved by CasADi.
 
-    It tests `window_map`, which solves the same problem in closed form. Only this class can solve a
-    window with constraints. Two axes are solved at once: the states are x, y, v_x, v_y, b_x, b_y
-    (position, velocity and bias). Variables are scaled by the sizes of the states that the caller
-    gives.
+    Without constraints, `window_map` solves this problem in closed form; the class tests that
+    function. Only the class can solve a window with constraints. The hub study solves two axes at
+    once: the states are x, y, v_x, v_y, b_x, b_y (position, velocity and bias). Variables are
+    scaled by the sizes of the states that the caller gives.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Open-loop prediction over a stored input sequence, Algorithm 9 of Ren et al. (2019)."""
+"""Predicts a state by the model and stored inputs alone, Algorithm 9 of Ren et al. (2019)."""
 
 from __future__ import annotations
 

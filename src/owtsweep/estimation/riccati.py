@@ -1,7 +1,8 @@
-"""The covariance recursion of a two-rate Kalman filter, compiled.
+"""The compiled covariance recursion of a Kalman filter with a slow and a fast measurement.
 
-One measurement row is fast (every step), one slow (every `interval` steps). Symbols as in
-Algorithm 6 of Ren et al. (2019): P covariance, K gain, H measurement rows, S = H P H' + R.
+The fast measurement comes at every step, the slow one every `interval` steps. Symbols are those of
+Algorithm 6 of Ren et al. (2019): covariance P, gain K, measurement rows H, measurement variances R,
+and S = H P H' + R.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ class TwoRates(NamedTuple):
 class Pattern(NamedTuple):
     """The steps between slow measurements.
 
-    They are `start_interval` before the step `start_steps`, and `interval` from it on.
+    There are `start_interval` steps between slow measurements before the step `start_steps`, and
+    `interval` steps from the step `start_steps` on.
     """
 
     interval: int

@@ -1,7 +1,8 @@
-"""Fixed-lag smoothing over a moving window, Algorithms 7 and 8 of Ren et al. (2019).
+"""Smooths with a fixed lag over a moving window, Algorithms 7 and 8 of Ren et al. (2019).
 
-`FixedLagSmoother` is the algorithm as written: at every step one Rauch-Tung-Striebel pass over the
-window. `smoother_gains` prepares the recursion that gives the same output in O(1) per step.
+`FixedLagSmoother` is the algorithm as written: at every step it makes one pass of Rauch, Tung and
+Striebel over the window. `smoother_gains` computes the gains of a recursion that gives the same
+output in O(1) per step.
 """
 
 from __future__ import annotations

@@ -49,8 +49,8 @@ def smooth(run: Filtered) -> Smoothed:
 def smooth_fixed_lag(run: Filtered, lag: int) -> Smoothed:
     """Compute the state of each step k given the measurements up to step k + lag.
 
-    The last `lag` steps use the measurements up to the record's end. For each step this is a pass
-    of Rauch, Tung and Striebel from k + lag back to k. All windows are smoothed side by side. The
+    The last `lag` steps use the measurements up to the record's end. Each step k takes a pass of
+    Rauch, Tung and Striebel from k + lag back to k. All passes are made side by side. The
     result is optimal for that lag; the result of filterpy's FixedLagSmoother is not.
 
     Parameters

@@ -30,7 +30,7 @@ PLANAR_MOTION = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "
 class Innovation(NamedTuple):
     """The innovation: a measurement minus its prediction.
 
-    `value`, shape (m,), is this difference; `covariance`, shape (m, m), is that of the difference.
+    `value`, shape (m,), is this difference; `covariance`, shape (m, m), is its covariance.
     """
 
     value: Array

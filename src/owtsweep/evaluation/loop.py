@@ -130,7 +130,8 @@ def collect(
     TypeError
         If an item is not an `Estimate`.
     ValueError
-        If an estimate lacks a quantity, or one has the wrong shape. The message names the step.
+        If an estimate lacks a quantity, or a quantity has the wrong shape. The message names the
+        step.
     """
     size = sum(len(quantity.components) for quantity in judged)
     state = np.empty((steps, size))

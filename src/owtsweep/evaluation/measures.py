@@ -56,7 +56,7 @@ class Mean(NamedTuple):
 def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[str, Mean]:
     """Compute the measures of a record from step `first` on; return them by name.
 
-    Measures are the mean squared error of every component, that of every quantity (the sum over its
+    Measures are the mean squared error of every component and of every quantity (the sum over its
     components), NEES if the estimator gave covariances, and NIS if it gave innovations. NEES is the
     squared error weighted with the inverse of the estimator's covariance. NIS is the squared
     innovation weighted with the inverse of the innovation's covariance (Bar-Shalom, Li and

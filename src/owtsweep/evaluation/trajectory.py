@@ -87,9 +87,10 @@ def _join(series: Sequence[Array | None], pieces: Sequence[Trajectory]) -> Array
 
 
 def spread_to_both_axes(covariance: Array) -> Array:
-    """Turn covariances (n, 2, 2) of position and velocity into those of a planar motion.
+    """Make the covariances of a planar motion from those along one axis.
 
-    Both axes, x and y, have the same covariance and are uncorrelated. The result has the shape
-    (n, 4, 4), in the order x, y, v_x, v_y.
+    The input, shape (n, 2, 2), is the covariance of position and velocity along x; that along y is
+    equal, and the axes are uncorrelated. The result has the shape (n, 4, 4), in the order x, y,
+    v_x, v_y.
     """
     return np.kron(covariance, np.eye(2))

@@ -1,4 +1,4 @@
-"""Where motion comes from: a spectrum, a recorded file, or anything else that gives `Motion`."""
+"""The interface of sources of motion: spectra, recorded files, anything that gives a `Motion`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inverse Fourier transforms in which most bins are zero: few lines, many samples."""
+"""Computes inverse Fourier transforms in which most bins are zero: few lines, many samples."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ class Fit:
         Square of the half-bandwidth, s^-2.
     errors
         Standard errors of a, b, c, natural_period, bandwidth and half_bandwidth, from the expected
-        Hessian of the likelihood (the Fisher information). They are valid if the shape is right.
+        Hessian of the likelihood (the Fisher information); valid if the spectrum's shape is right.
     band, lines
         Lower and upper edge of the fitted band, Hz, and the number of lines inside the band.
     band_share
@@ -60,8 +60,8 @@ class Fit:
         scatters.
     probability
         Probability of a departure from the shape at least as large as observed, if the shape were
-        right, by Bartlett's test on the accumulated I_j / S(f_j). The probability is too large
-        rather than too small, because the shape was fitted to the same record.
+        right, by Bartlett's test on the accumulated I_j / S(f_j). The probability tends to be too
+        large, because the shape was fitted to the record itself.
     warnings
         What is wrong with the fit, in words; empty for a good fit.
     """
@@ -239,8 +239,8 @@ def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> 
 def _estimate_errors(f: Array, a: float, peak: float, k: float) -> dict[str, float]:
     """Compute the standard errors of the fitted numbers, by name.
 
-    They come from the Fisher information: the sum, over the lines f (Hz), of the outer products of
-    the derivatives of log S to the parameters.
+    Standard errors are computed from the Fisher information: the sum, over the lines f (Hz), of the
+    outer products of the derivatives of log S with respect to the parameters.
     """
     below = (f - peak) ** 2 + (k / peak) * f
     slopes = np.array(

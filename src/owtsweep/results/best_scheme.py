@@ -38,8 +38,8 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
     A cell is one combination of conditions. Means are over the replicates that all schemes of the
     cell finished. A scheme that finished no replicate of a cell takes no part there. A cell without
     a common replicate has no row. Schemes that agree to `statistics.contest.COINCIDENCE` in every
-    replicate count as one scheme, under that of their names which is last in `cube.schemes`. The
-    runner-up is the best scheme that does not coincide with the best one.
+    replicate count as one scheme; of their names, the last in `cube.schemes` is used. The runner-up
+    is the best scheme that does not coincide with the best one.
 
     Parameters
     ----------

@@ -1,10 +1,10 @@
 """Finds the boundary of two schemes: the amplitude at which they are equally good.
 
 In each record MSE(N) = N^2 motion + 2 N cross + noise (`superposition`). The mean difference of two
-schemes is therefore a parabola in the amplitude N, and the boundary is the parabola's root. It does
-not depend on a grid of amplitudes. Confidence intervals are percentiles of a bootstrap: records are
-resampled. Both schemes saw the same records, so the products motion, cross and noise of both
-schemes in a record are drawn together.
+schemes is therefore a parabola in the amplitude N, and the boundary is the parabola's root. So the
+boundary does not depend on a grid of amplitudes. Confidence intervals are percentiles of a
+bootstrap: records are resampled. Both schemes saw the same records, so the products motion, cross
+and noise of both schemes in a record are drawn together.
 """
 
 from __future__ import annotations
@@ -94,15 +94,16 @@ def find_boundary_ratio(
     measure: str,
     window: str,
 ) -> tuple[float, float, float]:
-    """Compute the boundary of one cell divided by that of another, with its confidence interval.
+    """Compute the ratio of the boundaries in two cells, with its confidence interval.
 
-    The records of two cells are independent, so they are resampled independently.
+    A boundary is the amplitude above which the second scheme is better than the first. A cell is
+    one combination of all conditions but the last, the amplitude. The records of two cells are
+    independent, so they are resampled independently.
 
     Parameters
     ----------
     cells
-        The cell of the numerator and that of the denominator: the values of all conditions but the
-        last.
+        The cells of the numerator and of the denominator.
     rows, conditions, schemes, measure, window
         As for `find_boundary`.
 
@@ -141,8 +142,9 @@ def subtract_schemes(
 ) -> pd.DataFrame:
     """Subtract the second scheme's products from the first's, in records that both finished.
 
-    Parameters and errors are those of `find_boundary`. The columns of the result are the products
-    motion, cross and noise. Its index, sorted, is all conditions but the last, and the replicate.
+    The products are the columns motion, cross and noise of superposed rows. The table returned has
+    these columns; its index, sorted, is all conditions but the last, and the replicate. Parameters
+    and errors are the same as for `find_boundary`.
     """
     *outer, last = [condition.name for condition in conditions]
     used = rows[(rows["status"] == OK) & rows[last].isna()]
@@ -177,13 +179,16 @@ def split_cells(difference: pd.DataFrame) -> dict[Cell, Array]:
 def divide_crossings(
     above: tuple[Cell, Array], below: tuple[Cell, Array], *, apart: bool = False
 ) -> tuple[float, float, float]:
-    """Compute the boundary of one cell divided by that of another, with its confidence interval.
+    """Compute the ratio of the boundaries in two cells, with its confidence interval.
+
+    A boundary is the amplitude at which two schemes are equally good.
 
     Parameters
     ----------
     above, below
-        Numerator and denominator: each a cell and its differences of products, shape (records, 3).
-        If the two cells are equal, the same records are drawn for both.
+        Numerator and denominator: each a cell (values of the conditions) and its differences
+        between the products of two schemes, shape (records, 3). If the two cells are equal, the
+        same records are drawn for both.
     apart
         Whether to draw different records for the cell `above` even if the two cells are equal.
 

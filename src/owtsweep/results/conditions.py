@@ -61,7 +61,7 @@ class Condition:
 
     @property
     def values_word(self) -> str:
-        """The plural as used in a sentence."""
+        """The plural as used in a sentence, e.g. "amplitudes"."""
         return self.plural or f"{self.label}s"
 
     def show(self, value: Value) -> str:

@@ -26,7 +26,7 @@ class Cube:
 
     An element is NaN where there is no value. Below, "outer conditions" are all but the last; each
     of them has an axis. A superposed row serves all amplitudes, the values of the last condition.
-    Its values are computed on request, because those of a large study would not fit into memory.
+    The values at each amplitude are computed on request, because they would not fit into memory.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Cube:
 
     @property
     def empty(self) -> bool:
-        """The answer to whether there is no value at all."""
+        """True if the cube has no value at all, else False."""
         return self.products is None and self.direct is None
 
     @property

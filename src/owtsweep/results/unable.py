@@ -37,9 +37,10 @@ def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid)
 
 
 def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.DataFrame:
-    """Return the rows without those of a scheme in a cell in which it was unable to work.
+    """Return the rows except those of schemes in cells in which they were unable to work.
 
-    Being unable in one replicate is enough.
+    A cell is one combination of conditions. If a scheme was unable to work in one replicate of a
+    cell, all its rows of this cell are left out.
     """
     import pandas as pd
 
@@ -67,9 +68,10 @@ def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
 def tell_in_best_scheme(
     table: pd.DataFrame, unable: pd.DataFrame, names: Sequence[str]
 ) -> pd.DataFrame:
-    """Return a best-scheme table, with `status` and `reason` if a scheme was unable in any cell.
+    """Add `status` and `reason` to a best-scheme table if a scheme was unable to work in any cell.
 
-    `unable` is what `list_unable` returns; `names` are the names of the conditions.
+    If there is no such scheme, return the table as it is. `unable` is what `list_unable` returns;
+    `names` are the names of the conditions.
     """
     if unable.empty:
         return table

@@ -1,4 +1,4 @@
-"""A sensor with a wrong clock: its time stamps differ from the true times of measurement."""
+"""Models a sensor's wrong clock: time stamps differ from the true times of measurement."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Clock:
 
         Values between samples come from a spline of degree 5. The spline's error falls with the
         sixth power of the step. For an oscillation with 100 samples per period the error is below
-        1e-9 of its amplitude.
+        1e-9 of the oscillation's amplitude.
 
         Parameters
         ----------

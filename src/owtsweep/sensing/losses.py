@@ -1,4 +1,4 @@
-"""Samples that are lost: one by one, or in outages of a given length."""
+"""Models the loss of samples: one by one, or in outages of a given length."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from owtsweep.errors import InputError
 class Losses:
     """The losses of a sensor's samples, drawn piece by piece.
 
-    At each sample an outage begins with the same probability, independently of all other samples,
-    also inside another outage. With a length of 1 the losses are independent. No outage begins
-    before the first sample. In the long run the share 1 - (1 - probability)^length of samples is
-    lost. A higher probability or a greater length loses more samples; with the same stream, these
-    include all samples that are lost with the lower values.
+    An outage may begin at any sample, also inside another outage. Its probability is equal for all
+    samples and independent of the others. With a length of 1 the losses are independent. No outage
+    begins before the first sample. In the long run the share 1 - (1 - probability)^length of
+    samples is lost. With a higher probability or a greater length, and the same random stream, all
+    samples that were lost with the lower values are lost again, and more.
 
     Attributes
     ----------

@@ -50,7 +50,7 @@ class WhiteNoise:
 class WienerBias:
     """A bias that starts at a given value and wanders: a sampled Wiener process.
 
-    Its variance after the time t is walk^2 t.
+    The variance of the bias after the time t is walk^2 t.
 
     Attributes
     ----------

@@ -24,7 +24,7 @@ Places = NDArray[np.intp]
 
 
 class Ranking(NamedTuple):
-    """The best scheme of each cell and the next. A cell is one combination of conditions.
+    """The best scheme and the runner-up in each cell. A cell is one combination of conditions.
 
     Attributes
     ----------
@@ -54,15 +54,15 @@ class Contest(NamedTuple):
     judged
         Whether there is a replicate that all schemes of the cell have finished.
     best, runner_up
-        As in `Ranking`.
+        Indices of the scheme of least mean and of the next; see `Ranking`.
     mse_best, mse_runner_up
-        Mean of the best scheme and of the runner-up; the latter is NaN without a runner-up.
+        Mean of the best scheme, and mean of the runner-up, which is NaN without a runner-up.
     difference, ci_low, ci_high
         `mse_runner_up` minus `mse_best`, and its 95 % confidence interval by the paired t-test; NaN
         without a runner-up.
     p
-        Two-sided p-value of the paired t-test of the difference. It is 1 if there are too few
-        replicates for a test, or all schemes of the cell coincide.
+        Two-sided p-value of the paired t-test of the difference; 1 if there are too few replicates
+        for a test, or all schemes of the cell coincide.
     """
 
     judged: Flags
@@ -115,7 +115,7 @@ def contest(values: Array) -> Contest:
 
 
 def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
-    """Find the best scheme of each cell and the next.
+    """Find the best scheme and the runner-up in each cell, a combination of conditions.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ def gap(samples: Array) -> Contrast:
 
 
 def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
-    """Compare means over the replicates, the last axis: mean of `second` minus mean of `first`.
+    """Compute the difference of means over the replicates, the last axis: `second` minus `first`.
 
     A replicate that did not finish is NaN. If `paired`, only replicates that both samples have are
     used.
@@ -59,7 +59,7 @@ def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
 
 
 def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
-    """Compare means over the replicates, the last axis: mean of `second` by mean of `first`.
+    """Compute the ratio of means over the replicates, the last axis: `second` divided by `first`.
 
     Both means must be positive. A replicate that did not finish is NaN. If `paired`, only
     replicates that both samples have are used.

@@ -1,4 +1,4 @@
-"""Many tests at once: Holm's correction."""
+"""Corrects for many tests at once by Holm's method."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sums and means that are equal bit for bit for the same terms in the same order."""
+"""Computes sums and means that depend, bit for bit, only on the terms and their order."""
 
 from __future__ import annotations
 

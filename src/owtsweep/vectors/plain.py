@@ -122,7 +122,7 @@ def borrowed(value):
 
 
 def groups(whole):
-    """Split rows, or a vector, into groups of eight lanes."""
+    """Split rows, or a vector, into groups of eight lanes; return a tuple of them."""
 
 
 def element(array, i):

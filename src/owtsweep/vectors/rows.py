@@ -92,7 +92,7 @@ def borrowed(typingctx: Any, value: Any) -> Any:
 
 @intrinsic
 def groups(typingctx: Any, whole: Any) -> Any:
-    """Split rows, or a vector, into groups of eight lanes."""
+    """Split rows, or a vector, into groups of eight lanes; return a tuple of them."""
 
     rows = isinstance(whole, _RowsType)
     kind: Any = whole if rows else VECTORS[whole.parts]

@@ -83,7 +83,7 @@ class _ProductModel(models.PrimitiveModel):
 
 
 def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
-    """Combine registers, or addresses, into one value."""
+    """Combine LLVM registers, or addresses, into one value."""
     value = ir.Constant(ir.LiteralStructType([kind] * len(parts)), ir.Undefined)
     for i, part in enumerate(parts):
         value = builder.insert_value(value, part, i)
@@ -91,7 +91,7 @@ def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
 
 
 def split(builder: Any, kind: Any, value: Any) -> list[Any]:
-    """Return the registers, or addresses, of a value."""
+    """Return the LLVM registers, or addresses, that make up a value."""
     return [builder.extract_value(value, i) for i in range(kind.parts)]
 
 

@@ -1,4 +1,8 @@
-"""The batch engine: runs chains over all replicates of a block and sums their errors."""
+"""The batch engine: runs chains over all replicates of a block and sums their squared errors.
+
+A chain is a scheme as arrays for kernels. A lane is one series along one axis; kernels run eight
+lanes, a group, at once.
+"""
 
 from __future__ import annotations
 
@@ -195,8 +199,8 @@ def arrays_of(chain: Chain) -> ChainArrays:
 def chunk_of(chain: Chain) -> tuple[int, int]:
     """Return the number of steps in a chunk, and the number of rows to keep for the next span.
 
-    The end of a span that fills no whole chunk is processed with the next span. Kept are therefore
-    the rows of a chunk, and those before it to which the predictor and the delay reach back.
+    The end of a span that fills no whole chunk is processed with the next span. Therefore the rows
+    of a chunk are kept, and the rows before it to which the predictor and the delay reach back.
     """
     chunk = max(CHUNK, 2 * chain.filter.window, 2 * chain.predictor.steps)
     return chunk, chunk + lead_of(chain)

@@ -93,7 +93,7 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
 
 
 def explain_anew(entry: Any, scheme: Scheme) -> str:
-    """Return why stored blocks of a scheme are computed anew; "" if they can be used, as usual."""
+    """Return why a scheme's stored blocks have to be computed anew; "" if they can be used."""
     return explain_doubt(type(scheme)) if isinstance(entry, Mapping) else ""
 
 
@@ -162,7 +162,7 @@ def _settled(config: HubConfig, records: Records) -> int:
 def _frames(parts: Sequence[Iterable[measures.Columns]]) -> list[pd.DataFrame]:
     """Make one DataFrame for each part.
 
-    All are cut from one large DataFrame, because making many takes pandas a long time.
+    One large DataFrame is made and cut into pieces, because pandas is slow to make many DataFrames.
     """
     tables = [list(part) for part in parts]
     pieces = [piece for part in tables for piece in part]

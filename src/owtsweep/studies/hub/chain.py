@@ -63,15 +63,15 @@ class Chain:
     def covariance(self) -> Array:
         """The covariance of estimated position and velocity along an axis, shape (rows, 2, 2).
 
-        Rows are those of the gain schedule.
+        There is one row per row of the gain schedule.
         """
         return self._covariance()
 
     @cached_property
     def precision(self) -> Array:
-        """The elements pp, pv, vv of the inverse of `covariance`, shape (rows, 3).
+        """The elements pp, pv, vv (p position, v velocity) of the inverse of `covariance`.
 
-        p is position and v is velocity.
+        The shape is (rows, 3).
         """
         return _precision(self.covariance)
 
@@ -96,12 +96,13 @@ class Chain:
         """Compute the covariance of estimated position and velocity along an axis, (rows, 2, 2).
 
         The prediction starts from the smoothed state of step s, `window` steps before the filter's
-        newest sample. It uses inputs i whose noise v_i the smoother has partly seen. The smoothed
-        state's error and v_i have the covariance E[error_s v_i] = cov(error_s, error_i) h', where h
-        is the measurement row of specific force. (v_i minus the optimal estimate of v_i is
-        h error_i, and an optimal estimate is not correlated with its error.) The noise of inputs
-        after the window is independent. The bias' walk during the prediction is added as if it were
-        independent of the error; for the default sensors this term is 1e-3 of the rest.
+        newest sample. The prediction uses inputs i, whose noise v_i the smoother has partly seen.
+        The smoothed state's error and v_i have the covariance
+        E[error_s v_i] = cov(error_s, error_i) h', where h is the measurement row of specific force.
+        (v_i minus the optimal estimate of v_i is h error_i, and an optimal estimate is not
+        correlated with its error.) The noise of inputs after the window is independent. The bias'
+        walk during the prediction is added as if it were independent of the error; for the default
+        sensors this term is 1e-3 of the rest.
         """
         axis, gains, window = self.axis, self.gains, self.filter.window
         if self.input_model is None or self.predictor.steps == 0:

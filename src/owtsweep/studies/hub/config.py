@@ -11,7 +11,7 @@ from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section
 
 
 class Grid(Section):
-    """The axes of the sweep."""
+    """The axes of the sweep: the values of each condition, and the number of replicates."""
 
     natural_period: Axis[Positive] = key("natural periods of the turbine", unit="s")
     amplitude: Axis[Positive] = key("largest displacement of a record (normalise: peak)", unit="m")
@@ -19,7 +19,7 @@ class Grid(Section):
 
 
 class Record(Section):
-    """A record of motion and measurements."""
+    """The length of a record of motion and measurements."""
 
     duration: Positive = key("length of a record", unit="s")
 
@@ -36,7 +36,7 @@ class SpectrumConfig(Section):
 
 
 class Gnss(Section):
-    """The position sensor."""
+    """The properties of the position sensor, GNSS."""
 
     sigma: Positive = key("standard deviation of a fix, per axis", unit="m")
     rate: Positive = key("fixes per second; divides the IMU's rate", unit="Hz")
@@ -44,7 +44,7 @@ class Gnss(Section):
 
 
 class Imu(Section):
-    """The accelerometers."""
+    """The properties of the accelerometers, the IMU."""
 
     sigma: Positive = key("standard deviation of a sample, per axis", unit="m/s^2")
     rate: Positive = key("samples per second", unit="Hz")
@@ -128,7 +128,7 @@ class Constraints(Section):
 
 
 class Mhe(Section):
-    """The moving horizon estimator of HME2."""
+    """The settings of the moving horizon estimator (MHE) of HME2."""
 
     interval: Positive = key(
         "T_m; whole IMU steps whose number divides the GNSS interval", unit="s"

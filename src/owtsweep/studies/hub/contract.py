@@ -85,8 +85,8 @@ class Estimator(Protocol):
 class Scheme(Protocol):
     """The interface of an estimation scheme.
 
-    A scheme may also have the method `kernel(sensors, tuning, steps)`, for the batch engine. It
-    returns the scheme as an `owtsweep.studies.hub.chain.Chain` for records of `steps` steps.
+    A scheme may also have the method `kernel(sensors, tuning, steps)`, for the batch engine. This
+    method returns the scheme as an `owtsweep.studies.hub.chain.Chain` for records of `steps` steps.
 
     Attributes
     ----------

@@ -66,7 +66,7 @@ class Lanes:
     def at(self, amplitude: float) -> tuple[Array, Array]:
         """Return the measurements (motion plus noise) at an amplitude (m), in NED.
 
-        They are the specific force (steps, lanes), m/s^2, and the position fixes (fixes, lanes), m.
+        Return the specific force (steps, lanes), m/s^2, and the position fixes (fixes, lanes), m.
         Lanes are x and y of the first replicate, x and y of the second, and so on.
         """
         motions, noises, s = self.records.motion, self.records.noise, self.records.sensors
@@ -187,7 +187,8 @@ class Feed:
     def _force_noise(self, index: int) -> Callable[[int], Array]:
         """Return a function that returns the noise of a replicate's next steps, shape (steps, 2).
 
-        The noise is in the IMU's frame. It is drawn, or taken from memory if the records keep it.
+        The noise is in the frame in which the records hold it, the IMU's. If the records keep their
+        noise in memory, the function reads the noise there; otherwise it draws the noise.
         """
         if not self.records.keeps_noise:
             return self.records.force_noise(index).next

@@ -37,8 +37,8 @@ class Horizon:
     arrival
         Whether the window has an arrival term, made from the filter's past state.
     fixed
-        Whether the oldest node's state equals the filter's past state; otherwise the latter is a
-        prior of the former.
+        True if the oldest node's state equals the filter's past state, false if the filter's past
+        state is only a prior.
     inputs
         Which IMU samples the MHE takes, one of `INPUTS`.
     weights
@@ -93,8 +93,8 @@ class Horizon:
     def uses_filter(self, fix: int) -> bool:
         """Return whether the arrival state of the window at fix number `fix` is the filter's.
 
-        The filter's state is x_m0 of register 3 (Algorithm 5 of Ren et al. 2019). It already
-        includes the oldest fix, so the window leaves this fix out.
+        The filter's state is x_m0 of register 3 (Algorithm 5 of Ren et al. 2019). This state
+        already includes the oldest fix, so the window leaves that fix out.
         """
         return self.arrival and fix >= self.length
 
@@ -136,8 +136,9 @@ def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
 
 
 def transition_over(seconds: float) -> Array:
-    """Return the transition matrix (3, 3) of position, velocity and bias over a time.
+    """Return the transition matrix (3, 3) of position, velocity and bias over a time (s).
 
-    It is A_df of Eq. (11g) of Ren et al. (2019), but exact; the paper has I + t_f A.
+    Source: A_df in Eq. (11g) of Ren et al. (2019). The matrix here is exact; the paper has
+    I + t_f A.
     """
     return np.array([[1.0, seconds, 0.5 * seconds**2], [0.0, 1.0, seconds], [0.0, 0.0, 1.0]])

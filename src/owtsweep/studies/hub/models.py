@@ -37,7 +37,7 @@ def variance(rule: Variance, sigma: float, sensors: Sensors) -> float:
 def sigma_1(q_a: float, q_b: float) -> Model:
     """Return the model Sigma_1 of one axis, Eq. (6a) of Ren et al. (2019).
 
-    Its states are position, velocity, acceleration and bias; it has no input. In Eq. (6a) white
+    The states are position, velocity, acceleration and bias; there is no input. In Eq. (6a) white
     noise drives only the bias. The text says that white noise drives the acceleration too, so Q
     contains q_a, in (m/s^3)^2/Hz, as well as q_b, in (m/s^2)^2/s.
     """
@@ -49,9 +49,9 @@ def sigma_1(q_a: float, q_b: float) -> Model:
 def sigma_2(q_f: float, q_b: float) -> Model:
     """Return the model Sigma_2 of one axis, Eq. (8a) of Ren et al. (2019).
 
-    Its states are position, velocity and bias; its input is the specific force u = R f. q_f, in
-    (m/s^2)^2/Hz, is the density of the accelerometer's noise, q_b, in (m/s^2)^2/s, that of the
-    bias' walk. The returned Q is the paper's E Q E'.
+    The states are position, velocity and bias; the input is the specific force u = R f. q_f, in
+    (m/s^2)^2/Hz, is the density of the accelerometer's noise. q_b, in (m/s^2)^2/s, is the density
+    of the bias' walk. The returned Q is the paper's E Q E'.
     """
     A = np.zeros((3, 3))
     A[0, 1] = A[1, 2] = 1.0
@@ -96,7 +96,7 @@ class AxisFilter:
 
 
 def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
-    """Make one axis of the filter from its tuning and the sensors."""
+    """Make the matrices and variances of one axis of a filter from its tuning and the sensors."""
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     force_variance = variance(tuning.r_imu, sensors.force_sigma, sensors)
     if tuning.model == "sigma1":

@@ -1,4 +1,4 @@
-"""A series that is made piece by piece, for runs that read it once from start to end."""
+"""Holds a series that is made piece by piece, for runs that read it once from start to end."""
 
 from __future__ import annotations
 

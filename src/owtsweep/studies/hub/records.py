@@ -74,7 +74,7 @@ class Records:
 
     @cached_property
     def motion(self) -> tuple[Motion, ...]:
-        """The motions, one per replicate, scaled to unit amplitude."""
+        """The motions, one per replicate, scaled to an amplitude of 1 m."""
         low, high = self.config.band
         source = SpectralSource(self.spectrum, (low, high), self.config.normalise)
         sensors = self.sensors
@@ -98,7 +98,7 @@ class Records:
 
     @property
     def keeps_noise(self) -> bool:
-        """The answer to whether `noise` has been made, and so is kept in memory."""
+        """True if `noise` has been made, and so is kept in memory, else False."""
         return "noise" in vars(self)
 
     def force_noise(self, index: int) -> sensing.ForceNoise:

@@ -56,7 +56,7 @@ def fix_count(steps: int, fix_interval: int) -> int:
 def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
     """Compute the part of the measurements that is due to motion, without gravity and noise.
 
-    It is R' vdot in Eq. (3) and p(t - tau_d) in Eq. (4) of Ren et al. (2019).
+    Sources: the term R' vdot in Eq. (3) and the term p(t - tau_d) in Eq. (4) of Ren et al. (2019).
 
     Parameters
     ----------

@@ -77,7 +77,8 @@ def limit(sequence: Complex) -> tuple[Complex, Array]:
         The limits, shape (m, n).
     remainder
         Norm of the weighted sum of the differences, divided by the norm of the limit, shape (n,).
-        It bounds the limit's relative error as long as no mode stays in phase with the sequence.
+        The remainder bounds the limit's relative error as long as no mode stays in phase with the
+        sequence.
     """
     differences = np.diff(sequence, axis=0)
     n = sequence.shape[2]

@@ -46,7 +46,7 @@ def solve(
         Effects of the inputs on the state between two nodes, shape (links, 6). If `since_fix` is
         positive, the last link ends at the present.
     filled
-        Whether the arrival state comes from the filter's past. It then includes the oldest fix.
+        Whether the arrival state comes from the filter's past and so includes the oldest fix.
     x0, covariance
         Arrival state (6,) and its covariance (3, 3) along one axis; None if there is no arrival
         term.
@@ -92,7 +92,7 @@ def solve(
 def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Array]:
     """Return the constraints lower <= rows x <= upper on the state x (6,) of a node.
 
-    The result is rows (count, 6), lower (count,) and upper (count,). `bounds` are those of the
+    The result is rows (count, 6), lower (count,) and upper (count,). `bounds` are the largest
     magnitudes of position, velocity and bias; only finite bounds give rows. The bias is bounded in
     the IMU's frame: b^b = R' g - R' x4 by Eq. (6) of Ren et al. (2019).
     """

@@ -63,7 +63,7 @@ class Expected:
 
 
 def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
-    """Select one measure and one window from the rows of a study."""
+    """Select one measure and one window from the rows of a study; return the schemes' errors."""
     # plain text instead of the store's categories, which sort differently
     rows = rows.astype(dict.fromkeys(("scheme", "measure", "window"), object))
     used = rows[(rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)]
@@ -78,7 +78,7 @@ def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: s
 
 @dataclass(frozen=True)
 class Verdict:
-    """The best scheme of every cell and the next; all arrays have the shape (periods, amplitudes).
+    """The best scheme and the runner-up in every cell; arrays have the shape (periods, amplitudes).
 
     `best` and `runner_up` are indices of schemes; `runner_up` is -1 where there is only one scheme.
     `mse_best` and `mse_runner_up` are their MSE. `distinguishable` says whether the two MSE differ

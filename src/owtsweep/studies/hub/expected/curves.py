@@ -66,7 +66,7 @@ class Curves:
 def curves(
     chain: Chain, sensors: Sensors, *, steps: int, settled: int, band: tuple[float, float]
 ) -> Curves:
-    """Compute the curves of a chain by running it on test inputs.
+    """Compute the expected errors of a chain by running it on test inputs.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def curves(
 
 
 class _Prober:
-    """Runs one chain on the test inputs of records of one length."""
+    """Runs one chain on test inputs that are as long as a record."""
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
         self.sensors, self.steps = sensors, steps

@@ -115,8 +115,8 @@ def refined(
         Function of (x, nodes, values) that interpolates the curve at x.
     wrong
         Function of (left, right, predicted, computed): ends of intervals, and interpolated and
-        computed values in their middles. It returns, for each interval, whether interpolation is
-        too inaccurate.
+        computed values in their middles. The function returns, for each interval, whether
+        interpolation is too inaccurate.
     matters
         Function of (left, right, predicted) that returns, for each interval, whether to compute the
         curve in its middle; None to compute it in all.

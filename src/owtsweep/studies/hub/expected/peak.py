@@ -1,9 +1,10 @@
 """Computes the mean square of records that are scaled to a greatest displacement of 1 m.
 
-The mean square of such a record is (standard deviation / peak)^2. It needs synthesised records, but
-no scheme. Its mean over records, the peak factor, changes slowly with the natural period. The
-factor is therefore computed at fixed periods, the rungs of a ladder, and interpolated between them.
-So a result does not depend on which other periods a grid holds.
+The mean square of such a record is (standard deviation / peak)^2. The mean over records is called
+the peak factor. To compute it, records are synthesised, but no scheme is run. The peak factor
+changes slowly with the natural period. It is therefore computed at fixed periods, the rungs of a
+ladder, and interpolated between them. So a result does not depend on which other periods a grid
+holds.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Runs a chain on the sinusoids of a probe and sums its squared errors over a record's windows."""
+"""Runs a chain on the sinusoids of a probe and sums its squared errors in a record's windows.
+
+A chain is a scheme as arrays for kernels. A probe is a test input: some sinusoids. Each sinusoid
+takes one or two lanes; kernels run two groups of eight lanes, a pair, at once.
+"""
 
 from __future__ import annotations
 

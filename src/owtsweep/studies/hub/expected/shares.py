@@ -60,11 +60,12 @@ def lines_of(band: tuple[float, float], duration: float) -> Lines:
 def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
     """Compute the expected mean square error of records normalised to a standard deviation of 1 m.
 
-    The error of a normalised record is a ratio n / d of two random sums. Its expectation is
-    E[n / d] = E n / E d (1 + var d / (E d)^2 - cov(n, d) / (E n E d)), to second order in the
-    scatter of the records. (This correction is 0.6 % for the default records, and more for narrower
-    spectra and shorter records.) The beat of two lines in the error is approximated by their beat
-    in the motion, times the geometric mean of the curve at both lines.
+    The squared error of a normalised record is a ratio n / d of two random sums. To second order in
+    the scatter of the records, the expectation of the ratio is
+    E[n / d] = E n / E d (1 + var d / (E d)^2 - cov(n, d) / (E n E d)). (The term var d / (E d)^2 is
+    0.3 % for the default records, and more for narrower spectra and shorter records.) The beat of
+    two lines in the error is approximated by their beat in the motion, times the geometric mean of
+    the curve at both lines.
 
     Parameters
     ----------

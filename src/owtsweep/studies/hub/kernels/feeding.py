@@ -44,8 +44,8 @@ def noise(count, lead, normals, begun, bias, imu, force):
 def whole_series(count, lead, amplitude, direction, force, result):
     """Compute the whole series of x and y at an amplitude: motion plus noise.
 
-    The groups of `force` are motion, noise of x and noise of y; those of `result` are x and y. The
-    rows from `lead` to lead + count - 1 are written.
+    The groups of `force` are motion, noise of x and noise of y. The groups of `result` are x and y;
+    their rows from `lead` to lead + count - 1 are written.
     """
     for axis in range(2):
         for i in range(lead, lead + count):

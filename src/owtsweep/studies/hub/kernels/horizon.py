@@ -64,8 +64,8 @@ def horizon_fix(q, fixes, mhe, registers):
 def tick_of(k0, i, interval):
     """Return the row of the MHE's position that is valid at step i of a chunk.
 
-    The chunk begins at step k0. The MHE gives a position at each multiple of `interval` steps; that
-    of the chunk's first step is in row 0.
+    The chunk begins at step k0. The MHE gives a position at each multiple of `interval` steps. The
+    position that is valid at the chunk's first step is in row 0.
     """
     return (k0 + i) // interval - k0 // interval
 

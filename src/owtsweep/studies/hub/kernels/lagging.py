@@ -33,8 +33,8 @@ def carried_back(y0, y1, y2, y3, C, row):
 def given_and_taken(K, D, row, r, leaving):
     """Return a step's correction by the specific force, for the smoother's recursion.
 
-    It is the gain K times the innovation r that enters the window, plus the gain D times the
-    innovation that leaves the window.
+    The correction is the gain K times the step's own innovation r, plus the gain D times the
+    innovation that leaves the smoother's window. `row` is a row of K and D.
     """
     at = 8 * row + 1
     return (
@@ -66,7 +66,7 @@ def add_smoothing(X, j, width, s0, s1, s2, s3, predictor):
 def smooth_chunk(k0, count, chain, width, window_rows, force, source):
     """Replace `count` filtered states by smoothed states (Algorithm 8 of Ren et al. 2019).
 
-    The chunk begins at step k0; the states are those of the steps k0 - window to
+    The chunk begins at step k0; the states belong to the steps k0 - window to
     k0 - window + count - 1. With the innovations i_k, the corrections e_k = K_k i_k and the
     smoother's gains C, the smoothed state is x_{k|k} + S_k, where
     S_k = C_k (e_{k+1} + S_{k+1} + D_{k+1} i_{k+1+window}). This recursion is stable backwards in

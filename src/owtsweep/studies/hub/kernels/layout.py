@@ -67,7 +67,7 @@ class PredictorArrays(NamedTuple):
 
 
 class HorizonArrays(NamedTuple):
-    """The moving horizon estimator (MHE) without constraints, as matrices that turn data to states.
+    """The moving horizon estimator (MHE) without constraints: matrices that turn data into states.
 
     Attributes
     ----------

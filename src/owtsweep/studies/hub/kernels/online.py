@@ -283,8 +283,8 @@ def smoother_gain(A, filtered, predicted, work, C):
 def output(f, m, state, covariance):
     """Smooth and predict (Algorithms 8 and 9 of Ren et al. 2019); write the present estimate.
 
-    `state` (4,) becomes x, y, v_x, v_y; `covariance` (2, 2) that of position and velocity along an
-    axis. Without a predictor, the filter's state is the estimate.
+    x, y, v_x, v_y are written to `state` (4,). The covariance of position and velocity along an
+    axis is written to `covariance` (2, 2). Without a predictor, the filter's state is the estimate.
     """
     row, k, window = m.counter[ROW], m.counter[STEP], f.window
     if not f.predicts:

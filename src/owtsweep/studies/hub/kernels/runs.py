@@ -24,7 +24,10 @@ PIECE = 250
 
 @njit
 def estimates(k0, count, fed, chain, memory):
-    """Make the estimates of the chunk of `count` steps that begins at step k0."""
+    """Compute the estimates of a chunk of steps and write them to memory.output.
+
+    The chunk begins at step k0 and has `count` steps.
+    """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     if not is_filter(c):
         prepare(k0, count, inputs, c, m, False, inputs.force)

@@ -1,9 +1,10 @@
 """Solves the MHE's window for the fixes that arrived, by a square-root information filter.
 
-The least squares problem of Eq. (11) of Ren et al. (2019) is a chain of nodes, one node per fix. It
-is factorised node by node: one QR step over each link yields the block of the older node and a
-3 x 3 factor for the newer node. If no fix is missing, the result equals that of the batch engine,
-which multiplies the data by the matrix of `estimation.mhe.window_map`. Both axes share the factors.
+The least squares problem of Eq. (11) of Ren et al. (2019) is a chain of nodes, one node per fix.
+The problem is factorised node by node: one QR step over each link yields the block of the older
+node and a 3 x 3 factor for the newer node. If no fix is missing, the batch engine has the same
+result; it multiplies the data by the matrix of `estimation.mhe.window_map`. Both axes share the
+factors.
 """
 
 from __future__ import annotations
@@ -158,7 +159,7 @@ def solve_window(n, h, m, x0, prior, kind, first):
 
 @njit
 def older_nodes(n, blocks, nodes):
-    """Compute the states of all older nodes from that of the newest, node n, by back substitution.
+    """Compute the states of the nodes n - 1 ... 0 from the state of node n, by back substitution.
 
     `blocks` are the factors that `solve_window` leaves; the states are written to `nodes`.
     """

@@ -158,7 +158,8 @@ class HME2Estimator:
 def choose_window(tuning: Any) -> int:
     """Return the length of HME2's smoother window, in IMU steps.
 
-    It is the tuning's `hme.mhe.smoother_window`; if that is null, HME1's `hme.smoother_window`.
+    This is the tuning's `hme.mhe.smoother_window`, or HME1's `hme.smoother_window` if the former is
+    null.
     """
     window = tuning.hme.mhe.smoother_window
     return int(tuning.hme.smoother_window if window is None else window)

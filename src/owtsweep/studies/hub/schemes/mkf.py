@@ -33,7 +33,10 @@ class FilterEstimator:
 
 
 class FilterScheme:
-    """A scheme that is a multirate Kalman filter alone, tuned by one section of the tuning."""
+    """A scheme that consists of a multirate Kalman filter alone, such as EKF and MKF.
+
+    `section` is the section of the configuration that tunes the filter.
+    """
 
     linear = True
 

@@ -20,8 +20,8 @@ class FilterStep(NamedTuple):
     """The results of one step of the multirate Kalman filter (Algorithm 6 of Ren et al. 2019).
 
     `x` and `P` are the filtered state (8,) and its covariance (8, 8); `x_predicted` and
-    `P_predicted` are those before the measurements. `innovation` is that of the position fix, shape
-    (2,); None without a fix.
+    `P_predicted` are the state and covariance before the measurements. `innovation` is the
+    innovation of the position fix, shape (2,); None without a fix.
     """
 
     x: Array
@@ -87,7 +87,7 @@ class MultirateKalmanFilter:
         )
 
     def _correct(self, force: Array, fix: Array | None) -> None:
-        """Correct with the available measurements by filterpy's update (Joseph form)."""
+        """Correct with the specific force and the fix, if any, by filterpy (Joseph form)."""
         parts = []
         if fix is not None:
             parts.append((self.position_rows, fix, self.position_variance))
@@ -101,8 +101,8 @@ class MultirateKalmanFilter:
     def _masked(self, force: Array) -> None:
         """Correct at a step without a fix, by Algorithm 6, lines 5 to 10, of Ren et al. (2019).
 
-        Part of the gain K is set to zero; which part, the rule says. The covariance is
-        P = (I - K H) P as printed.
+        The rule says which part of the gain K is set to zero. The corrected covariance is
+        (I - K H) P as printed.
         """
         kf = self.kf
         H = np.vstack([self.position_rows, self.force_rows])
