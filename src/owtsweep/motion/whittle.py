@@ -56,8 +56,8 @@ class Fit:
     explained
         Share of the band's variance that the fitted curve accounts for. Periodogram and curve are
         smoothed over 9 lines. The share is the area that lies under both, divided by the area under
-        the periodogram. A curve of the right shape reaches about 0.87, because the periodogram
-        scatters.
+        the periodogram. (The areas under the two curves are equal.) A curve of the right shape
+        reaches about 0.87, because the periodogram scatters.
     probability
         Probability of a departure from the shape at least as large as observed, if the shape were
         right, by Bartlett's test on the accumulated I_j / S(f_j). The probability tends to be too

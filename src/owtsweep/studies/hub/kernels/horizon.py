@@ -39,7 +39,7 @@ def horizon_fix(q, fixes, mhe, registers):
         return
     n = min(q, nm)
     maps, columns = mhe.maps, mhe.maps.shape[2]
-    G = 3 * columns * min(q, maps.shape[0] - 1)  # start of this fix's map
+    G = 3 * columns * min(q, maps.shape[0] - 1)  # start of this fix's matrix
     n0, n1, n2 = zero(running), zero(running), zero(running)
     at = (q - n) % (nm + 1)
     for j in range(n + 1):
