@@ -1,6 +1,6 @@
 """The compiled loops of the expected engine: sinusoids, the chain's estimates, squared errors.
 
-One call runs two groups of eight lanes (one sinusoid in each lane) through a long part of the
+One call runs two groups of eight lanes (a cosine or a sine in each lane) through a long part of the
 record. Sinusoids are made just before the chain needs them, in buffers that stay in the processor's
 cache, and errors are squared as soon as they are computed. The structures are those of
 `expected.layout` and `kernels.layout`.

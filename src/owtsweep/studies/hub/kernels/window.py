@@ -179,8 +179,9 @@ def older_nodes(n, blocks, nodes):
 def violates(x, bounds, rotation, gravity):
     """Return whether a node's state breaks a constraint on either axis.
 
-    The state x (3, 2) is position, velocity and bias, both axes. The bounds (3,) apply to the
-    magnitudes of position and velocity in NED and of the bias in the IMU's frame.
+    The state x (3, 2) is position, velocity and x4 of both axes, where x4 = -R b^b + g contains the
+    bias b^b (Eq. 6 of Ren et al. 2019). The bounds (3,) apply to the magnitudes of position and
+    velocity in NED and of the bias in the IMU's frame.
     """
     for axis in range(2):
         bias = 0.0  # b^b = R' (g - x4), Eq. (6)
