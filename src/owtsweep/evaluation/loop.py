@@ -1,7 +1,7 @@
 """Runs an estimator as on board: one `update` per step.
 
-Some quantities, the inputs, are measured at every step, such as the accelerations of an IMU. Others
-are measured less often; such a measurement is called a fix, for example a position from GNSS.
+Quantities that are measured at every step, such as the accelerations of an IMU, are called inputs.
+A measurement that comes less often, such as a position from GNSS, is called a fix.
 """
 
 from __future__ import annotations
@@ -19,13 +19,16 @@ from owtsweep.evaluation.trajectory import Trajectory
 class Updating(Protocol):
     """An estimator that can be run step by step.
 
-    An estimator may also offer `run_record(inputs, fixes) -> Trajectory`. It takes many steps in
-    one call and returns the same estimates as `update` step by step; a fix that did not arrive is
-    NaN.
+    An estimator may also offer `run_record(inputs, fixes) -> Trajectory`. This method takes many
+    steps in one call and returns the same estimates as `update` step by step. At steps without a
+    fix, the row of `fixes` is NaN.
     """
 
     def update(self, inputs: Array, fix: Array | None = None, /) -> Any:
-        """Take the inputs of a step, and a fix if one arrived; return an `Estimate`."""
+        """Take the inputs of a step, and a fix or None; return an `Estimate`.
+
+        A fix is a measurement that does not come at every step, such as a position from GNSS.
+        """
 
 
 def run_estimator(
@@ -41,13 +44,14 @@ def run_estimator(
     Parameters
     ----------
     inputs
-        (steps, i): the measurements of every step.
+        The measurements of every step, shape (steps, i).
     fixes
-        (fixes, m): the fixes at steps 0, M, 2 M, ...; NaN if a fix did not arrive.
+        The less frequent measurements, such as positions from GNSS, shape (fixes, m). Row j belongs
+        to step j * fix_interval. The row is NaN if the fix did not arrive.
     fix_interval
-        M, in steps.
+        Number of steps from one fix to the next.
     judged
-        As for `run_steps`.
+        The quantities to take from the estimates, in their order in the state.
 
     Raises
     ------
@@ -72,7 +76,8 @@ def run_steps(
     Parameters
     ----------
     inputs, fixes
-        (steps, i) and (steps, m), one row per step; a fix that did not arrive is NaN.
+        Measurements of every step (steps, i), and less frequent ones (steps, m), one row per step.
+        At steps without a fix, the row of `fixes` is NaN.
     first
         Number of the first of these steps, for error messages.
     judged
@@ -126,7 +131,8 @@ def collect(
     TypeError
         If an item is not an `Estimate`.
     ValueError
-        If an estimate lacks a quantity, or one has the wrong shape. The message names the step.
+        If an estimate lacks a quantity, or a quantity has the wrong shape. The message names the
+        step.
     """
     size = sum(len(quantity.components) for quantity in judged)
     state = np.empty((steps, size))
@@ -160,7 +166,13 @@ def collect(
 
 
 def _check_quantity(estimate: Estimate, name: str, size: int, step: int) -> Array:
-    """A quantity of an estimate, (size,)."""
+    """Return a quantity of an estimate as an array (size,), after checks.
+
+    Raises
+    ------
+    ValueError
+        If the estimate lacks the quantity or has another shape. The message names the step.
+    """
     if name not in estimate.quantities:
         raise ValueError(f"the estimate of step {step} has no {name}")
     return _check_array(estimate.quantities[name], (size,), name, step)

@@ -1,4 +1,4 @@
-"""Plans and runs the study's blocks."""
+"""Plans and runs the blocks of the hub study: its units of work."""
 
 from __future__ import annotations
 
@@ -29,7 +29,10 @@ from owtsweep.sweep.study import Block
 
 
 def plan(config: HubConfig) -> list[Block]:
-    """One block per period, run of replicates and scheme (and amplitude, when run directly)."""
+    """Return the blocks of a study: one per natural period, eight replicates and scheme.
+
+    A scheme that is not superposed has a block for each amplitude.
+    """
     shared = shared_content(config)
     schemes = resolve_all(config.schemes, config)
     # Made once per scheme: blocks share these parts, so that a large plan fits into memory.
@@ -63,7 +66,7 @@ def _superposes(config: HubConfig, scheme: Scheme) -> bool:
 
 
 def shared_content(config: HubConfig) -> dict[str, Any]:
-    """The settings that every block depends on; the grid's lists are not among them."""
+    """Return the settings that every block depends on; the grid's lists are not among them."""
     whole = as_mapping(config)
     keys = (
         "seed", "engine", "record", "spectrum", "normalise", "band", "wave_direction", "sensors",
@@ -75,7 +78,10 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
 
 
 def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
-    """What a scheme's rows depend on: its sections of the tuning; for a user's scheme, all."""
+    """Return what a scheme's rows depend on: its name and its sections of the tuning.
+
+    A user's scheme depends on all sections, on its entry in the configuration, and on its source.
+    """
     require(
         not isinstance(scheme, StoredScheme),
         f"schemes: {scheme.name} is a scheme of the run's author, and the run holds no plan.json "
@@ -91,7 +97,7 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
 
 
 def explain_anew(entry: Any, scheme: Scheme) -> str:
-    """Why stored blocks of a scheme are not used but computed anew; usually empty."""
+    """Return why a scheme's stored blocks have to be computed anew; "" if they can be used."""
     return explain_doubt(type(scheme)) if isinstance(entry, Mapping) else ""
 
 
@@ -100,28 +106,32 @@ def _plain(section: Any) -> Any:
 
 
 def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
-    """Threads if all schemes have kernels, which release the GIL; otherwise processes."""
+    """Return "threading" if all schemes run by kernels, which release the GIL; otherwise "loky"."""
     compiled = all(uses_kernels(config, scheme) for scheme in schemes)
     return "threading" if compiled else "loky"
 
 
 def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
-    """Whether the batch engine runs the scheme by a kernel."""
+    """Return whether the batch engine runs the scheme by a kernel."""
     return config.engine == "batch" and hasattr(scheme, "kernel")
 
 
 def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
-    """Start an estimator that runs step by step; in the batch engine a compiled one, if any."""
+    """Return a new estimator that runs step by step.
+
+    With the batch engine it is the compiled estimator, if the scheme has one.
+    """
     if config.engine == "batch" and hasattr(scheme, "stream"):
         return scheme.stream(sensors, config)  # type: ignore[no-any-return]
     return scheme.start(sensors, config)  # type: ignore[no-any-return]
 
 
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Run blocks of one group; motion and noise are made once for all of them.
+    """Run blocks of one group; yield each block with its rows.
 
-    Schemes with a kernel run together on each span of the records, while it is in the processor's
-    cache. So the first block of an amplitude (or the first superposed block) runs all of them.
+    Motion and noise are made once for all blocks. Schemes with a kernel run together on each span
+    of the records, while the span is in the processor's cache. So the first block of an amplitude
+    (or the first superposed block) runs all schemes that have blocks of this kind.
     """
     first = blocks[0].content
     records = make_records(config, first["natural_period"], first["replicates"])
@@ -149,12 +159,15 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
 
 
 def _settled(config: HubConfig, records: Records) -> int:
-    """The first settled step."""
+    """Return the first settled step."""
     return round(config.measures.settling_time / records.sensors.step)
 
 
 def _frames(parts: Sequence[Iterable[measures.Columns]]) -> list[pd.DataFrame]:
-    """One frame per part. It is cut from one large frame, because pandas is slow to make each."""
+    """Make one DataFrame for each part.
+
+    One large DataFrame is made and cut into pieces, because pandas is slow to make many DataFrames.
+    """
     tables = [list(part) for part in parts]
     pieces = [piece for part in tables for piece in part]
     whole = pd.DataFrame({name: _joined([p[name] for p in pieces]) for name in measures.COLUMNS})
@@ -177,7 +190,10 @@ def _by_kernels(
     records: Records,
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame | Exception]:
-    """Each scheme's rows at one amplitude, or the exception raised when its chain was made."""
+    """Run schemes at one amplitude by kernels; return the rows of each scheme by its number.
+
+    If making a scheme's chain raised an exception, return the exception in place of the rows.
+    """
     made = dict(zip(schemes, _chains(config, list(schemes.values()), records), strict=True))
     chains = {n: chain for n, chain in made.items() if not isinstance(chain, Exception)}
     # raised later, when its block is due
@@ -218,7 +234,10 @@ def _run_chains(
 def _chains(
     config: HubConfig, schemes: Sequence[Any], records: Records
 ) -> Iterable[Chain | Exception]:
-    """The schemes' chains; several are made at once if the cores have no other work."""
+    """Make the schemes' chains, several at once if the cores have no other work.
+
+    If making a chain raises an exception, return the exception in place of the chain.
+    """
 
     def made(scheme: Any) -> Chain | Exception:
         try:
@@ -241,7 +260,7 @@ def _chains(
 
 
 def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
-    """How many chains may be made at once: the number of threads that would wait for them."""
+    """Return how many chains may be made at once: as many as threads would wait for them."""
     from joblib import cpu_count
 
     compute = config.compute

@@ -1,4 +1,4 @@
-"""Refuses settings that cannot work together, before a run; each message says what would work.
+"""Refuses settings that cannot work together, before a run. Each message says what would work.
 
 Types and bounds of single keys are declared in `config`.
 """
@@ -34,7 +34,13 @@ LEAST_MARGIN = 1e-12
 
 
 def check(config: HubConfig) -> None:
-    """Raise `InputError` for the first setting that cannot work."""
+    """Check that the settings of a run can work together.
+
+    Raises
+    ------
+    InputError
+        For the first setting that cannot work; the message says what would work.
+    """
     check_grid(config)
     _check_sensors(config)
     _check_record(config)
@@ -70,7 +76,7 @@ def _check_sections(config: HubConfig, scheme: Scheme) -> None:
 
 
 def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
-    """Refuse settings for which the expectation cannot be computed without records."""
+    """Refuse settings with which the engine `expected` cannot work, because it runs no records."""
     require(
         not config.measures.extremes,
         "measures.extremes: largest errors need records; use engine=batch",

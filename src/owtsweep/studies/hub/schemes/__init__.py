@@ -1,4 +1,4 @@
-"""The four schemes of the hub study; turns entries of the key `schemes` into schemes."""
+"""Turns entries of the key `schemes` into schemes: the four of the hub study, or a user's."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.schemes.stored import StoredScheme, check_name
 
-#: Name -> description, in the order of tables and figures. The scheme is in the module of the
-#: same name in lower case, as its `SCHEME`.
+#: Name -> description, in the order of tables and figures. The scheme EKF is `SCHEME` in the module
+#: `ekf`, and so on.
 REGISTERED = {
     "EKF": "Kalman filter, GNSS innovation zeroed between fixes",
     "MKF": "multirate Kalman filter on the undelayed IMU",
@@ -58,9 +58,9 @@ def resolve(entry: Any) -> Scheme:
 
 
 def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
-    """Return all schemes of a run in the order given.
+    """Return all schemes of a run, in the order of `entries`.
 
-    If a tuning is given, each scheme is passed through `under` with it.
+    If a tuning is given, each scheme is returned in the form that `under` gives it.
 
     Raises
     ------
@@ -80,8 +80,8 @@ def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
 def under(scheme: Scheme, tuning: Any) -> Scheme:
     """Return the form that a scheme takes under a tuning.
 
-    A scheme whose properties depend on the tuning has a method `under(tuning)`: with constraints,
-    for example, HME2 is not linear.
+    A scheme whose properties depend on the tuning has a method `under(tuning)`. HME2, for example,
+    is not linear if the tuning has constraints. Any other scheme is returned as it is.
     """
     if tuning is None or not hasattr(scheme, "under"):
         return scheme
@@ -139,7 +139,13 @@ def _instantiate(entry: Mapping[str, Any]) -> Scheme:
 
 
 def check_scheme(scheme: Any, target: str) -> None:
-    """Raise `InputError` with the parts of the contract that a scheme lacks."""
+    """Check that a user's scheme has the parts of the contract: name, linear and start.
+
+    Raises
+    ------
+    InputError
+        If a part is missing. The message calls the scheme `target` and lists all missing parts.
+    """
     lacks = []
     if not (isinstance(getattr(scheme, "name", None), str) and scheme.name):
         lacks.append("name (a non-empty str)")
