@@ -17,10 +17,7 @@ if TYPE_CHECKING:
 
 
 def show(value: Any) -> str:
-    """Return a value as a user would type it in an override, shortened to 30 characters.
-
-    Numbers are not shortened.
-    """
+    """Return a value as a user would type it in an override; longer texts end after 27 letters."""
     if isinstance(value, float):
         return f"{value:.10g}"
     text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))

@@ -1,4 +1,4 @@
-"""Draws the figures of a run: all for which it has data, or one by name."""
+"""Draw the figures of a run: all for which the run has data, or one by name."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-#: A function that draws into a folder under a name and returns the files.
+#: A function that draws a figure, saves it in a folder under a name, and returns the files written.
 Drawing = Callable[[Path, str], list[Path]]
 
 
 def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) -> Drawing:
-    """Make a drawing that saves a figure in the package's style, with its metadata."""
+    """Make a function that draws a figure in the package's style and saves it with the metadata."""
 
     def drawing(folder: Path, name: str) -> list[Path]:
         from owtsweep.figures import style
@@ -31,12 +31,22 @@ def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) 
 
 
 def draw_each(drawings: Mapping[str, Drawing], folder: Path, only: str | None) -> list[Path]:
-    """Draw all figures for which the run has data, or only the one called `only`.
+    """Draw all figures for which the run has data, or one of them, and return the files.
+
+    Parameters
+    ----------
+    drawings
+        Name of a figure -> function that draws and saves it.
+    folder
+        Where to save the figures.
+    only
+        Name of the single figure to draw; None for all. Of all figures, those that raise an
+        `InputError` are left out with a warning.
 
     Raises
     ------
     InputError
-        If there is no figure of that name, or the run lacks the data for it.
+        If there is no figure called `only`, or if the run lacks the data for it.
     """
     if only is not None and only not in drawings:
         raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")
