@@ -86,7 +86,7 @@ def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
 
 
 def relative_luminance(color: str) -> float:
-    """Compute the relative luminance of a colour "#RRGGBB", from 0 (black) to 1 (white), by WCAG 2."""
+    """Compute the relative luminance of "#RRGGBB", from 0 (black) to 1 (white), after WCAG 2."""
     channels = [int(color[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

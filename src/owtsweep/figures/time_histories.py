@@ -1,7 +1,7 @@
 """Draw quantities of a record over time: one panel for x, one for y, and a panel of errors below.
 
-The lowest panel shows the errors of x, or the accumulated errors of x and y. A study defines what
-each panel shows (`Panel`). This module defines layout, legend and looks.
+The lowest panel usually shows the errors of x, or the accumulated errors of x and y. A study
+defines what each panel shows (`Panel`). This module defines layout, legend and looks.
 """
 
 from __future__ import annotations
