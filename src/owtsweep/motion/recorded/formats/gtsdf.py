@@ -1,4 +1,4 @@
-"""Reads HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
+"""Read HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
 
 The groups block0000, block0001, ... hold `data` (observations, attributes) and the attributes
 `time_step` and `time_start`. They may also hold `time` (0, 1, 2, ... if absent), `gains` and
@@ -55,7 +55,7 @@ def open_gtsdf(path: Path) -> ChannelTable:
 
 
 def _read_words(file: Any, key: str, count: int) -> list[str]:
-    """The names or the units of `count` channels; "" where the file states none."""
+    """Read the names or the units of `count` channels; each is "" if the file states none."""
     raw = file[key][:] if key in file else []
     words = [text.decode("utf-8") if isinstance(text, bytes) else str(text) for text in raw]
     return [word.strip() for word in words] if len(words) == count else [""] * count

@@ -1,4 +1,4 @@
-"""An opened file of channels: names and units have been read, numbers are read on demand."""
+"""The opened file of channels: names and units have been read, numbers are read on demand."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from pathlib import Path
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 
-#: `load(names, rows)` returns name -> (n,) float64. It reads at most `rows` rows; None reads all.
+#: `load(names, rows)` reads channels: name -> values, shape (n,), float64. It reads at most `rows`
+#: rows, or all if `rows` is None.
 Load = Callable[[Sequence[str], int | None], Mapping[str, Array]]
 
 
@@ -24,11 +25,11 @@ class ChannelTable:
     format
         The format in words.
     names
-        Channel names as in the file, without units; time is one of them.
+        Channel names as in the file, without units; time is one of the channels.
     units
         Unit of each channel as in the file; "" if the file states none.
     load
-        Reads the named channels in the file's units; missing values are NaN.
+        Function that reads the named channels, in the file's units; missing values are NaN.
     """
 
     path: Path
@@ -38,12 +39,12 @@ class ChannelTable:
     load: Load
 
     def unit(self, name: str) -> str:
-        """The unit that the file states for a channel; "" if it states none."""
+        """Return the unit that the file states for a channel; "" if the file states none."""
         return self.units[self.names.index(name)]
 
 
 def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
-    """The same names, with repeated ones numbered: `a, a` becomes `a, a (2)`."""
+    """Return the names with repetitions numbered: `a, a` becomes `a, a (2)`."""
     seen: dict[str, int] = {}
     result = []
     for name in names:
@@ -53,10 +54,10 @@ def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def shorten(error: Exception, length: int = 120) -> str:
-    """A library's message as one line of at most `length` characters."""
+    """Return an error's message as one line of at most `length` characters."""
     return " ".join(str(error).split())[:length]
 
 
 def refuse(path: Path, reason: str) -> InputError:
-    """The error to raise for a file: its path, then the reason."""
+    """Make the error to raise for a file; the message is the file's path, then the reason."""
     return InputError(f"{path}: {reason}")

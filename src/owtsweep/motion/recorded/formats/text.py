@@ -1,4 +1,4 @@
-"""Reads text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed.
+"""Read text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed.
 
 The reader finds the layout from the first lines. Data begin at the first two lines that hold mostly
 numbers and have the same number of fields. The line above them holds the names; if it holds units,
@@ -46,7 +46,7 @@ class Layout:
     first
         Number of lines above the data.
     names, units
-        Of each column; a unit is "" if the file states none.
+        Name and unit of each column; a unit is "" if the file states none.
     """
 
     delimiter: str
@@ -76,7 +76,7 @@ def _open(path: Path) -> IO[bytes]:
 
 
 def _read_head(path: Path) -> list[str]:
-    """The first lines of the file, without a last line that may be cut."""
+    """Read the first lines of a file, at most `HEAD` bytes, without a last line that may be cut."""
     try:
         with _open(path) as file:
             raw = file.read(HEAD)
@@ -95,19 +95,19 @@ def _read_head(path: Path) -> list[str]:
 
 
 def split_fields(line: str, delimiter: str) -> list[str]:
-    """The fields of a line, without surrounding blanks and quotes."""
+    """Split a line into fields, and remove blanks and quotes around each field."""
     if delimiter == " ":
         return [field.strip('"') for field in line.split()]
     return [field.strip().strip('"').strip() for field in line.rstrip("\r\n").split(delimiter)]
 
 
 def find_layout(path: Path, lines: list[str]) -> Layout:
-    """Find delimiter, names, units and the first line of the data.
+    """Find the delimiter, the names and units of the columns, and the first line of the data.
 
     Raises
     ------
     InputError
-        If there is no table of numbers, or it has decimal commas.
+        If there is no table of numbers, or if its numbers have decimal commas.
     """
     for first, line in enumerate(lines):
         if not line.strip():
@@ -152,7 +152,10 @@ def _is_data(fields: list[str]) -> bool:
 
 
 def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
-    """Names and units from the lines above the data; without names, columns are 1, 2, 3, ..."""
+    """Read names and units of `count` columns from the lines above the data.
+
+    Without names, the columns are called 1, 2, 3, ...
+    """
     rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above if line.strip()]
     units = [""] * count
     if rows and len(rows[-1]) == count and all(_BRACKETED.match(f) or not f for f in rows[-1]):
@@ -173,7 +176,7 @@ def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[st
 def _load_delimited(
     path: Path, layout: Layout, names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """Load columns with pyarrow, block by block, so that only the wanted ones use memory."""
+    """Load columns with pyarrow, block by block, so that only the wanted columns use memory."""
     import pyarrow as pa
     from pyarrow import csv
 
@@ -214,9 +217,9 @@ def _not_numbers(path: Path, error: Exception) -> InputError:
 
 
 def _lengthen(column: Array, count: int, least: int) -> Array:
-    """Copy the first `count` values to an array twice as long, of at least `least` values.
+    """Copy the first `count` values to an array twice as long, or of length `least` if longer.
 
-    The unused part takes no memory until it is written to.
+    The rest of the array takes no memory until values are written to it.
     """
     result = np.empty(max(2 * len(column), least))
     result[:count] = column[:count]

@@ -1,4 +1,4 @@
-"""Draw truth, position fixes, estimates and errors over time, as Figs. 9-14 of Ren et al. (2019)."""
+"""Draw truth, fixes, estimates and errors over time, as figures 9-14 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
