@@ -86,9 +86,9 @@ class Evidence:
         return list(shared.to_numpy().T) if len(shared) else None
 
     def paired(self, schemes: Sequence[str], cell: Cell) -> dict[str, Array] | None:
-        """Return each scheme's position MSE in a cell, shape (replicates,), by scheme.
+        """Return the position MSE of schemes in a cell: scheme -> values, shape (replicates,).
 
-        Only replicates that all schemes finished are kept. Returns None if there are none.
+        Only replicates that all these schemes finished are kept. Returns None if there are none.
         """
         values = self.common([(scheme, cell, "position") for scheme in schemes])
         return None if values is None else dict(zip(schemes, values, strict=True))
@@ -131,13 +131,14 @@ class Evidence:
 def find_best(paired: Mapping[str, Array], *, other_than: str = "") -> str | None:
     """Return the name of the scheme of least mean; of schemes that coincide, the last.
 
+    Returns None if `other_than` leaves no scheme.
+
     Parameters
     ----------
     paired
         Scheme -> its values, shape (replicates,), in the same order for all schemes.
     other_than
-        A scheme to leave out, with all that coincide with it; "" for none. If no scheme remains,
-        None is returned.
+        A scheme to leave out, with all schemes that coincide with it; "" for none.
     """
     names, values = list(paired), np.array(list(paired.values()))[:, np.newaxis]
     means = np.array([[np.mean(samples)] for samples in paired.values()])

@@ -40,12 +40,11 @@ class Decision:
         The claim: the quantity lies below (above) the threshold.
     t
         Distance of the quantity from the threshold in standard errors, positive on the claimed
-        side. Plus or minus infinity if the standard error is zero, or if only an interval is known
-        and the threshold lies outside. 0 if only an interval is known and it contains the
-        threshold.
+        side. Plus or minus infinity if the standard error is zero. If only an interval is known:
+        plus or minus infinity if the threshold lies outside the interval, else 0.
     p
         p-value of the two-sided test that the quantity equals the threshold. If only an interval
-        is known: 1 if it contains the threshold, else 0.
+        is known: 0 if the threshold lies outside the interval, else 1.
     """
 
     label: str

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 def read_published(package: str, name: str, *, text: tuple[str, ...] = ()) -> pd.DataFrame:
     """Read the CSV file `data/<name>` of a package.
 
-    Empty cells of a column `note` become empty text; in other columns they are NaN.
+    Empty cells become "" in a column called `note`, and NaN in all other columns.
 
     Parameters
     ----------

@@ -85,7 +85,7 @@ def number_table(numbers: pd.DataFrame) -> TextTable:
 def consistency_section(
     table: pd.DataFrame, schemes: Sequence[str], freedom: Mapping[str, float]
 ) -> list[Block]:
-    """Make the section on consistency: each scheme's range of NEES and NIS, and its verdicts.
+    """Make the section on consistency: per scheme the ranges of NEES and NIS, and the verdicts.
 
     Parameters
     ----------

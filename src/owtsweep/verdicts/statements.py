@@ -82,7 +82,7 @@ def judge(
 
 
 def explain(claim: Claim) -> str:
-    """Explain a claim in one line: verdict, the decision that supports it least, missing data."""
+    """Explain a claim in one line: the verdict, the least favourable decision, and missing data."""
     parts = [claim.verdict]
     if claim.decisions:
         parts.append(f"{claim.holding} of {len(claim.decisions)} hold in the mean")
