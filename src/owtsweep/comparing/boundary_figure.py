@@ -32,9 +32,9 @@ def draw(
 ) -> Figure:
     """Draw the boundary against the first swept key, one line per cell.
 
-    If the runs differ in a second key, there is one panel for each of its values. A cell is one
-    value of each condition except the one that expands; the vertical axis shows the latter.
-    Boundaries far outside its values are drawn as hollow marks at the axis limit.
+    If the runs differ in a second key, there is one panel for each value of this key. A cell is one
+    value of each condition except the one that expands. The vertical axis shows the condition that
+    expands. A boundary far outside the values of this condition is a hollow mark at the axis limit.
 
     Parameters
     ----------

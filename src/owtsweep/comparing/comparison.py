@@ -32,7 +32,7 @@ def identify(value: Any) -> str:
 def rank_values(values: Sequence[Any]) -> list[int]:
     """Return the place (0, 1, ...) of each value among the distinct values.
 
-    Numbers are ordered by size. If one value is no number, the order is that of first appearance.
+    Numbers are ordered by size. If a value is not a number, the order is that of first appearance.
     """
     numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
     distinct = {identify(value): value for value in values}
@@ -66,7 +66,7 @@ class Candidate:
 
     @property
     def shown(self) -> dict[str, str]:
-        """Swept key -> this run's value as text."""
+        """The run's values as texts, by swept key."""
         return {key: show(value) for key, value in self.values.items()}
 
     @property
