@@ -163,9 +163,9 @@ def _label(
 
 
 def _describe_runner_up(row: dict[Any, Any]) -> str:
-    """Describe the next best scheme of a cell, e.g. "HME1 +12 %": how much larger its MSE is.
+    """Name the next best scheme of a cell, and by how much its MSE is larger, e.g. "HME1 +12 %".
 
-    Returns "" if there is no next best scheme or if the best one's MSE is not positive.
+    Returns "" if there is no next best scheme, or if the best scheme's MSE is not positive.
     """
     if not row["runner_up"] or not row["mse_best"] > 0:
         return ""

@@ -90,8 +90,8 @@ def draw(
     Parameters
     ----------
     shown
-        Rows of a summary with one value of every condition except `along`, as `choose` returns
-        them.
+        Rows of a run's table summary.csv with one value of every condition except `along`, as
+        `choose` returns them.
     schemes
         Schemes to draw, in the order of the legend.
     along

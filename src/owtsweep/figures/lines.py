@@ -54,8 +54,8 @@ def clip(time: Array, values: Array, view: tuple[float, float]) -> tuple[Array, 
 def decimate(time: Array, values: Array, points: int = WIDE) -> tuple[Array, Array]:
     """Reduce a series to about `points` samples and keep its visible envelope.
 
-    The series is divided into points / 2 equal spans. The least and the greatest value of each span
-    are kept, in order of time, and the first and the last sample of the series.
+    The series is divided into points / 2 equal spans. Kept are the least and the greatest value of
+    each span, and the first and the last sample of the series, in order of time.
 
     Parameters
     ----------

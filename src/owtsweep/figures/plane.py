@@ -33,7 +33,7 @@ class Plane:
     upwards
         The condition on the vertical axis; None if the map has a single line.
     lines
-        The values of `upwards`, in order from bottom to top; a single "" if it is None.
+        The values of `upwards`, in order from bottom to top; a single "" if `upwards` is None.
     """
 
     across: Condition
@@ -85,7 +85,7 @@ class Plane:
         return len(self.columns) * len(self.lines)
 
     def place(self, row: Mapping[Any, Any]) -> tuple[int, int]:
-        """Return column and line (from 0) of the cell of a table's row."""
+        """Return the column and the line (from 0) of the cell to which a table's row belongs."""
         line = self.lines.index(row[self.upwards.name]) if self.upwards else 0
         return self.columns.index(row[self.across.name]), line
 

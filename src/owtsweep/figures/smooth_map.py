@@ -123,9 +123,10 @@ def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
 
 
 def _draw_boundaries(axes: Axes, field: Field) -> None:
-    """Draw for each scheme the line where its MSE equals the least of the schemes unlike it.
+    """Draw for each scheme the line where the scheme's MSE equals the least MSE of the others.
 
-    Schemes are alike if their MSEs agree to the field's resolution everywhere on the map.
+    The others are those whose MSE differs, somewhere on the map, by more than the field's
+    resolution.
     """
     look: dict[str, Any] = {"levels": [0.0], "colors": "black", "linewidths": 1.4}
     for number, values in enumerate(field.values):

@@ -54,7 +54,7 @@ def footnote(figure: Figure, text: str) -> None:
 
 
 def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns: int) -> None:
-    """Put a legend above everything else; `title` is its title and serves as the figure's."""
+    """Put a legend above everything else; the legend's `title` serves as the figure's title."""
     figure.legend(
         handles=handles,
         title=title,

@@ -67,7 +67,7 @@ class Band:
     color: str
 
     def draw(self, axes: Axes) -> None:
-        """Fill the area."""
+        """Fill the area between both series."""
         axes.fill_between(self.time, self.low, self.high, color=self.color, alpha=0.15, linewidth=0)
 
 
