@@ -68,7 +68,7 @@ class HubEvidence(Evidence):
     def boundaries(self) -> dict[float, Boundary]:
         """The HME1/HME2 boundary by natural period (s), for the periods that have both schemes.
 
-        Empty if the run lacks a scheme or did not superpose its cases.
+        Empty if the run lacks a scheme, or was not run with evaluation=superposed.
         """
         try:
             table = find_boundary(self.rows, CONDITIONS, BOUNDARY, "position", self.window)

@@ -56,8 +56,9 @@ def _floor(weak: Any, strong: Any) -> Any:
 def _superposed(
     evidence: HubEvidence, scheme: str, cell: Cell, measure: str, *, both_windows: bool = False
 ) -> pd.DataFrame:
-    """Return the superposed rows of one scheme, measure and natural period (that of `cell`).
+    """Return the rows of one scheme and measure that hold motion, cross and noise products.
 
+    Such rows exist with evaluation=superposed. They are for the natural period of `cell`.
     Only rows of the run's window are returned, or of both windows if `both_windows`.
     """
     rows = evidence.finished
@@ -75,7 +76,10 @@ def _mse(rows: pd.DataFrame, cell: Cell) -> Any:
 
 
 def terms(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> Terms | None:
-    """Compute the parts of the run's mean MSE; None if the run has no superposed rows for them."""
+    """Compute the motion, cross and noise part of a scheme's mean MSE in a cell of the run.
+
+    Returns None unless the run computed this case by superposition (evaluation=superposed).
+    """
     chosen = _superposed(evidence, scheme, cell, measure)
     if chosen.empty:
         return None
@@ -86,7 +90,7 @@ def terms(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> Terms
 def start_up_share(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> float:
     """Compute which share (0 to 1) of the record's squared error is made before the settling time.
 
-    Returns NaN if the run has no superposed rows of this case.
+    Returns NaN unless the run computed this case by superposition (evaluation=superposed).
     """
     chosen = _superposed(evidence, scheme, cell, measure, both_windows=True)
     total = (_mse(chosen, cell) * chosen["n_samples"]).groupby(chosen["window"]).sum()
