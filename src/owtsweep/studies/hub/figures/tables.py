@@ -50,7 +50,7 @@ def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
         One row per published number; the columns are `COLUMNS`. Published and reproduced MSE of x
         and y in m^2, of vx and vy in m^2/s^2; `ci_low` and `ci_high`, the 95 % interval of the
         reproduced mean; `ratio`, reproduced / published. Where the run lacks the condition or the
-        scheme, its values are NaN and the note says "not in this run".
+        scheme, the run's values are NaN and the note says "not in this run".
     """
     keys = [*CONDITIONS, "scheme", "measure"]
     run = summary.loc[summary["window"] == window, [*keys, "mean", "ci_low", "ci_high"]]
