@@ -213,7 +213,7 @@ def _derive_reference(
 ) -> tuple[Array, Array, list[str]]:
     """Return position and velocity of the reference on the grid, and notes for the user.
 
-    Both have shape (steps, 2), in m and m/s; NaN in gaps of the reference.
+    Position (m) and velocity (m/s) have shape (steps, 2), and are NaN in gaps of the reference.
     """
     gridded = derive(
         recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,

@@ -83,9 +83,10 @@ def _compute(chain: Chain, sensors: Sensors, low: float, high: float) -> Expecta
 
 
 def find_place(config: ReplayConfig, record: Any) -> Spectrum | None:
-    """Return the spectrum of Eq. (1) fitted to a record; None if its peak is outside the band.
+    """Return the spectrum of Eq. (1) fitted to a record, if its peak is inside the band.
 
-    `record` is the record's row of records.csv. Without a fit, None is returned too.
+    `record` is the record's row of records.csv. Returns None if there is no fit, or if the peak is
+    outside the band.
     """
     shape, (low, high) = read_fit(record), config.fit_band
     return shape if shape is not None and low <= shape.peak_frequency <= high else None

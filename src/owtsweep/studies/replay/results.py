@@ -123,12 +123,15 @@ def _advise(
 def advise_from_map(
     config: ReplayConfig, schemes: Sequence[str], record: Any
 ) -> dict[str, Any] | None:
-    """The advice from the expected map at the period and amplitude of a record, after settling.
+    """Advise by the settled errors that are expected of the schemes for a record's spectrum.
+
+    `record` is the record's row of records.csv. Returns None if the spectrum fitted to the record
+    has no peak inside the band, or if there is nothing to compare.
 
     Raises
     ------
     InputError
-        If a scheme has no expectation.
+        If no errors can be computed for one of the schemes.
     """
     from owtsweep.studies.replay.place import expect_at_record
 

@@ -153,7 +153,7 @@ def execute(
 def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
     """Return the folder of each record's estimates, by the record's label.
 
-    It is the run folder for a single record, otherwise records/<label> in the run folder.
+    The folder is the run folder for a single record, otherwise records/<label> in the run folder.
     """
     labels = list(label_files(config.grid.files))
     return {label: run if len(labels) == 1 else run / "records" / label for label in labels}

@@ -180,9 +180,10 @@ def _empty_range() -> Array:
 
 
 def _widen(limits: Array, values: Array) -> None:
-    """Widen ranges, shape (2, 2), in place so that they include further values, shape (n, 2).
+    """Widen the ranges of x and y in place, so that they include further values.
 
-    Values that are not finite do not count.
+    `limits` has shape (2, 2): rows x and y, columns least and greatest. `values` has shape (n, 2),
+    columns x and y; values that are not finite do not count.
     """
     finite = np.isfinite(values)
     limits[:, 0] = np.minimum(limits[:, 0], np.min(values, axis=0, initial=np.inf, where=finite))

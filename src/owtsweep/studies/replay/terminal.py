@@ -70,7 +70,10 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
 
 
 def list_spectrum_notes(config: ReplayConfig) -> list[str]:
-    """List the warnings about the spectrum fitted to the record; empty if there are several."""
+    """List the warnings about the spectrum fitted to the run's record.
+
+    If the run has several records, the list is empty.
+    """
     if len(config.grid.files) > 1:
         return []
     return [f"spectrum: {warning}" for warning in list_fit_warnings(config, config.grid.files[0])]
