@@ -32,7 +32,8 @@ def read(
     Parameters
     ----------
     path
-        The file. The extension decides the format; if it is ambiguous, the content does.
+        The file. The extension decides the format; if several formats share the extension, the
+        content decides.
     columns
         role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Roles that are not given are guessed
         from well-known names; None or "" leaves a role out.

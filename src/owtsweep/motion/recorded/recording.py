@@ -42,7 +42,7 @@ class Recording:
         return any(f"{quantity}_{axis}" in self.channels for axis in "xy")
 
     def let_go(self, quantity: str) -> None:
-        """Delete both axes of a quantity; a caller that has copied them saves memory so."""
+        """Delete both axes of a quantity, to free memory once the caller has copied them."""
         for axis in "xy":
             self.channels.pop(f"{quantity}_{axis}", None)
 

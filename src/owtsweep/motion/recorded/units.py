@@ -34,7 +34,7 @@ SPELLINGS = {
 
 
 def normalise_unit(unit: str) -> str:
-    """Return the spelling used here: `m/s2`, `m/s**2`, `m s-2` and `m/sec^2` become `m/s^2`."""
+    """Return a unit in one spelling: `m/s2`, `m/s**2`, `m s-2` and `m/sec^2` become `m/s^2`."""
     text = unit.strip().lower()
     for old, new in (("**", "^"), ("²", "^2"), ("·", " "), ("*", " ")):
         text = text.replace(old, new)

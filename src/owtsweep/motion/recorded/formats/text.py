@@ -76,7 +76,7 @@ def _open(path: Path) -> IO[bytes]:
 
 
 def _read_head(path: Path) -> list[str]:
-    """Read the first lines of a file, at most `HEAD` bytes, without a last line that may be cut."""
+    """Read the first lines of a file, at most `HEAD` bytes; an incomplete last line is dropped."""
     try:
         with _open(path) as file:
             raw = file.read(HEAD)
