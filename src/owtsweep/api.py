@@ -18,7 +18,7 @@ __all__ = ["load", "replay", "run"]
 
 
 def run(overrides: Sequence[str] = ()) -> Run:
-    """Run a study, or finish one, and return it.
+    """Run a study and return the run; if a run was interrupted, compute what is missing.
 
     Parameters
     ----------
@@ -28,9 +28,9 @@ def run(overrides: Sequence[str] = ()) -> Run:
     Returns
     -------
     Run
-        With its `config`, `cases()`, `summary()` and `best_scheme()`. Its cases include
-        failed ones, with the status "failed" and a reason, and cases that their scheme cannot
-        compute, with the status "unable".
+        The run, with `config`, `cases()`, `summary()` and `best_scheme()`. The cases include those
+        that failed, with the status "failed" and a reason, and those that a scheme cannot compute,
+        with the status "unable".
 
     Raises
     ------
@@ -60,14 +60,17 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     Parameters
     ----------
     files
-        A path or pattern, or several. With an empty list the files named by `replay.table`.
+        A path or pattern, or a list of them. An empty list stands for the files in the table that
+        the key `replay.table` names.
     overrides
-        As on the command line, e.g. `["columns.position_x=TwHt1TPxi", "sensors.gnss.rate=5"]`.
+        Hydra overrides as on the command line, e.g. `["columns.position_x=TwHt1TPxi",
+        "sensors.gnss.rate=5"]`.
 
     Returns
     -------
     Replay
-        With `errors()`, `advice()`, `records()` and `estimates()` as DataFrames, and its `run`.
+        The result, with `errors()`, `advice()`, `records()` and `estimates()` as DataFrames, and
+        the `run` itself.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Draws the figures of a run: all for which it has data, or one by name."""
+"""Draw the figures of a run: all for which the run has data, or one by name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Drawing = Callable[[Path, str], list[Path]]
 
 
 def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) -> Drawing:
-    """Make a drawing that saves a figure in the package's style, with its metadata."""
+    """Make a function that draws a figure in the package's style and saves it with the metadata."""
 
     def drawing(folder: Path, name: str) -> list[Path]:
         from owtsweep.figures import style

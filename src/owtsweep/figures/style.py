@@ -1,4 +1,4 @@
-"""The style and the saving of figures: the same figure gives the same bytes."""
+"""Set the style of figures and save them; figures drawn alike are saved as equal bytes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 @contextmanager
 def context() -> Iterator[None]:
-    """Draw with the package's settings; the user's settings are restored afterwards."""
+    """Set matplotlib to the package's settings inside a `with` block, then restore the user's."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(RC)
@@ -53,12 +53,12 @@ def context() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure (size in inches) outside pyplot: it opens no window."""
+    """Make an empty figure of a width and height in inches, outside pyplot, so no window opens."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def footnote(figure: Figure, text: str) -> None:
-    """Put a paragraph below everything else, with lines broken to the width of the figure."""
+    """Write a paragraph below everything else, with lines broken to the width of the figure."""
     letters = int(13 * figure.get_figwidth())
     figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
 
@@ -69,7 +69,7 @@ def label_of(name: str) -> str:
 
 
 def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns: int) -> None:
-    """Put a legend in columns above everything else, its title as the title of the figure."""
+    """Put a legend above everything else; the legend's `title` serves as the figure's title."""
     figure.legend(
         handles=handles,
         title=title,
@@ -82,7 +82,7 @@ def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns
 
 
 def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
-    """A sentence per group of schemes that a map shows under the last of their names."""
+    """Write a sentence on each group of schemes that a map shows under the last of its names."""
     return [
         f"{' and '.join(group)} give the same numbers and are shown as {group[-1]}."
         for group in groups
@@ -90,7 +90,7 @@ def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
 
 
 def describe_window(window: str) -> str:
-    """Describe a window in words."""
+    """Describe a window in words, e.g. "full record"; an unknown window is named as it is."""
     return WINDOWS.get(window, window)
 
 

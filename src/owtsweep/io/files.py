@@ -23,16 +23,17 @@ _TEMPORARY = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
 
 
 def write_atomically(path: Path, content: bytes | str) -> None:
-    """Write a file so that a reader at any moment sees either the old file or the new one.
+    """Write a file so that a reader at any moment sees either the old content or the new one.
 
-    The content goes to a temporary name in the same folder, is flushed to the disk and renamed. An
-    error leaves the old file as it was and no temporary file; a killed process may leave one
-    (`.<name>.<random>.tmp`), which nothing reads. Text is written as UTF-8.
+    The content is written to a temporary file in the same folder, flushed to the disk, and the file
+    is renamed. After an error, the old file is unchanged and the temporary file is gone. A killed
+    process may leave a temporary file (`.<name>.<random>.tmp`), which nothing reads. Text is
+    written as UTF-8.
 
     Raises
     ------
     OSError
-        If the file system refuses.
+        If the file cannot be written.
     """
     write_all({path: content})
 
@@ -73,9 +74,9 @@ def _write_through(path: Path, data: bytes) -> None:
 
 
 def remove_stale(folder: Path) -> None:
-    """Delete temporary files left in a folder by killed processes.
+    """Delete temporary files older than an hour, which killed processes have left in a folder.
 
-    Younger files stay: another process may be writing them.
+    Younger temporary files stay, because another process may be writing them.
     """
     now = time.time()
     for path in folder.glob(".*.tmp"):
@@ -86,7 +87,10 @@ def remove_stale(folder: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Make a rename survive a power cut, if the file system supports that."""
+    """Flush a folder to the disk, so that renamed files in it survive a power cut.
+
+    If the file system does not support this, nothing happens.
+    """
     # The file itself is whole already, so an error here is ignored.
     with contextlib.suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
@@ -101,12 +105,14 @@ ELSEWHERE = "name another folder by results=FOLDER"
 
 
 def check_writable(folder: Path, argument: str = "results", remedy: str = ELSEWHERE) -> None:
-    """Check that files can be written to a folder, which need not exist; leaves no files there.
+    """Check that a file can be created in a folder, and leave no file there.
+
+    If the folder does not exist, the nearest existing folder above it is checked.
 
     Raises
     ------
     InputError
-        If the folder, or the nearest folder above it that exists, refuses a file.
+        If no file can be created.
     """
     # Not `exists`: a dangling link prevents the creation of a folder too.
     nearest, missing = folder.absolute(), 0

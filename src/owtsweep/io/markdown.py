@@ -1,4 +1,4 @@
-"""Tables in Markdown."""
+"""Write tables in Markdown."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from collections.abc import Collection, Iterable, Sequence
 def table(
     columns: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: Collection[str] = ()
 ) -> str:
-    """A table in Markdown, without a line break after its last row.
+    """Write a table in Markdown, without a line break after the last row.
 
     Parameters
     ----------
     columns
-        Headings.
+        Headings of the columns.
     rows
-        Text, one cell per column.
+        Rows of texts, one text per column.
     numbers
-        Columns that are aligned to the right.
+        Headings of the columns to align to the right.
     """
     rule = ["---:" if column in numbers else "---" for column in columns]
     return "\n".join(_line(cells) for cells in (columns, rule, *rows))

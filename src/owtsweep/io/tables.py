@@ -1,4 +1,4 @@
-"""The tables of a run: CSV files whose numbers are read back exactly."""
+"""Write and read the tables of a run: CSV files whose numbers are read back exactly."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _QUOTED = re.compile(rb'"[^"]*"')
 
 
 def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
-    """Write each table as `<name>.csv`: all of them, or none if the disk is full."""
+    """Write each table as `<name>.csv`, without the index: all, or none if the disk is full."""
     # pandas writes a float as `repr` does: the shortest text that reads back as the same number.
     contents = {}
     for name, table in tables.items():
@@ -31,16 +31,16 @@ def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
 
 
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
-    """Write `<name>.csv`, whole or not at all; the index is not kept."""
+    """Write a table as `<name>.csv`, whole or not at all, without the index; return the file."""
     write_tables(folder, {name: table})
     return folder / f"{name}.csv"
 
 
 def read_table(folder: Path, name: str) -> pd.DataFrame:
-    """Read `<name>.csv`.
+    """Read the table `<name>.csv` of a run's folder.
 
-    An empty field is NaN in a column of numbers, and empty text in a column of text. A column of
-    empty fields only is read as numbers.
+    An empty field becomes NaN in a column of numbers, and "" in a column of text. A column whose
+    fields are all empty is read as numbers.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Checks a recording. An error is one line that names the file and the place."""
+"""Check a recording. The message of an error is one line that names the file and the place."""
 
 from __future__ import annotations
 
@@ -20,15 +20,22 @@ LARGEST_RANGE = 100.0  # m
 #: A larger number, in SI units, is a wrong unit or damage.
 LARGEST_VALUE = 1e9
 FEWEST_SAMPLES = 32
-#: Shorter gaps are interpolated, and so are gaps of two and a half sampling intervals. Fixes and
-#: references may be missing for any time.
+#: Gaps up to this length are interpolated, and gaps up to two and a half sampling intervals. Fixes
+#: and references may be missing for any time.
 LONGEST_GAP = 0.1  # s
 #: An IMU that samples less often is refused.
 LOWEST_IMU_RATE = 5.0  # Hz
 
 
 def check_time(path: Path, name: str, time: Array) -> None:
-    """Raise InputError if time is too short, is missing, stands still or goes backwards."""
+    """Check the times of a recording (s), from the channel `name` of the file `path`.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than `FEWEST_SAMPLES` times, if a time is missing, or if the times do not
+        increase.
+    """
     if len(time) < FEWEST_SAMPLES:
         raise refuse(path, f"has {len(time)} rows; at least {FEWEST_SAMPLES} are needed")
     missing = np.flatnonzero(~np.isfinite(time))
@@ -46,26 +53,31 @@ def check_time(path: Path, name: str, time: Array) -> None:
 
 
 def find_gaps(time: Array) -> list[tuple[float, float]]:
-    """(start, end) in s of each interval between two values that is too long to interpolate."""
+    """Find the gaps that are too long to interpolate, as (start, end) in s.
+
+    `time` are the times of a channel's values in s.
+    """
     step = np.diff(time)
     longest = max(LONGEST_GAP, 2.5 * float(np.median(step)))
     return [(float(time[k]), float(time[k + 1])) for k in np.flatnonzero(step > longest)]
 
 
 def describe_gaps(gaps: list[tuple[float, float]], shown: int = 3) -> str:
-    """The gaps' times in words: the first `shown`, and how many more there are."""
+    """Describe gaps (start, end) in words: the first `shown`, and how many more there are."""
     text = ", ".join(f"{start:.6g} s to {end:.6g} s" for start, end in gaps[:shown])
     return text + (f" and {len(gaps) - shown} more" if len(gaps) > shown else "")
 
 
 def check_channels(recording: Recording, gaps: str) -> list[str]:
-    """Check every channel and return notes for the user; `gaps` is as for `read`.
+    """Check every channel of a recording, and return notes for the user.
+
+    `gaps` is "refuse" or "interpolate", as for `reading.read`.
 
     Raises
     ------
     InputError
-        For a channel with too few values or none, an IMU that is too slow, a gap that is too long,
-        or a unit that cannot be right.
+        For a channel with too few values or none, an IMU that samples too slowly, a gap that is too
+        long, or a unit that cannot be right.
     """
     notes: list[str] = []
     for role, values in recording.channels.items():

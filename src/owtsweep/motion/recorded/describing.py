@@ -1,4 +1,4 @@
-"""Describes a file: channels, units, rates, gaps, and the roles that would be assigned."""
+"""Describe a file: channels, units, rates, gaps, and the roles that would be assigned."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ WIDTH = 100
 
 @dataclass(frozen=True, kw_only=True)
 class Channel:
-    """One channel, in the unit that the file uses.
+    """One channel of a file, in the unit that the file uses.
 
     Attributes
     ----------
     name, unit
-        As in the file; the unit is "" if the file states none.
+        Name and unit as in the file; the unit is "" if the file states none.
     missing
         Number of rows without a value.
     mean, deviation, smallest, largest
-        Statistics of the values; NaN if there are none.
+        Mean, standard deviation and range of the values; NaN if there are none.
     rate
-        Hz, from the median interval between values; NaN if the file has no time.
+        Rate in Hz, from the median interval between values; NaN if the file has no usable time.
     gaps
-        (start, end) in s of intervals longer than ten sampling intervals and 0.1 s.
+        (start, end) in s of the gaps longer than 0.1 s and longer than ten sampling intervals.
     numeric
         False for a column that does not hold numbers.
     """
@@ -58,7 +58,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Description:
-    """What is in a file; `str(description)` is the text for the terminal.
+    """The contents of a file in summary; `str(description)` is the text for the terminal.
 
     Attributes
     ----------
@@ -69,11 +69,11 @@ class Description:
     cut
         Whether the file may have more rows.
     guess
-        role -> channel that `read` takes by default.
+        role -> the channel that `reading.read` would take for this role.
     channels
         All channels, in the file's order.
     clock
-        One line about the times.
+        A sentence about the times.
     """
 
     path: Path
@@ -125,12 +125,12 @@ def describe(
     path
         The file.
     columns, units
-        Roles and units that the user gives, as for `read`; the rest is guessed.
+        Roles and units that the user gives, as for `reading.read`; other roles are guessed.
 
     Raises
     ------
     InputError
-        If the file cannot be read at all, or a given channel or unit is wrong.
+        If the file cannot be read at all, or if a given role, channel or unit is wrong.
     """
     table = open_table(path)
     most = min(MOST_ROWS, MOST_VALUES // max(len(table.names), 1))
@@ -169,7 +169,7 @@ def _with_units(
 
 
 def _load(table: ChannelTable, names: Sequence[str], rows: int) -> Mapping[str, Array]:
-    """channel -> its values, without the columns that do not hold numbers."""
+    """Read the channels that hold numbers: return channel -> values."""
     try:
         return table.load(names, rows)
     except InputError:
@@ -229,7 +229,11 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
 
 
 def _is_likely(channel: Channel) -> bool:
-    """Whether a channel varies, and its unit is missing or is one of motion or acceleration."""
+    """Return whether a channel may be motion or force.
+
+    It may if its values vary, and if its unit is missing or is one of length, velocity or
+    acceleration.
+    """
     if not channel.deviation > 0.0:  # NaN without numbers
         return False
     return not channel.unit or find_dimension(channel.unit) in QUANTITIES.values()
@@ -257,7 +261,7 @@ def _describe_values(channel: Channel, role: str | None = None) -> str:
 
 
 def _wrap(words: list[str]) -> list[str]:
-    """The words, separated by commas, in lines of `WIDTH`; a word with blanks is not broken."""
+    """Join words by commas and break them into lines of `WIDTH` characters, between words only."""
     text = ", ".join(word.replace(" ", "\0") for word in words)
     lines = wrap(
         text, WIDTH, initial_indent="  ", subsequent_indent="  ", break_long_words=False,

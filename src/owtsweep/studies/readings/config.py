@@ -9,7 +9,7 @@ from owtsweep.studies.hub.public import HubConfig
 
 
 class Calibration(Section):
-    """What to search."""
+    """The section `calibration`: what to search, with how many trials, on how many records."""
 
     #: A parameter is a key, or keys joined by "+" that share one value.
     targets: dict[str, Any] = key(
@@ -28,7 +28,7 @@ class Calibration(Section):
 
 
 class ReadingsConfig(HubConfig):
-    """All keys of the search."""
+    """The configuration of the study `readings`: the hub study's keys and `calibration`."""
 
     #: Each target names its own tuning, so these keys have no effect.
     inert: ClassVar[frozenset[str]] = Config.inert | {
@@ -38,7 +38,7 @@ class ReadingsConfig(HubConfig):
     calibration: Calibration = key("what to search")
 
     def check(self) -> None:
-        """Raise `InputError` for values that cannot work together."""
+        """Check that the values can work together; otherwise raise `InputError`."""
         super().check()
         require(
             self.engine != "expected",

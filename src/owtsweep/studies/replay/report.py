@@ -42,7 +42,19 @@ CAPTIONS = {
 def write(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], figures: Sequence[Path], folder: Path
 ) -> Path:
-    """Write report.md into a run folder that holds its tables and figures; return its path."""
+    """Write report.md into a run folder, and return the file's path.
+
+    Parameters
+    ----------
+    config
+        The configuration of the replay.
+    tables
+        The run's tables by name: errors, advice and records.
+    figures
+        The run's figure files, inside `folder`.
+    folder
+        The run folder.
+    """
     parts = ["# Replay\n", "## Advice\n"]
     parts += [f"- {_escape(line)}" for line in make_sentences(tables["advice"])] or [
         "- none: no scheme ran"

@@ -1,4 +1,4 @@
-"""The table of sea states: one row per record, and the axes of the map over records."""
+"""Read the table of sea states: one row per record; two columns are the axes of the map."""
 
 from __future__ import annotations
 
@@ -25,12 +25,13 @@ MOST_BYTES = 10_000_000
 def read_table(path: str) -> pd.DataFrame:
     """Read a CSV table with the column `file` and at least one column of numbers.
 
-    File names in it are relative to the folder of the table.
+    File names in the table are relative to the folder of the table; the result has full paths.
 
     Raises
     ------
     InputError
-        If it cannot be read, lacks one of these columns, or has no row.
+        If the table cannot be read, lacks one of these columns, has no row, or has a row without a
+        file.
     """
     import pandas as pd
 
@@ -88,13 +89,15 @@ def _check_columns(table: pd.DataFrame, where: str) -> None:
 
 
 def find_axes(table: pd.DataFrame) -> list[str]:
-    """Names of the columns of numbers, in order; the first two are the axes of the map."""
+    """Return the names of the columns of numbers, in order; the first two are the map's axes."""
     numbers = table.select_dtypes("number").columns
     return [str(name) for name in numbers if name != "file"]
 
 
 def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
-    """The rows of the replayed records, with labels in place of files; None without a table.
+    """Read the rows of `replay.table` on the replayed records, with labels in the column `file`.
+
+    Returns None if the configuration names no table.
 
     Raises
     ------

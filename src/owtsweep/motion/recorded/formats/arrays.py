@@ -1,4 +1,4 @@
-"""Reads NumPy archives (.npz, without pickled objects) and Parquet files."""
+"""Read NumPy archives (.npz, without pickled objects) and Parquet files."""
 
 from __future__ import annotations
 
@@ -34,7 +34,10 @@ HEADERS: dict[tuple[int, int], Callable[[Any], tuple[Any, ...]]] = {
 
 
 def open_npz(path: Path) -> ChannelTable:
-    """Open an archive of arrays of equal length; an (n, 2) array becomes name_x and name_y.
+    """Open a NumPy archive of arrays of equal length n.
+
+    An array of shape (n,) is one channel. An array of shape (n, 2) becomes the channels name_x and
+    name_y.
 
     Raises
     ------
@@ -132,7 +135,7 @@ def open_parquet(path: Path) -> ChannelTable:
     Raises
     ------
     InputError
-        For a damaged file, or when a column without numbers is loaded.
+        If the file is damaged; on loading, also if a column does not hold numbers.
     """
     import pyarrow as pa
     from pyarrow import parquet

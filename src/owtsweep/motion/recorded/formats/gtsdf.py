@@ -1,4 +1,4 @@
-"""Reads HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
+"""Read HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
 
 The groups block0000, block0001, ... hold `data` (observations, attributes) and the attributes
 `time_step` and `time_start`. They may also hold `time` (0, 1, 2, ... if absent), `gains` and
@@ -117,7 +117,7 @@ def _follow(path: Path, group: Any, name: str) -> Any:
 
 
 def _read_words(path: Path, file: Any, key: str, count: int) -> list[str]:
-    """The names or the units of `count` channels; "" where the file states none."""
+    """Read the names or the units of `count` channels; each is "" if the file states none."""
     words = _follow(path, file, key)
     if words is None or words.shape != (count,) or words.dtype.itemsize > LONGEST_WORD:
         return [""] * count

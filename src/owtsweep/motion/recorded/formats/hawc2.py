@@ -1,10 +1,10 @@
-"""Reads HAWC2 output: a .sel file that lists the channels, and a .dat file with their numbers.
+"""Read HAWC2 output: a .sel file that lists the channels, and a .dat file with their numbers.
 
 Line 9 of the .sel file holds the number of scans, the number of channels, the duration in s, and
 ASCII or BINARY. From line 13 on there is one line per channel: its name in columns 13 to 43, its
 unit in columns 44 to 54, then a description. Binary values are little-endian int16: all scans of
-the first channel, then all of the second, and so on. The .sel file gives the factors by which they
-are multiplied, below the line "Scale factors".
+the first channel, then all of the second, and so on. The .sel file lists the factors by which the
+channels are to be multiplied, below the line "Scale factors".
 """
 
 from __future__ import annotations
@@ -32,7 +32,10 @@ NAME, UNIT = slice(12, 43), slice(43, 54)
 
 @dataclass(frozen=True)
 class Selection:
-    """The content of a .sel file; `factors` is None for ASCII."""
+    """The content of a .sel file: number of scans, channels, scale factors, duration in s.
+
+    `factors` is None if the numbers in the .dat file are ASCII.
+    """
 
     scans: int
     names: tuple[str, ...]
@@ -42,7 +45,10 @@ class Selection:
 
 
 def find_companion(path: Path, suffix: str) -> Path | None:
-    """The file of the same name with another extension, in lower or upper case, if it exists."""
+    """Return the file of equal name with the extension `suffix`, in lower or upper case.
+
+    Returns None if there is no such file.
+    """
     candidates = (path.with_suffix(suffix), path.with_suffix(suffix.upper()))
     return next((candidate for candidate in candidates if candidate.exists()), None)
 
@@ -145,10 +151,11 @@ def _load_text(
 
 
 def _restore_time(values: Array, place: int, selection: Selection) -> Array:
-    """A channel's values; for the time channel, at full resolution.
+    """Return the time channel at full resolution, and any other channel as it is.
 
-    The file stores time in 16 bits or 6 digits, so values repeat in a long file. Time is restored
-    as multiples of duration / scans, if those equal the stored values apart from rounding.
+    The file stores time in 16 bits or 6 digits, so times repeat in a long file. They are replaced
+    by uniform times, duration / scans apart, if these equal the stored times apart from rounding.
+    `place` is the number of the channel, from 0.
     """
     if place != 0 or not selection.names[0].lower().startswith("time") or not len(values):
         return values

@@ -1,4 +1,4 @@
-"""An opened file of channels: names and units have been read, numbers are read on demand."""
+"""The opened file of channels: names and units have been read, numbers are read on demand."""
 
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ class ChannelTable:
     rows: int | None = None
 
     def unit(self, name: str) -> str:
-        """The unit that the file states for a channel; "" if it states none."""
+        """Return the unit that the file states for a channel; "" if the file states none."""
         return self.units[self.names.index(name)]
 
 
 def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
-    """The same names, with repeated ones numbered: `a, a` becomes `a, a (2)`."""
+    """Return the names with repetitions numbered: `a, a` becomes `a, a (2)`."""
     seen: dict[str, int] = {}
     result = []
     for name in names:
@@ -113,10 +113,10 @@ def tidy(text: str) -> str:
 
 
 def shorten(error: Exception, length: int = 120) -> str:
-    """A library's message as one line of at most `length` characters."""
+    """Return an error's message as one line of at most `length` characters."""
     return " ".join(str(error).split())[:length]
 
 
 def refuse(path: Path, reason: str) -> InputError:
-    """The error to raise for a file: its path, then the reason."""
+    """Make the error to raise for a file; the message is the file's path, then the reason."""
     return InputError(f"{path}: {reason}")

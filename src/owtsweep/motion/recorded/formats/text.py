@@ -1,4 +1,4 @@
-"""Reads text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed.
+"""Read text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed.
 
 The reader finds the layout from the first lines. Data begin at the first two lines that hold mostly
 numbers and have the same number of fields. The line above them holds the names; if it holds units,
@@ -87,7 +87,7 @@ def open_text(path: Path) -> ChannelTable:
 
 
 def _read_head(path: Path) -> list[str]:
-    """The first lines of the file, without a last line that may be cut."""
+    """Read the first lines of a file, at most `HEAD` bytes; an incomplete last line is dropped."""
     with TextStream(path) as stream:
         raw = stream.read(HEAD)
     if not raw.strip():
@@ -105,7 +105,7 @@ def _read_head(path: Path) -> list[str]:
 
 
 def split_fields(line: str, delimiter: str) -> list[str]:
-    """The fields of a line, without surrounding blanks and quotes."""
+    """Split a line into fields, and remove blanks and quotes around each field."""
     if delimiter == " ":
         return [field.strip('"') for field in line.split()]
     if '"' in line and len(line) < 100_000:  # the module csv has a limit to a field
@@ -203,7 +203,10 @@ def _is_data(fields: list[str]) -> bool:
 
 
 def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
-    """Names and units from the lines above the data; without names, columns are 1, 2, 3, ..."""
+    """Read names and units of `count` columns from the lines above the data.
+
+    Without names, the columns are called 1, 2, 3, ...
+    """
     rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above[-2:]]
     units = [""] * count
     if rows and len(rows[-1]) == count and _holds_units(rows):
@@ -275,9 +278,9 @@ def _not_numbers(path: Path, error: Exception) -> InputError:
 
 
 def _lengthen(column: Array, count: int, least: int) -> Array:
-    """Copy the first `count` values to an array twice as long, of at least `least` values.
+    """Copy the first `count` values to an array twice as long, or of length `least` if longer.
 
-    The unused part takes no memory until it is written to.
+    The rest of the array takes no memory until values are written to it.
     """
     result = np.empty(max(2 * len(column), least))
     result[:count] = column[:count]

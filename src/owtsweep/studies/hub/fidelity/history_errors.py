@@ -1,7 +1,7 @@
-"""Errors of the time histories at 3.8 s (section 5.2), a period that is not on the map.
+"""Simulate the time histories at the natural period 3.8 s (section 5.2) and measure their errors.
 
-They are simulated for the report, with the run's configuration except for natural period and
-amplitude.
+This period is not in the paper's grid, so the histories are simulated for the fidelity report, with
+the run's configuration except for natural period and amplitude.
 """
 
 from __future__ import annotations
@@ -35,16 +35,16 @@ MOST_REPLICATES = 20
 
 @dataclass(frozen=True)
 class HistoryErrors:
-    """Error measures of the time histories, (replicates,) each.
+    """Error measures of the time histories; each array has the shape (replicates,).
 
     Attributes
     ----------
     inside
-        Scheme -> share of the settled samples of vx and vy with an error of at most
+        Scheme -> share (0 to 1) of the settled samples of vx and vy whose absolute error is at most
         `VELOCITY_BOUND`.
     accumulated
-        (scheme, quantity) -> sum over the whole record and both axes of the absolute error, times
-        the step; quantity position (m s), velocity (m) or bias (m/s).
+        (scheme, quantity) -> absolute error integrated over the whole record and summed over both
+        axes. The quantities are position (m s), velocity (m) and bias (m/s).
     """
 
     inside: Mapping[str, Array]
@@ -87,12 +87,22 @@ def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
 
 
 def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Array]:
-    """|estimate - truth| of one record at every step: quantity -> (steps, 2), x and y.
+    """Compute |estimate - truth| of one record at every step.
 
     Parameters
     ----------
+    chain
+        The scheme, in its form for the batch engine.
+    records
+        One record.
     bias
-        (steps, 2): the true R b^b, as returned by `simulate_bias`.
+        The true accelerometer bias R b^b in m/s^2, shape (steps, 2), as `simulate_bias` yields it.
+
+    Returns
+    -------
+    dict
+        "position" (m), "velocity" (m/s) and "bias" (m/s^2) -> absolute errors, shape (steps, 2),
+        columns x and y.
     """
     lanes = batch.Lanes(records)
     force, fixes = lanes.at(AMPLITUDE)

@@ -1,6 +1,6 @@
-"""Error per unit of motion over the motion's frequency, and the error from noise alone.
+"""Draw each scheme's error per unit of motion against frequency, and its error from noise alone.
 
-The panel shows why a scheme wins: its error from the motion or its error from noise is smaller.
+The figure shows why a scheme wins: because of a smaller error from motion or from sensor noise.
 """
 
 from __future__ import annotations
@@ -38,7 +38,10 @@ UNITS = {"position": "m²", "velocity": "m²/s²"}
 
 @dataclass(frozen=True)
 class SchemeErrors:
-    """A scheme's errors from motion and from noise; `floor` is None where it does not settle."""
+    """A scheme's errors from motion and from noise.
+
+    `floor` is None if the error from noise does not settle.
+    """
 
     spectrum: ErrorSpectrum
     floor: NoiseFloor | None
@@ -81,16 +84,18 @@ def draw(
     errors: dict[str, SchemeErrors] | None = None,
     motion: bool = False,
 ) -> Figure:
-    """Draw position and velocity error spectra of a study's schemes with their noise floors.
+    """Draw the error spectra and noise floors of a study's schemes: position left, velocity right.
 
     Parameters
     ----------
+    config
+        The study's configuration.
     coinciding
-        Groups of schemes with the same numbers, for the footnote.
+        Groups of schemes with equal results, for the footnote.
     errors
-        The result of `compute`, if it already exists.
+        The result of `compute`; None to compute it here.
     motion
-        Whether to draw the motion spectra of the grid's natural periods below the panels.
+        Whether to draw below these panels the motion spectra at the grid's natural periods.
 
     Raises
     ------
@@ -130,7 +135,10 @@ MOST_SPECTRA = 8
 
 
 def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
-    """Draw the motion spectra of the grid's natural periods over their band, with peaks of 1."""
+    """Draw the motion spectra at the grid's natural periods, each scaled to a peak of 1.
+
+    `limits` are the ends of the frequency axis in Hz.
+    """
     from owtsweep.motion.spectra import spectrum
 
     periods = sorted(config.grid.natural_period)
@@ -150,7 +158,7 @@ def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, flo
 
 
 def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
-    """Sentences that say what the panel does not show."""
+    """Write sentences that name the schemes without a curve or without a noise floor."""
     missing = [s for s in resolve_all(config.schemes, config) if s.name not in errors]
     theirs = [scheme.name for scheme in missing if isinstance(scheme, StoredScheme)]
     ours = [scheme.name for scheme in missing if not isinstance(scheme, StoredScheme)]
@@ -167,7 +175,9 @@ def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
 
 
 def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measure: str) -> None:
-    """Draw one measure's error spectra and noise floors, log-log, natural periods marked.
+    """Draw one measure's error spectra and noise floors, on log-log axes with the natural periods.
+
+    `measure` is "position" or "velocity". `errors` is the result of `compute`.
 
     Raises
     ------
@@ -213,7 +223,7 @@ def _frequency_ticks(axes: Axes, low: float, high: float) -> None:
 
 
 def _mark_periods(axes: Axes, periods: Sequence[float]) -> None:
-    """Mark the natural periods with extra ticks on the upper edge."""
+    """Mark natural periods (s) by dotted vertical lines and by ticks on the upper edge."""
     low, high = axes.get_xlim()
     shown = [period for period in periods if low < 1.0 / period < high]
     for period in shown:

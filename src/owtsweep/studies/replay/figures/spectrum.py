@@ -1,4 +1,4 @@
-"""Figure of a record's spectrum with the fit of Eq. (1)."""
+"""Draw a record's spectrum and the fit of Eq. (1) of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -18,18 +18,20 @@ from owtsweep.studies.replay.place import read_fit
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: With many lines of the periodogram inside the band, the running mean covers 1 / `SHARE` of them,
-#: but at least `SMOOTHED` lines.
+#: The running mean is over 1 / `SHARE` of the periodogram's lines inside the band, but at least
+#: over `SMOOTHED` lines. It is drawn if the band has more than 20 * `SMOOTHED` lines.
 SMOOTHED, SHARE = 7, 500
 
 
 def draw(config: ReplayConfig, record: Any) -> Figure:
-    """Periodogram of the horizontal displacement, its running mean, and the fit of Eq. (1).
+    """Draw the periodogram of the horizontal displacement, a running mean, and the fit of Eq. (1).
 
     Parameters
     ----------
+    config
+        The configuration of the replay of one record.
     record
-        The record's line of records.csv.
+        The record's row of records.csv.
 
     Raises
     ------
