@@ -16,7 +16,8 @@ import pytest
 from omegaconf import OmegaConf
 
 from owtsweep.config import Config, changed, dump
-from owtsweep.studies import compose, from_mapping, get_study, load_config
+from owtsweep.studies import compose, from_mapping, get_study
+from owtsweep.studies.opening import load_config
 from owtsweep.studies.replay.running import configure
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.plan import make_plan

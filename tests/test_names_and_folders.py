@@ -48,7 +48,7 @@ def test_a_tilde_is_the_home_folder_as_in_a_shell(capsys):
     assert compose(["results=~nobody_here/x"]).results == "~nobody_here/x"
     assert main(["sweep", "--cfg", "-m", "seed=1,2", "results=~/runs"]) == 0
     assert capsys.readouterr().out.count(f"results: {home}\n") == 2
-    with pytest.raises(InputError, match=f"^{home}: there is no config.yaml"):
+    with pytest.raises(InputError, match=f"^{home}: there is no such folder"):
         owtsweep.load("~/runs")
 
 

@@ -51,7 +51,9 @@ def load(path: str | PathLike[str]) -> Run:
     InputError
         If the folder holds no run, or one that this version cannot read.
     """
-    return studies.open_run(Path(os.path.expanduser(path)))
+    from owtsweep.studies.opening import open_run
+
+    return open_run(Path(os.path.expanduser(path)))
 
 
 def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] = ()) -> Replay:

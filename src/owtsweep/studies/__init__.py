@@ -1,7 +1,6 @@
 """The studies: each is a package that implements `owtsweep.sweep.study.Study`."""
 
 from owtsweep.studies.composing import compose, from_mapping, locate
-from owtsweep.studies.opening import load_config, open_run
 from owtsweep.studies.registry import get_study, names
 
-__all__ = ["compose", "from_mapping", "get_study", "load_config", "locate", "names", "open_run"]
+__all__ = ["compose", "from_mapping", "get_study", "locate", "names"]

@@ -63,7 +63,8 @@ class Run:
     @property
     def store(self) -> Store:
         """The shards."""
-        return Store(self.folder, needed_columns(self.study, self.config))
+        with blame(self.study):
+            return Store(self.folder, needed_columns(self.study, self.config))
 
     @property
     def engine(self) -> Engine:

@@ -135,10 +135,10 @@ def _describe_many(records: pd.DataFrame) -> str:
     kept = [name for name in records.columns if not name.startswith("spectrum_") or
             name == "spectrum_natural_period"]  # fmt: skip
     rows = [
-        [f"{v:.4g}" if isinstance(v, float) else _escape(str(v)) for v in line]
+        [f"{v:.4g}" if isinstance(v, float) else printable(str(v)) for v in line]
         for line in records[kept].itertuples(index=False)
     ]
-    return markdown.table([_escape(str(name)) for name in kept], rows)
+    return markdown.table([printable(str(name)) for name in kept], rows)
 
 
 def _escape(text: str) -> str:
