@@ -1,5 +1,5 @@
-"""Speed and memory of owtsweep, against its goals and against what else there is.
+"""Measure speed and memory of owtsweep, and compare them with the goals and with other software.
 
-`python -m benchmarks` (or `make bench`) measures all and writes report.md; every part runs alone as
-`python -m benchmarks.<part>`. All times come from `benchmarks.timing`.
+`python -m benchmarks` (or `make bench`) measures everything and writes report.md; every part runs
+alone as `python -m benchmarks.<part>`. All times come from `benchmarks.timing`.
 """

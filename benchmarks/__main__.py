@@ -28,7 +28,7 @@ ELSEWHERE = HERE.parent / "results" / "bench"
 
 
 def measure(names: list[str], quick: bool) -> dict[str, Any]:
-    """The numbers of some parts, and what the report says about the machine."""
+    """Measure some parts; return their numbers by part, and what the report says of the machine."""
     results: dict[str, Any] = {"quick": quick, "machine": describe(), "busy_before": busy()}
     spent, failed = {}, {}
     for name in names:
@@ -45,7 +45,7 @@ def measure(names: list[str], quick: bool) -> dict[str, Any]:
 
 
 def refresh_scaling(rows: list[dict[str, Any]], *, large: bool) -> None:
-    """The tables of docs/scaling.md, from this run's bookkeeping."""
+    """Replace the tables of docs/scaling.md; `rows` are the results of `bookkeeping.measure`."""
     bookkeeping.write_csv(rows)
     page.put("bookkeeping", bookkeeping.block_table(rows))
     print("docs/scaling.md ...", flush=True)
@@ -55,7 +55,7 @@ def refresh_scaling(rows: list[dict[str, Any]], *, large: bool) -> None:
 
 
 def main() -> int:
-    """Measure, write, say where."""
+    """Measure, write the report, and print its path; return the exit code."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks",
         description=__doc__,

@@ -32,7 +32,7 @@ from owtsweep.sweep.shard import encode
 
 BLOCKS = 240
 GOAL_MS = 2.0
-#: What is paid once per block of a sweep; "sum" is of these.
+#: The stages that every block of a sweep passes once; the stage "sum" is their sum.
 STAGES = ("plan and key", "status, missing", "write", "status, stored", "read and sort")
 FILE = Path(__file__).with_suffix(".csv")
 LARGE = (
@@ -43,9 +43,9 @@ LARGE = (
 
 
 def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
-    """Milliseconds per block, medians, one row per kind of block and stage.
+    """Measure milliseconds per block (medians); return one row per kind of block and stage.
 
-    `cpu_ms` leaves out waiting: for the disk, or for a busy machine's other work.
+    `ms_per_block` is by the clock. `cpu_ms` leaves out waiting for the disk and for other programs.
     """
     hub = get_study("hub")
     rows = []
@@ -70,7 +70,7 @@ def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
 
 
 def _stages(run: Run) -> dict[str, list[float]]:
-    """ms per block of every stage, one by one: wall and CPU."""
+    """Measure every stage of a run one by one: stage -> ms per block, by the clock and of CPU."""
     random = np.random.default_rng(0)
     run.store.cases.mkdir(parents=True)
     plan, planning = timed(lambda: make_plan(run.study, run.config))
@@ -107,7 +107,7 @@ def _rows(run: Run, block: Any, random: np.random.Generator) -> Any:
 
 
 def _whole_sweep(place: Path, repeats: int) -> list[dict[str, Any]]:
-    """Sweeps of dummy blocks from end to end: nothing stored, and all stored."""
+    """Measure whole sweeps of dummy blocks, with nothing stored and with everything stored."""
     first, again = [], []
     for repeat in range(repeats):
         config = bulk_config(place / f"whole-{repeat}", 80 * BLOCKS, 80, workers=1)
@@ -133,7 +133,7 @@ def _row(block: str, stage: str, wall: float, cpu: float) -> dict[str, Any]:
 
 
 def large() -> list[dict[str, Any]]:
-    """Seconds per stage and peak memory of whole large plans, each in its own process, once."""
+    """Measure seconds per stage and peak memory of large plans, once each, in their own process."""
     root = Path(__file__).resolve().parents[1]
     rows = []
     for arguments in LARGE:
@@ -149,7 +149,7 @@ def large() -> list[dict[str, Any]]:
 
 
 def write_csv(rows: list[dict[str, Any]]) -> None:
-    """The table beside this file."""
+    """Write the rows as bookkeeping.csv beside this file."""
     with FILE.open("w", newline="") as stream:
         writer = csv.DictWriter(stream, list(rows[0]), lineterminator="\n")
         writer.writeheader()
@@ -173,7 +173,7 @@ def plan_table(plans: list[dict[str, Any]]) -> str:
 
 
 def main() -> int:
-    """Measure, print and write."""
+    """Measure, print, and write the tables; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--large", action="store_true", help="also whole large plans")
     parser.add_argument("--write", action="store_true", help="put the tables into docs/scaling.md")

@@ -1,7 +1,8 @@
-"""Where the time of a study goes: core-seconds per default replicate of all six periods, by part.
+"""Measure where the time of a study goes: core-milliseconds per replicate, part by part.
 
-On one core, for the eight records of a block, in the turns that a sweep takes; what it does per
-block besides (plan, shards, tables) is not in it.
+A replicate has the six natural periods of the default grid. The parts are measured on one core for
+a block of eight records, span by span as a sweep runs them. The bookkeeping of a block (plan,
+shards, tables) is not included.
 """
 
 from __future__ import annotations
@@ -26,7 +27,10 @@ SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 
 
 def measure(repeats: int = REPEATS, duration: float = 2000.0) -> list[dict[str, Any]]:
-    """One row per part: core-milliseconds per replicate of the default grid, in the order run."""
+    """Measure core-milliseconds per replicate of the default grid; return one row per part.
+
+    The parts are in the order in which they run. `duration` is the length of a record in s.
+    """
     config: Any = compose([f"record.duration={duration:g}"])
     replicates = list(range(BLOCK))
     records = make_records(config, 4.0, replicates)
@@ -47,7 +51,10 @@ def measure(repeats: int = REPEATS, duration: float = 2000.0) -> list[dict[str, 
 
 
 def _spans(chains: Sequence[Chain], records: Records, settled: int) -> list[float]:
-    """Core-seconds of the feed and of each chain, in turns as in `batch.sum_errors`."""
+    """Measure the core-seconds of the sensors' feed, then of each scheme, for eight records.
+
+    All of them run span by span in turn, as in `batch.sum_errors`.
+    """
     scratch, output = batch.shared_memory(chains, 3)
     _ = records.motion  # made before the clock starts
     started = time.thread_time()

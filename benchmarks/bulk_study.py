@@ -1,4 +1,4 @@
-"""A study whose blocks cost nothing: what remains of a sweep is the bookkeeping."""
+"""A study whose blocks cost nothing to compute, so that a sweep consists of bookkeeping."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ SCHEMES = ("A", "B", "C", "D")
 
 
 class BulkGrid(Section):
-    """How many cases; four schemes share them evenly."""
+    """The section `grid`: the number of cases, which four schemes share evenly."""
 
     cases: int = key("in all", default=0)
     per_block: int = key("in a block", default=80)
 
 
 class BulkConfig(Config):
-    """The keys of the study."""
+    """The configuration of the study."""
 
     study: str = key("which study it is", default="bulk")
     experiment: str = key("begins the name of the run folder", default="bulk")
@@ -31,7 +31,7 @@ class BulkConfig(Config):
 
 
 class BulkStudy:
-    """`owtsweep.sweep.study.Study`: a case's value is a known function of its number."""
+    """The study and its engine: the value of a case is a known function of the case's number."""
 
     name = "bulk"
     schema_version = 1
@@ -48,7 +48,7 @@ class BulkStudy:
         return self
 
     def plan(self, config: BulkConfig) -> list[Block]:
-        """Per group one block of each scheme, as in the hub study."""
+        """Return the blocks: in each group one block per scheme, as in the hub study."""
         each = config.grid.cases // len(SCHEMES)
         return [
             Block(
@@ -88,7 +88,7 @@ class BulkStudy:
         return ["scheme", "replicate"]
 
     def tables(self, config: BulkConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """The exact sum of every scheme and how many cases it has."""
+        """Make the table "summary": the exact sum of each scheme's values, and their number."""
         groups = rows.groupby("scheme", as_index=False, observed=True)["value"]
         return {"summary": groups.agg(["sum", "count"])}
 
@@ -103,12 +103,12 @@ class BulkStudy:
 
 
 def value(scheme: str, replicate: np.ndarray) -> np.ndarray:
-    """A whole number below 2^16, so that sums are exact in any order."""
+    """Return the values of cases: whole numbers below 2^16, so that sums are exact in any order."""
     return ((replicate * 2654435761 + SCHEMES.index(scheme) * 40503) % 65536).astype(float)
 
 
 def bulk_config(results: Path, cases: int, per_block: int, workers: int = 2) -> BulkConfig:
-    """A study of so many cases below `results`."""
+    """Make the configuration of a study of `cases` cases, with runs in the folder `results`."""
     return BulkConfig(
         results=str(results),
         grid=BulkGrid(cases=cases, per_block=per_block),

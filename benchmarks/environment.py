@@ -1,4 +1,4 @@
-"""What the report says about the machine; never its name."""
+"""Describe the machine for the report, without its name."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PACKAGES = (
 
 
 def describe() -> dict[str, str]:
-    """CPU, cores, cache, memory, versions and date, as text."""
+    """Describe CPU, cores, cache, memory, software versions and date, as texts by name."""
     return {
         "date": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "CPU": _cpu(),
@@ -34,7 +34,10 @@ def describe() -> dict[str, str]:
 
 
 def busy(seconds: float = 1.0) -> float:
-    """Share of all cores that others use while this process sleeps; NaN where nobody says."""
+    """Measure which share (0 to 1) of all cores other programs use, while this process sleeps.
+
+    Returns NaN if the system does not tell.
+    """
     try:
         before = _jiffies()
         time.sleep(seconds)

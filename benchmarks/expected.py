@@ -1,12 +1,13 @@
-"""The expected engine against records: every cell of a grid, every scheme; and the time it takes.
+"""Compare engine=expected with records in every cell of a grid, or measure the time it takes.
 
     python -m benchmarks.expected FOLDER [override ...]
     python -m benchmarks.expected
 
-The first runs the study twice under FOLDER, with records (200 per natural period unless overridden)
-and with engine=expected, and compares position and velocity MSE in both windows. It writes
-FOLDER/expected.csv, one row per cell, and prints the worst of each scheme. The second times a map
-of 200 x 200 cells with curves known and not.
+The first command runs the study twice under FOLDER, with records (200 per natural period unless
+overridden) and with engine=expected, and compares position and velocity MSE in both windows. It
+writes FOLDER/expected.csv, one row per scheme, cell, measure and window, and prints each scheme's
+largest differences. The second command measures the time of a map of 200 x 200 cells, with the
+schemes' error curves stored and not.
 """
 
 from __future__ import annotations
@@ -35,7 +36,11 @@ FINE = 200
 
 
 def compare(folder: Path, overrides: list[str]) -> pd.DataFrame:
-    """Mean of the records, expectation, half-width of the 99.9 % interval, per cell."""
+    """Run the study with records and with engine=expected, and compare them cell by cell.
+
+    Each row has the mean of the records, the expectation, their `ratio`, the `half_width` of the
+    99.9 % interval of the mean relative to the mean, and whether the expectation lies `inside`.
+    """
     common = [*overrides, f"results={folder}"]
     if not any(part.startswith("grid.replicates=") for part in overrides):
         common.append("grid.replicates=200")
@@ -53,7 +58,11 @@ def compare(folder: Path, overrides: list[str]) -> pd.DataFrame:
 
 
 def worst(table: pd.DataFrame) -> pd.DataFrame:
-    """Per window, measure and scheme: cells, largest deviation, how many miss."""
+    """Summarise the result of `compare` by window, measure and scheme.
+
+    The columns are the number of cells, the largest |ratio - 1|, the widest interval, and the
+    numbers of cells with |ratio - 1| above 3 % and with an expectation outside the interval.
+    """
     miss = (table["ratio"] - 1.0).abs()
     table = table.assign(
         miss=miss,
@@ -70,7 +79,7 @@ def worst(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def map_of(overrides: Sequence[str]) -> None:
-    """The map of 200 x 200 cells, in memory."""
+    """Compute the best-scheme map of 200 x 200 cells with engine=expected, without writing it."""
     config: Any = compose([*overrides, "engine=expected"])
     periods = np.linspace(3.0, 8.0, FINE)
     amplitudes = np.geomspace(0.05, 10.0, FINE)
@@ -82,7 +91,7 @@ def map_of(overrides: Sequence[str]) -> None:
 
 @contextmanager
 def nothing_known() -> Iterator[None]:
-    """Meanwhile there are no curves, neither in memory nor in files."""
+    """Hide all stored error curves, in memory and in files, inside a `with` block."""
     with tempfile.TemporaryDirectory() as empty, patch.dict(os.environ, XDG_CACHE_HOME=empty):
         cache.find_entry.cache_clear()
         yield
@@ -91,9 +100,10 @@ def nothing_known() -> Iterator[None]:
 def measure(
     tunings: Sequence[str] = ("paper", "matched"), repeats: int = REPEATS
 ) -> list[dict[str, Any]]:
-    """Seconds of the map by tuning: curves in memory, in files (medians), not known (once).
+    """Measure the seconds that the map takes; return one row per tuning.
 
-    Kernels are compiled before.
+    The error curves are in memory, in files (medians of `repeats`), or not stored (once). Kernels
+    are compiled before.
     """
     with nothing_known():
         map_of([f"tuning={tunings[-1]}"])
@@ -114,7 +124,7 @@ def measure(
 
 
 def main() -> None:
-    """Compare, or measure the time."""
+    """Compare with records if the command line names a folder; otherwise measure the time."""
     if len(sys.argv) < 2:
         for row in measure():
             print(row)

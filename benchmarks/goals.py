@@ -1,4 +1,4 @@
-"""The goals, and what a run says to each: reached, or missed and why, by its own numbers."""
+"""Compare the goals with the measured numbers: reached, or missed and why."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 from benchmarks.kernels import reasons
 from benchmarks.reference import CELLS, per_cell
 
-#: Least share of the machine's limit, and most ns per step and series on one thread.
+#: Least share of the machine's limit that the kernels must reach, and greatest time in ns per step
+#: and series on one thread.
 SHARE = 0.5
 NANOSECONDS = {"MKF": 8.0, "HME1": 30.0, "HME2": 40.0}
 WALL, MEGABYTES, FASTER, STANDS_ALONE = 35.0, 1000.0, 20_000.0, 100.0
@@ -16,7 +17,10 @@ EXPONENT = (0.95, 1.05)
 
 
 class Goal(NamedTuple):
-    """What was asked, what came out, whether that is it (None: does not apply), and why not."""
+    """One goal: what is measured, the goal, the result, whether it was reached, and why not.
+
+    `reached` is None if the goal does not apply.
+    """
 
     what: str
     goal: str
@@ -26,12 +30,12 @@ class Goal(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """In a word."""
+        """The outcome in words: "reached", "MISSED" or "does not apply"."""
         return "does not apply" if self.reached is None else "reached" if self.reached else "MISSED"
 
 
 def must_reach(results: dict[str, Any]) -> list[Goal]:
-    """The table that the report starts with, as far as its parts were measured."""
+    """Return the goals of the report's first table, for the parts that were measured."""
     return [
         *_study(results),
         *_faster(results),
@@ -42,7 +46,7 @@ def must_reach(results: dict[str, Any]) -> list[Goal]:
 
 
 def also_asked(results: dict[str, Any]) -> list[Goal]:
-    """Numbers asked for outside that table."""
+    """Return the goals of the report's second table, for the parts that were measured."""
     return [
         *_long_records(results), *_threads(results), *_map(results), *_online(results),
         *_books(results),

@@ -1,10 +1,10 @@
-"""How fast the batch kernels are, alone: ns per step and series, and share of the machine's peaks.
+"""Measure the batch kernels alone: ns per step and series, and share of the machine's peaks.
 
-A series is a two-axis record (8 states, two lanes), whole, run directly: filter, MHE, smoother,
-predictor and error sums, with sensors and truth made before and lying in memory. Threads take the
-series eight at a time until none are left, as a sweep's workers take their blocks: where a core is
-slowed down by others, the rest does more. Each does so in one call, so Python is left out. What is
-counted:
+A series is a whole two-axis record (8 states, two lanes). The kernels run filter, MHE, smoother,
+predictor and error sums; sensors and truth are made before and lie in memory. Threads take eight
+series at a time until none are left, as a sweep's workers take blocks: if other programs slow down
+one core, the other cores do more. Each thread works in a single call, so Python takes no time.
+Counted are:
 
 operations (additions, multiplications) per lane and step, as the algorithm needs them
     filter      27, and 9 more at steps with a position: prediction 15, innovation 4 of the specific
@@ -19,8 +19,8 @@ per series and step
 bytes per series and step that must come from memory at least once
     16 specific force, 16 truth, 16 at each fix, and the gains' rows shared by all series
 
-What the kernels do beyond that is not counted: corrections made a second time by the
-smoother, its run-up at each chunk, and all traffic to the caches.
+Other work of the kernels is not counted: corrections that the smoother makes a second time, the
+smoother's run-up at each chunk, and all traffic to the caches.
 """
 
 from __future__ import annotations
@@ -37,26 +37,32 @@ from benchmarks.machine import Limits, best, thread_counts
 from benchmarks.timing import together
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
-#: Times that all series are run through in one measurement: 10 to 30 ms on two cores, against .2 ms
-#: until the last thread has been woken and its end been noticed.
+#: How often all series are run in one measurement. This takes 10 to 30 ms on two cores; waking the
+#: last thread and noticing its end takes 0.2 ms.
 PASSES = 3
 
 
 @dataclass(frozen=True)
 class Work:
-    """What one scheme has to do per series and step."""
+    """The operations and the bytes that one scheme needs per series and step."""
 
     flops: float
     bytes: float
 
     def limits(self, peaks: dict[str, float]) -> tuple[float, float]:
-        """Nanoseconds that memory and arithmetic need at least."""
+        """Return the least time that memory and that arithmetic need, in ns per series and step.
+
+        `peaks` are the results of `machine.Limits.now`.
+        """
         peak = max(peaks["multiply_add_Gflop_per_s"], peaks["fused_Gflop_per_s"])
         return self.bytes / peaks["triad_GB_per_s"], self.flops / peak
 
 
 def work(chain: Any, steps: int, series: int) -> Work:
-    """Operations and bytes per series and step by the formula above."""
+    """Count operations and bytes per series and step, as the docstring of this module says.
+
+    `chain` is the scheme in its form for the batch engine.
+    """
     M, window = chain.filter.fix_interval, chain.filter.window
     row = chain.gains.row(np.arange(steps))
     applied, fresh = chain.gains.applied[row].mean(), chain.gains.fresh[row].mean()
@@ -76,10 +82,12 @@ def work(chain: Any, steps: int, series: int) -> Work:
 
 
 def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, Any, Any]:
-    """A chain, what it is fed with, and its arrays; sensors and truth are random numbers.
+    """Prepare a scheme for `series` series of `steps` steps, with random sensors and truth.
 
-    Fed are specific force (x, y), fixes (x, y), true position and velocity, (tiles, rows, 8) each
-    with a tile for every eight series; before the first step there are rows of zeros.
+    Returns the scheme's chain (its form for the batch engine), the inputs, and the chain's arrays
+    and weights. The inputs are specific force in x and y, fixes in x and y, true position and true
+    velocity, of shape (tiles, rows, 8) each, with a tile for every eight series. Before the first
+    step, specific force is zero for some rows.
     """
     from owtsweep.arrays import aligned
     from owtsweep.studies import compose
@@ -105,9 +113,10 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
 
 @cache
 def _driver() -> Any:
-    """Compiled: so many tiles through `runs.direct`, without Python between them.
+    """Compile the function that runs tiles through `runs.direct` without Python between them.
 
-    Registers are those that the tile before has left: it does not matter for the time.
+    Each tile starts with the registers that the previous tile left; the time does not depend on
+    their values.
     """
     from llvmlite import ir
     from numba import types
@@ -119,7 +128,7 @@ def _driver() -> Any:
 
     @intrinsic
     def taken(typingctx: Any, counter: Any) -> Any:
-        """The number in counter (1,), which the next one to ask finds one higher, on any thread."""
+        """Return the number in `counter`, shape (1,), and increase it by one, atomically."""
 
         def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
             whole = context.make_array(counter)(context, builder, args[0])
@@ -147,10 +156,10 @@ def _driver() -> Any:
 
 
 class Job:
-    """One scheme's work on `series` series of `steps` steps, shared by some threads.
+    """One scheme's work on `series` series of `steps` steps, shared by `threads` threads.
 
-    A call runs through all of them PASSES times. `different` of the series are made, all unless
-    said otherwise, and run again and again.
+    A call with the number of a thread does this thread's part of running all series `PASSES` times.
+    Only `different` series are made and run repeatedly; with 0, all are made.
     """
 
     def __init__(
@@ -181,21 +190,21 @@ class Job:
         )  # fmt: skip
 
     def each(self, seconds: float) -> float:
-        """Nanoseconds per step and series, of seconds for all passes."""
+        """Convert seconds for all passes to ns per step and series."""
         return 1e9 * seconds / (PASSES * self.steps * self.series)
 
 
 def measure(
     *, tuning: str = "paper", series: int = 256, repeats: int = 15, steps: int = 10_000
 ) -> list[dict[str, Any]]:
-    """One row per scheme and number of threads, over rounds in which all have their turn.
+    """Measure all schemes in rounds; return one row per scheme and number of threads.
 
-    Each round measures the machine's limits too, so that both sides of a share meet the same
-    machine: what else a computer does, and its neighbours on the same hardware, changes its limits
-    from one second to the next. The limit is max(bytes / triad, operations / multiply-add peak),
-    with the higher of the two peaks, fused or not; `share` is the median over rounds of the round's
-    limit over the round's time, `share_of_best` the best limit over the median time. ns_cached is
-    the median for so few series that all they are fed with stays in the last cache.
+    Each round runs every scheme once and measures the machine's limits too, because other programs
+    change these limits from one second to the next. The limit of a scheme is the least time it
+    needs, max(bytes / triad bandwidth, operations / multiply-add peak), with the higher of the two
+    peaks, fused or not. `share` is the median over the rounds of limit / time; `share_of_best` is
+    the limit by the highest peaks of all rounds, divided by the median time. `ns_cached` is the
+    median time for so few series that all inputs stay in the last cache.
     """
     rows = [
         row
@@ -242,7 +251,10 @@ def _on(
 
 
 def reasons(rows: Sequence[dict[str, Any]], goal: float) -> list[str]:
-    """What the schemes that miss the goal lose, one line each; empty where all meet it."""
+    """Say where the schemes with a share below the goal lose time, in one line each.
+
+    Returns an empty list if all schemes reach the goal.
+    """
     lines = []
     for row in rows:
         if row["share"] >= goal:

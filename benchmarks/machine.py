@@ -1,7 +1,7 @@
-"""What this machine can do: memory bandwidth and multiply-add peak, by kernels like ours.
+"""Measure what this machine can do: memory bandwidth and multiply-add peak, by compiled loops.
 
-Both are measured with compiled loops on all threads in the same run as the kernels, since what
-else runs on the machine slows all of them.
+The loops run in the same rounds as the kernels of owtsweep, because other programs on the machine
+slow down both.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ import numpy as np
 
 from benchmarks.timing import Time, together
 
-#: Taken where the machine does not say how large its last cache is.
+#: Least size of the last cache that is assumed, in bytes.
 DEFAULT_CACHE = 32 * 2**20
 
-#: Steps of the loop that measures the peak of arithmetic: some 20 ms, about as long as a scheme's.
+#: Steps of the loop that measures the peak of arithmetic: some 20 ms, about as long as a scheme.
 STEPS = 10_000_000
 
 
 def last_cache() -> int:
-    """Bytes of the last cache of the first core."""
+    """Return the size in bytes of the first core's largest cache, but at least `DEFAULT_CACHE`."""
     sizes = [DEFAULT_CACHE]
     for path in Path("/sys/devices/system/cpu/cpu0/cache").glob("index*/size"):
         text = path.read_text().strip()
@@ -71,11 +71,12 @@ def _compiled() -> tuple[Any, Any, Any]:
 
 
 class Limits:
-    """What so many threads can do: bandwidth (GB/s) and peaks (Gflop/s), measured when asked.
+    """The bandwidth (GB/s) and the peaks (Gflop/s) of `threads` threads, measured by `now`.
 
-    Bandwidth is that of a = b + s c with three arrays of 4 x the last cache, 24 bytes an element;
-    the peaks are those of x = x m + s in registers, eight chains of eight lanes. *fused* contracts
-    the two operations into one instruction, which rounds once, as our kernels do.
+    The bandwidth is that of a = b + s c with three arrays of 4 times the last cache each, 24 bytes
+    per element. The peaks are those of x = x m + s in registers, eight chains of eight lanes. The
+    fused peak contracts the two operations into one instruction, which rounds once, as the kernels
+    of owtsweep do.
     """
 
     def __init__(self, threads: int) -> None:
@@ -91,7 +92,7 @@ class Limits:
         self._fused = lambda thread: contracted(values[thread], STEPS)
 
     def now(self, once: Callable[[Callable[[int], object]], Time]) -> dict[str, float]:
-        """One measurement of each, by `timing.together`."""
+        """Measure bandwidth and both peaks once; `once` is what `timing.together` gives."""
         flops = self.threads * STEPS * 8 * 8 * 2 / 1e9
         return {
             "triad_GB_per_s": 24.0 * self.size / 1e9 / once(self._triad).wall,
@@ -101,12 +102,12 @@ class Limits:
 
 
 def best(rounds: Sequence[dict[str, float]]) -> dict[str, float]:
-    """The highest of each: a peak is what can be reached."""
+    """Return the highest value of each limit over all rounds."""
     return {key: max(one[key] for one in rounds) for key in rounds[0]}
 
 
 def thread_counts() -> list[int]:
-    """One, and one per core."""
+    """Return the numbers of threads to measure with: 1, and the number of cores."""
     return sorted({1, os.cpu_count() or 1})
 
 

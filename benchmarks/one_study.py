@@ -1,8 +1,8 @@
-"""One study in this process, without figures; prints one line of JSON.
+"""Run one study in this process, without figures, and print time and memory as a line of JSON.
 
     python -m benchmarks.one_study '["grid.replicates=2"]'
 
-The process has made no gains and loaded no kernels before.
+The process has computed no gains and loaded no kernels before.
 """
 
 from __future__ import annotations
@@ -19,9 +19,10 @@ from owtsweep.sweep.run import sweep
 
 
 def run(overrides: list[str]) -> dict[str, float]:
-    """Seconds of the run (`wall`), the process' peak memory (10^6 bytes), all shards' bytes, cases.
+    """Run a study: planning, computing, writing and tables.
 
-    The run is planning, computing, writing and tables.
+    Returns `wall`, the seconds of the run; `peak`, the peak memory of the process in 10^6 bytes;
+    `bytes`, the size of all shards; and `cases`, the number of cases computed.
     """
     with tempfile.TemporaryDirectory() as results:
         config = compose([*overrides, f"results={results}"])

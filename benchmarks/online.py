@@ -1,4 +1,4 @@
-"""What one IMU sample costs on board: each scheme's online form, one `update` per sample.
+"""Measure what one IMU sample costs on board: each scheme's online form, one `update` per sample.
 
 python -m benchmarks.online
 """
@@ -13,12 +13,16 @@ import numpy as np
 import owtsweep
 
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
-#: Most that HME2 may take, median, microseconds per IMU step.
+#: Greatest median time that HME2 may take, microseconds per IMU step.
 GOAL = 200.0
 
 
 class Cost(NamedTuple):
-    """Microseconds per IMU step: of `update`, and of `run` over the whole record."""
+    """The time of a scheme in microseconds per IMU step.
+
+    `median`, `high` (the 99.9th percentile) and `worst` are of single calls of `update`, and
+    `at_once` is of `run` over the whole record.
+    """
 
     scheme: str
     tuning: str
@@ -31,10 +35,10 @@ class Cost(NamedTuple):
 def measure(
     steps: int = 20_000, repeats: int = 5, tunings: tuple[str, ...] = ("paper", "matched")
 ) -> list[Cost]:
-    """The cost of each scheme at the default rates, 100 Hz and 1 Hz.
+    """Measure the cost of each scheme at the default rates, 100 Hz (IMU) and 1 Hz (GNSS).
 
-    median, high (the 99.9th percentile) and worst are over all steps of all repeats, so that they
-    hold whatever else the machine does; at_once is the median over repeats.
+    The statistics of `update` are over all steps of all repeats, so they include what other
+    programs do to the machine. `at_once` is the median over the repeats.
     """
     random = np.random.default_rng(0)
     force = random.normal(size=(steps, 2))

@@ -1,4 +1,4 @@
-"""The measured parts of docs/scaling.md, between marks that name them."""
+"""Replace the measured parts of docs/scaling.md, which stand between marks that name them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ PAGE = Path(__file__).resolve().parents[1] / "docs" / "scaling.md"
 
 
 def put(name: str, text: str) -> None:
-    """Replace the part of that name."""
+    """Replace the part called `name` by `text`."""
     begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->\n"
     page = PAGE.read_text(encoding="utf-8")
     before, rest = page.split(begin)

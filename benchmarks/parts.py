@@ -1,4 +1,7 @@
-"""What is measured, in order, at full size and quickly; each part by its own module."""
+"""List the parts that are measured, in order; each part is measured by its own module.
+
+The argument `quick` of a part's function chooses smaller sizes.
+"""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""What users would take instead of the batched multirate Kalman filter, on the same job.
+"""Compare the batched multirate Kalman filter with other software (peers) on one job.
 
-The job: one two-axis record (8 states, specific force at every step, fixes now and then) to
-filtered states. Every peer gets the same matrices; its states must agree with ours to 1e-8 of each
-state's largest magnitude, or it is reported as wrong instead of as slow or fast.
+The job is to filter one two-axis record (8 states, specific force at every step, fixes now and
+then). Every peer gets the same matrices. The peer's states must agree with those of owtsweep to
+1e-8 of each state's largest magnitude; otherwise the report says that they do not.
 """
 
 from __future__ import annotations
@@ -28,7 +28,11 @@ AGREEMENT = 1e-8
 
 @dataclass(frozen=True)
 class Job:
-    """One record and the filter for it; force (steps, 2) in NED, fixes (fixes, 2)."""
+    """One record and the filter to run on it.
+
+    `force` is the specific force in NED (m/s^2), shape (steps, 2); `fixes` are position fixes (m),
+    shape (fixes, 2).
+    """
 
     chain: Chain
     sensors: Sensors
@@ -41,7 +45,7 @@ class Job:
 
 
 def make_job(seconds_of_record: float) -> Job:
-    """The first default record with the matched MKF (Sigma_1)."""
+    """Make the job from the first record of the default study, for MKF with tuning=matched."""
     config: Any = compose(["tuning=matched", f"record.duration={seconds_of_record}"])
     records = make_records(config, 4.0, [0])
     chain = SCHEME.kernel(records.sensors, config, records.steps)
@@ -50,7 +54,11 @@ def make_job(seconds_of_record: float) -> Job:
 
 
 def measure(duration: float = 40.0, repeats: int = REPEATS) -> list[dict[str, object]]:
-    """One row per peer: ns per IMU step of a two-axis record, whether it agrees, and a note."""
+    """Measure all peers; return one row per peer.
+
+    Each row has ns per IMU step of the two-axis record, whether the states agree with those of
+    owtsweep, and a note. Both are None for a peer that is not installed.
+    """
     job = make_job(duration)
     ours = batched(job)()
     rows = []
@@ -75,7 +83,10 @@ def measure(duration: float = 40.0, repeats: int = REPEATS) -> list[dict[str, ob
 
 
 def batched(job: Job) -> Callable[[], np.ndarray]:
-    """Ours, on this one record: (steps, 8) with the states x, y, v_x, v_y, a_x, ..."""
+    """Make the function that runs owtsweep's batch engine on the record.
+
+    The function returns the states x, y, v_x, v_y, a_x, ... at every step, shape (steps, 8).
+    """
     return lambda: batch.states(job.chain, job.force, job.fixes).reshape(job.steps, 8)
 
 
@@ -130,7 +141,10 @@ def _statsmodels(job: Job) -> Callable[[], np.ndarray]:
 
 
 def _model(job: Job) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """F, Q and P_0 on two axes, (8, 8) each."""
+    """Return the matrices F, Q and P_0 of the model on two axes, shape (8, 8) each.
+
+    They are the transition matrix, the process noise and the initial covariance.
+    """
     axis = job.chain.axis
     identity = np.eye(2)
     F, Q = np.kron(axis.model.A, identity), np.kron(axis.model.Q, identity)
@@ -138,14 +152,18 @@ def _model(job: Job) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def _measurements(job: Job) -> Iterator[tuple[int, np.ndarray, bool]]:
-    """Step, measurement (fix first, if there is one), whether there is one."""
+    """Yield for every step: its number, the measurement, and whether a fix is part of it.
+
+    The measurement is the specific force, after the position fix if there is one.
+    """
     M = job.sensors.fix_interval
     for k, force in enumerate(job.force):
         has_fix = k % M == 0
         yield k, np.concatenate([job.fixes[k // M], force]) if has_fix else force, has_fix
 
 
-#: Name, note, and what makes the work from the job (ImportError: not installed).
+#: Name, note, and function that makes the work to measure from a job. It raises ImportError if the
+#: peer is not installed.
 PEERS: tuple[tuple[str, str, Callable[[Job], Callable[[], np.ndarray]]], ...] = (
     ("owtsweep batch, this record alone", "one record: 2 lanes, no states kept but these", batched),
     ("NumPy loop", "8 x 8 matrices, gains computed at every step", _numpy),

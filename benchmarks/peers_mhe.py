@@ -1,8 +1,9 @@
-"""What users would take instead of the closed form of the moving horizon estimator.
+"""Compare the closed form of the moving horizon estimator with other solvers (peers).
 
-The job: one window of HME2 (two axes, states x, y, v_x, v_y, b_x, b_y; N_m fix intervals; arrival
-state and covariance given, which contain the oldest fix; no constraint) to its newest state. Warm:
-problems are built beforehand, only the data change. Every answer is held against the closed form's.
+The job is to compute the newest state of one window of HME2: two axes, states x, y, v_x, v_y, b_x,
+b_y, N_m fix intervals, no constraint. Arrival state and covariance are given and contain the oldest
+fix. Problems are built before the clock starts; then only the data change. Every answer is compared
+with that of the closed form.
 """
 
 from __future__ import annotations
@@ -23,14 +24,20 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub.horizon import horizon
 from owtsweep.studies.hub.sensors import sensors
 
-#: Of the largest magnitude of each state; IPOPT stops at a tolerance of its own.
+#: Answers agree if they differ by at most this fraction of the largest magnitude of the states. It
+#: is not smaller because IPOPT stops at a tolerance of its own.
 AGREEMENT = 1e-4
 PAIRS = 10
 
 
 @dataclass(frozen=True)
 class Window:
-    """z (n + 1, 2) fixes, effects (n, 6) of the inputs on each interval, x0 (6,), P0 (3, 3)."""
+    """The data of one window of n fix intervals.
+
+    `z` are the position fixes, shape (n + 1, 2). `effects` are the effects of the inputs on the
+    state over each interval, shape (n, 6). `x0` is the arrival state, shape (6,), and `covariance`
+    the arrival covariance of one axis, shape (3, 3).
+    """
 
     weights: WindowWeights
     z: np.ndarray
@@ -47,7 +54,7 @@ Solver = Callable[[Window], np.ndarray]
 
 
 def make_window(intervals: int = 20) -> Window:
-    """A window of the matched HME2's model with random data."""
+    """Make a window with the model of HME2 (tuning=matched) and random data."""
     config: Any = compose(["tuning=matched"])
     weights = horizon(config.hme.mhe, sensors(config.sensors)).weights
     random = np.random.default_rng(1)
@@ -61,7 +68,11 @@ def make_window(intervals: int = 20) -> Window:
 
 
 def measure(intervals: int = 20, repeats: int = REPEATS) -> list[dict[str, object]]:
-    """One row per solver: seconds per window, agreement with the closed form, a note."""
+    """Measure all solvers; return one row per solver.
+
+    Each row has seconds per window, whether the answer agrees with that of the closed form, the
+    relative error, and a note. For a solver that is not installed, times are None.
+    """
     window = make_window(intervals)
     expected = closed_form(window)(window)
     # In turn, so that no solver starts from its own last answer to the same data.
@@ -98,7 +109,7 @@ def _all(solve: Solver, windows: list[Window]) -> None:
 
 
 def closed_form(window: Window) -> Solver:
-    """Ours: the window as a linear map."""
+    """Make owtsweep's solver, which multiplies the window's data by a fixed matrix."""
     map_ = window_map(
         window.weights,
         window.intervals,
@@ -148,7 +159,10 @@ def _casadi(solver: str) -> Callable[[Window], Solver]:
 
 
 def _osqp(window: Window) -> Solver:
-    """Least squares as a QP over the nodes: 1/2 X' J'J X - (J' d)' X."""
+    """Make a solver with OSQP: least squares as the quadratic program 1/2 X' J'J X - (J' d)' X.
+
+    X are the states at all nodes of the window; `_least_squares` gives J and d.
+    """
     import osqp
     from scipy import sparse
 
@@ -171,7 +185,10 @@ def _osqp(window: Window) -> Solver:
 
 
 def _least_squares(window: Window) -> tuple[np.ndarray, Callable[[Window], np.ndarray]]:
-    """Whitened rows J X = d over the stacked nodes X, and d from the data."""
+    """Return the whitened least-squares problem J X = d: J, and a function that computes d.
+
+    X are the states at all nodes of the window, one below the other.
+    """
     n, I2 = window.intervals, np.eye(2)
     sigma = np.sqrt(window.weights.fix_variance)
     link = np.kron(square_root_information(window.weights.link_covariance), I2)
@@ -193,7 +210,7 @@ def _least_squares(window: Window) -> tuple[np.ndarray, Callable[[Window], np.nd
 
 
 def _do_mpc(window: Window) -> Solver:
-    """do-mpc's MHE with the same model, weights and arrival state; IPOPT inside."""
+    """Make a solver with do-mpc's MHE, which uses IPOPT, for the window's model and weights."""
     import casadi as ca
     import do_mpc
 
@@ -235,7 +252,8 @@ def _do_mpc_solver(mhe: Any) -> Solver:
     return solve
 
 
-#: Name, note, and what makes the solver from a window (ImportError: not installed).
+#: Name, note, and function that makes the solver for a window. It raises ImportError if the peer is
+#: not installed.
 PEERS: tuple[tuple[str, str, Callable[[Window], Solver]], ...] = (
     ("owtsweep closed form", "a fixed matrix times the data, in NumPy", closed_form),
     ("CasADi qrqp", "active-set QP, with a check of its gradient", _casadi("qrqp")),

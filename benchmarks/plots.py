@@ -1,4 +1,4 @@
-"""The report's pictures: schemes, limits, where the time goes, peers, growth."""
+"""Draw the report's pictures: schemes, limits, where the time goes, peers, growth."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ DPI = 100
 
 
 def plain(value: float) -> str:
-    """Three digits, without an exponent."""
+    """Format a number to three significant digits, without an exponent."""
     digits = 2 - math.floor(math.log10(abs(value))) if value else 0
     return f"{round(value, digits):,.10g}".replace(",", " ")
 
 
 def draw(results: dict[str, Any], folder: Path) -> dict[str, str]:
-    """File name by part of the report; only of parts that were measured."""
+    """Draw and save the pictures of the parts that were measured; return file names by part."""
     from owtsweep.figures.style import context
 
     files = {}
@@ -32,7 +32,7 @@ def draw(results: dict[str, Any], folder: Path) -> dict[str, str]:
 
 
 def _kernels(results: dict[str, Any]) -> Any:
-    """ns per step in both engines, and the kernels against the machine's limits."""
+    """Draw ns per step in both engines (left), and the kernels' share of the limits (right)."""
     import numpy as np
 
     from owtsweep.figures.style import new_figure
@@ -69,7 +69,7 @@ def _kernels(results: dict[str, Any]) -> Any:
 
 
 def _breakdown(results: dict[str, Any]) -> Any:
-    """Core-milliseconds per replicate, by part."""
+    """Draw core-milliseconds per replicate, one bar per part."""
     from owtsweep.figures.style import new_figure
     from owtsweep.studies.hub.looks import LOOKS
 
@@ -122,7 +122,7 @@ def _peers_mhe(results: dict[str, Any]) -> Any:
 
 
 def _study(results: dict[str, Any]) -> Any:
-    """Time along each axis, log-log with slopes."""
+    """Draw the time against replicates, duration and workers, on log-log axes with slopes."""
     from owtsweep.figures.style import new_figure
 
     measured = results["study"]["axes"]

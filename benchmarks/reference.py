@@ -1,7 +1,8 @@
-"""What a step costs with `engine=reference`, and from that a cell: one record, all four schemes.
+"""Measure what a step costs with `engine=reference`, and compute the cost of a cell from it.
 
-Settings as the goal names them: N_s = 20 IMU steps, N_m = 20 GNSS intervals, T_m = 0.1 s. Windows
-are full before the clock starts, since nearly all of a record is like that.
+A cell is one record with all four schemes. The settings are those of the goal: N_s = 20 IMU steps
+(smoother window), N_m = 20 GNSS intervals (horizon of the MHE), T_m = 0.1 s (interval of the MHE).
+Smoother window and horizon are full before the clock starts, as in nearly all of a record.
 """
 
 from __future__ import annotations
@@ -31,9 +32,10 @@ def measure(
     lead: int = 22,
     settings: Sequence[str] = SETTINGS,
 ) -> list[dict[str, Any]]:
-    """One row per scheme: ns per IMU step of a two-axis record, median of `repeats` stretches.
+    """Measure ns per IMU step of a two-axis record; return one row per scheme.
 
-    A stretch is so many GNSS intervals; `lead` intervals go before.
+    The time is the median of `repeats` stretches of `intervals` GNSS intervals each. Before them,
+    the estimator runs for `lead` GNSS intervals.
     """
     needed = lead + repeats * intervals
     config: Any = compose(["engine=reference", *settings, f"record.duration={needed}"])
@@ -62,7 +64,7 @@ def measure(
 
 
 def per_cell(rows: list[dict[str, Any]]) -> float:
-    """Seconds for one record of one cell with all schemes."""
+    """Compute the seconds for one record of one cell with all schemes, from `measure`'s rows."""
     return sum(row["ns"] for row in rows) * 1e-9 * STEPS
 
 

@@ -1,4 +1,4 @@
-"""The report in Markdown: goals first, then every part. All numbers come from the run."""
+"""Write the report in Markdown: goals first, then every part. All numbers come from the run."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any
 from benchmarks import goals, plots
 from benchmarks.reference import CELLS, SETTINGS, per_cell
 
-#: More of the machine than this in others' hands, and times are not to be believed.
+#: If other programs use more than this share of the machine, times are not reliable.
 BUSY = 0.05
 
 
 def write(results: dict[str, Any], folder: Path) -> Path:
-    """report.md and its pictures in `folder`; where the report lies."""
+    """Write report.md and its pictures into `folder`; return the path of report.md."""
     pictures = plots.draw(results, folder)
     path = folder / "report.md"
     path.write_text("\n".join(_lines(results, pictures)) + "\n", encoding="utf-8")
@@ -23,7 +23,7 @@ def write(results: dict[str, Any], folder: Path) -> Path:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
-    """A Markdown table and the blank line after it."""
+    """Make the lines of a Markdown table, and the blank line after it."""
     lines = [head, ["---"] * len(head), *rows]
     return [*("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines), ""]
 
@@ -79,7 +79,10 @@ def _machine(results: dict[str, Any]) -> Iterator[str]:
 
 
 def _peaks(rows: list[dict[str, Any]]) -> Iterator[str]:
-    """A warning where all threads together reach no more than one: a limit too low flatters."""
+    """Yield a warning if n threads reach less than 0.8 n times the arithmetic peak of one thread.
+
+    A peak that was measured too low makes the kernels' share of this peak too high.
+    """
     peak = {row["threads"]: row["fused_Gflop_per_s"] for row in rows}
     threads = max(peak, default=1)
     if peak and peak[threads] < 0.8 * threads * peak[1]:

@@ -32,7 +32,7 @@ from owtsweep.sweep.shard import encode
 
 
 class Clock:
-    """Seconds per stage."""
+    """A clock that measures the seconds of named stages."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
@@ -45,7 +45,7 @@ class Clock:
 
 
 class StopAfter(Progress):
-    """Ctrl-C after so many cases."""
+    """A progress display that interrupts the sweep after `cases` cases, as Ctrl-C does."""
 
     def __init__(self, cases: int) -> None:
         self.left = cases
@@ -57,7 +57,10 @@ class StopAfter(Progress):
 
 
 def bulk(cases: int, per_block: int) -> dict[str, Any]:
-    """A study of dummy blocks, whole."""
+    """Run a study of dummy blocks: stop it half way, resume, run it again, and check the sums.
+
+    Returns the numbers of blocks and cases, whether the sums are correct, and seconds per stage.
+    """
     from benchmarks.bulk_study import SCHEMES, BulkStudy, bulk_config, value
 
     clock = Clock()
@@ -83,7 +86,10 @@ def bulk(cases: int, per_block: int) -> dict[str, Any]:
 
 
 def hub(replicates: int) -> dict[str, Any]:
-    """The default hub study, its shards made up."""
+    """Make up the shards of the default hub study, then read and aggregate them and draw the map.
+
+    Returns the numbers of blocks, cases and rows, whether all is complete, and seconds per stage.
+    """
     clock = Clock()
     study = get_study("hub")
     with tempfile.TemporaryDirectory() as folder:
@@ -115,7 +121,7 @@ def hub(replicates: int) -> dict[str, Any]:
 
 
 def _make_up(run: Run, plan: Any) -> None:
-    """Shards as a sweep writes them, with random numbers and without waiting for the disk."""
+    """Write shards like those of a sweep, but with random numbers and without disk flushes."""
     random = np.random.default_rng(0)
     for key, block in plan.items():
         frame = made_up_rows(block.content, random)
@@ -123,7 +129,7 @@ def _make_up(run: Run, plan: Any) -> None:
 
 
 def made_up_rows(content: Any, random: np.random.Generator) -> Any:
-    """The rows of a superposed block of the hub study with random products."""
+    """Make the rows of a superposed block of the hub study, with random products."""
     import pandas as pd
 
     from owtsweep.studies.hub.conditions import MEASURES
@@ -151,7 +157,7 @@ def made_up_rows(content: Any, random: np.random.Generator) -> Any:
 
 
 def peak_megabytes() -> float:
-    """The largest resident size of this process so far, in 10^6 bytes."""
+    """Return the largest resident size of this process so far, in 10^6 bytes."""
     status = Path("/proc/self/status")
     if status.is_file():
         # Not getrusage: its peak counts the parent too, whose memory a fork shares until it execs.
@@ -162,7 +168,7 @@ def peak_megabytes() -> float:
 
 
 def main() -> int:
-    """Run one case and print what it took."""
+    """Run what the command line asks for, and print time and memory; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=1_000_000)
     parser.add_argument("--per-block", type=int, default=80)

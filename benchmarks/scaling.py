@@ -32,7 +32,7 @@ BASE = {"replicates": 16, "periods": 2, "duration": 500, "amplitudes": 10}
 
 @dataclass(frozen=True)
 class Job:
-    """A study of a given size: its computing in core-seconds, its blocks and its tasks."""
+    """A study of some size: core-seconds of computing, number of blocks, number of tasks."""
 
     name: str
     seconds: float
@@ -50,9 +50,10 @@ def seconds(
     repeats: int = REPEATS,
     wall: bool = False,
 ) -> float:
-    """Median core-seconds of a sweep without figures, shards written; `wall`: seconds.
+    """Measure the median core-seconds of a sweep without figures, or with `wall` the seconds.
 
-    The first one, which compiles kernels and makes the gains, does not count.
+    The shards are written. A first sweep, which compiles kernels and computes the gains, does not
+    count. `duration` is the length of a record in s.
     """
     overrides = [
         f"grid.replicates={replicates}",
@@ -73,7 +74,11 @@ def seconds(
 
 
 def growth(repeats: int = REPEATS) -> list[dict[str, Any]]:
-    """One row per axis of the study: time at the base and at four times as much."""
+    """Measure how the time grows with each axis of the study; return one row per axis.
+
+    Each row has the core-seconds of the study `BASE`, those with four times as much along the axis,
+    and the exponent of growth.
+    """
     base = seconds(**BASE, repeats=repeats)
     rows = []
     for axis in ("replicates", "periods", "duration", "amplitudes"):
@@ -84,14 +89,21 @@ def growth(repeats: int = REPEATS) -> list[dict[str, Any]]:
 
 
 def per_record_second(rows: list[dict[str, Any]]) -> float:
-    """Core-seconds per second of record, all four schemes, from what more duration adds."""
+    """Compute the core-seconds per second of record, with all four schemes.
+
+    They follow from what a longer record adds; `rows` are those of `growth`.
+    """
     (duration,) = (row for row in rows if row["axis"] == "duration")
     records = BASE["replicates"] * BASE["periods"]
     return (duration["more"] - duration["base"]) / (3 * BASE["duration"] * records)
 
 
 def jobs(batch: float, reference: float) -> list[Job]:
-    """Studies that somebody may want; the costs are core-seconds per second of record."""
+    """List studies that somebody may want, with their cost.
+
+    `batch` and `reference` are the core-seconds that these engines need per second of record, for
+    all four schemes.
+    """
     default = 6 * 2000.0
     per_task = 8
     million = 1_000_000
@@ -106,14 +118,14 @@ def jobs(batch: float, reference: float) -> list[Job]:
 
 
 def bookkeeping() -> dict[str, float]:
-    """CPU ms per block of the hub study by stage; the disk's share is in the text."""
+    """Read the CPU ms per block of the hub study from bookkeeping.csv, by stage."""
     with BOOKKEEPING.open() as stream:
         rows = [row for row in csv.DictReader(stream) if row["block"].startswith("hub")]
     return {row["stage"]: float(row["cpu_ms"]) for row in rows}
 
 
 def tables(repeats: int = REPEATS) -> str:
-    """The measured tables in Markdown."""
+    """Measure, and make the tables of docs/scaling.md in Markdown."""
     rows = growth(repeats)
     batch = per_record_second(rows)
     shared = {**BASE, **{axis: 4 * BASE[axis] for axis in ("replicates", "duration")}}
@@ -160,7 +172,7 @@ def tables(repeats: int = REPEATS) -> str:
 
 
 def main() -> int:
-    """Measure, print, and write where asked."""
+    """Measure, print, and with --write change docs/scaling.md; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--write", action="store_true", help="put the tables into docs/scaling.md")
     options = parser.parse_args()

@@ -1,4 +1,4 @@
-"""How long a user waits before anything is computed; every line is a process of its own."""
+"""Measure how long a user waits before anything is computed; each command is a new process."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from benchmarks.timing import REPEATS, seconds
 
 ROOT = Path(__file__).resolve().parents[1]
 BARE = ("-c", "pass")
-#: What is run, its goal (s), and the arguments to Python.
+#: The commands: what is run, the goal in s, and the arguments to Python.
 COMMANDS = (
     ("`import owtsweep` (the interpreter's own start taken off)", 0.1, ("-c", "import owtsweep")),
     ("`python -m owtsweep --help`", 0.3, ("-m", "owtsweep", "--help")),
@@ -22,7 +22,10 @@ COMMANDS = (
 
 
 def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
-    """One row per command: median wall time (s) of the process, its goal, a note."""
+    """Measure the median wall time (s) of each command's process; return one row per command.
+
+    Each row also has the goal in s (None for the interpreter alone) and a note.
+    """
     bare = _run(BARE, repeats)
     rows: list[dict[str, Any]] = [
         {"what": "the interpreter alone", "seconds": bare, "goal": None, "note": ""}

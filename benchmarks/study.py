@@ -1,7 +1,7 @@
-"""Whole studies: time and memory against replicates, duration and workers.
+"""Measure whole studies: time and memory against replicates, duration and workers.
 
-Memory is that of a process for each point, because a peak never goes down; the times of an axis are
-measured in one, turn about (`benchmarks.turns`).
+The memory of each study is measured in a process of its own, because a peak never goes down. The
+times of all studies along an axis are measured in one process, in turn (`benchmarks.turns`).
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from typing import Any, NamedTuple
 
 from benchmarks.timing import REPEATS, timed
 
-#: What the goal is stated for: the default grid, records of 2000 s, 100 per cell.
+#: The study for which the goal is stated: the default grid, records of 2000 s, 100 per cell.
 WHOLE = ("grid.replicates=100",)
-#: What the goal for the memory of long records is stated for.
+#: The study for which the goal for the memory of long records is stated.
 LONG = (
     "grid.natural_period=[4.0]", "grid.replicates=16", "record.duration=16000", "compute.workers=2",
 )  # fmt: skip
-#: Of an axis' times.
+#: Number of rounds in which the times along an axis are measured.
 ROUNDS = 7
 
 
 class Point(NamedTuple):
-    """A study on an axis; `turns`: how many of it take as long as the axis' largest."""
+    """A study on an axis; `turns` such studies take about as long as the largest on the axis."""
 
     value: float
     overrides: tuple[str, ...]
@@ -37,9 +37,9 @@ class Point(NamedTuple):
 
 
 def axes(scale: float = 1.0) -> dict[str, list[Point]]:
-    """The points of each axis of growth, the smallest first.
+    """Return the studies along each axis of growth, the smallest first.
 
-    `scale` shortens the records, for a quick look.
+    A `scale` below 1 shortens the records, for a quick look.
     """
     duration = f"record.duration={2000 * scale:g}"
     alone = ("grid.natural_period=[4.0]", "compute.workers=1")
@@ -64,9 +64,10 @@ def axes(scale: float = 1.0) -> dict[str, list[Point]]:
 
 
 def measure_whole(repeats: int = REPEATS, overrides: Sequence[str] = WHOLE) -> dict[str, float]:
-    """The study of the goal: medians over processes.
+    """Run the study of the goal in several processes; return the medians.
 
-    `process` is the whole process on the clock, interpreter and imports included.
+    They are those of `one_study.run`, and `process`: the seconds of the whole process, with the
+    start of the interpreter and imports.
     """
     runs = []
     for _ in range(repeats):
@@ -76,12 +77,15 @@ def measure_whole(repeats: int = REPEATS, overrides: Sequence[str] = WHOLE) -> d
 
 
 def measure_long(overrides: Sequence[str] = LONG) -> float:
-    """Peak memory of a study of long records, MB."""
+    """Measure the peak memory of a study of long records, in MB."""
     return float(_process("one_study", overrides)["peak"])
 
 
 def measure_axis(name: str, rounds: int = ROUNDS, scale: float = 1.0) -> dict[str, Any]:
-    """Points along one axis, and the exponent of the computing alone over it."""
+    """Measure the studies along one axis; return the points and the exponent of growth.
+
+    The exponent is that of the computing alone.
+    """
     on = axes(scale)[name]
     times = _process("turns", [(point.overrides, point.turns) for point in on], rounds)
     points = [
@@ -101,7 +105,7 @@ def measure_axis(name: str, rounds: int = ROUNDS, scale: float = 1.0) -> dict[st
 
 
 def slope(points: Sequence[tuple[float, float]]) -> float:
-    """Least-squares slope of log y over log x."""
+    """Compute the least-squares slope of log y against log x; `points` are pairs (x, y)."""
     x = [math.log(a) for a, _ in points]
     y = [math.log(b) for _, b in points]
     mean_x, mean_y = sum(x) / len(x), sum(y) / len(y)
@@ -110,7 +114,10 @@ def slope(points: Sequence[tuple[float, float]]) -> float:
 
 
 def _process(module: str, what: Any, *words: object) -> Any:
-    """What a module of this package prints of something."""
+    """Run a module of this package in a new process; return the JSON in its last printed line.
+
+    `what` is the first argument on the module's command line, in JSON; `words` are the others.
+    """
     command = [sys.executable, "-m", f"benchmarks.{module}", json.dumps(what), *map(str, words)]
     root = Path(__file__).resolve().parents[1]
     done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, cwd=root)

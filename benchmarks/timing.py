@@ -1,4 +1,4 @@
-"""How every benchmark measures time: after a warm-up, several times; the median counts."""
+"""Measure time, as every benchmark does: several times after a warm-up; the median counts."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ REPEATS = 5
 
 
 class Time(NamedTuple):
-    """Seconds: on the clock, and of all this process's cores together.
+    """A time in seconds: by the clock (`wall`), and of all cores of this process together (`cpu`).
 
-    `cpu` leaves out waiting: for the disk, or for a busy machine's other work.
+    `cpu` leaves out waiting for the disk and for other programs.
     """
 
     wall: float
@@ -24,14 +24,14 @@ class Time(NamedTuple):
 
 
 def timed(work: Callable[[], T]) -> tuple[T, Time]:
-    """What `work` gives, and what it took."""
+    """Call `work`; return its result and the time that it took."""
     wall, cpu = time.perf_counter(), time.process_time()
     result = work()
     return result, Time(time.perf_counter() - wall, time.process_time() - cpu)
 
 
 def samples(work: Callable[[], object], *, repeats: int = REPEATS, warm: int = 1) -> list[Time]:
-    """What `work` took each time, after `warm` runs that do not count."""
+    """Call `work` `repeats` times, after `warm` calls that do not count; return the times."""
     for _ in range(warm):
         work()
     return [timed(work)[1] for _ in range(repeats)]
@@ -39,16 +39,19 @@ def samples(work: Callable[[], object], *, repeats: int = REPEATS, warm: int = 1
 
 @contextmanager
 def together(threads: int) -> Iterator[Callable[[Callable[[int], object]], Time]]:
-    """What times `work(thread)` on so many threads at once, the last one ending the clock."""
+    """Give a function that measures the time of `work(thread)` on several threads at once.
+
+    The clock stops when the last thread has finished.
+    """
     with ThreadPoolExecutor(threads) as pool:
         yield lambda work: timed(lambda: list(pool.map(work, range(threads))))[1]
 
 
 def seconds(work: Callable[[], object], *, repeats: int = REPEATS, warm: int = 1) -> float:
-    """Median wall time of `work`, s."""
+    """Measure the median wall time of `work` in s."""
     return median_time(samples(work, repeats=repeats, warm=warm)).wall
 
 
 def median_time(times: list[Time]) -> Time:
-    """The medians of both."""
+    """Return the median wall time and the median CPU time."""
     return Time(*(median(values) for values in zip(*times, strict=True)))

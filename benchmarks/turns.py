@@ -1,11 +1,11 @@
-"""Studies of several sizes in this process, turn about; prints one line of JSON.
+"""Run studies of several sizes in turn in this process, and print their times as a line of JSON.
 
     python -m benchmarks.turns '[[["grid.replicates=2"], 2], [["grid.replicates=4"], 1]]' 5
 
-From minute to minute, and within seconds, the machine's speed changes by more than an exponent may.
-So a round computes all of them, a small one as often as it takes as long as the large one: the
-number beside it says how often. The last number says how many rounds are made. Gains and kernels
-are there when a clock starts.
+The machine's speed changes from second to second, by more than an exponent of growth may. So each
+round computes all studies, and a small study so often that it takes as long as the large one: the
+number after its overrides says how often. The last number is the number of rounds. Gains and
+kernels are ready before the clock starts.
 """
 
 from __future__ import annotations
@@ -29,10 +29,11 @@ Turns = tuple[Sequence[str], int]
 
 
 def measure(studies: Sequence[Turns], rounds: int) -> list[dict[str, list[float]]]:
-    """Seconds of each study, one of each round.
+    """Measure the seconds of each study in each round; return lists of one number per round.
 
-    `wall` is planning, computing, writing and tables; `compute` the core-seconds of computing
-    alone, with one thread; `compute_wall` the same on the clock with all workers.
+    `wall` is the time of a whole sweep: planning, computing, writing and tables. `compute` is the
+    core-seconds of computing alone with one thread. `compute_wall` is the time of computing alone
+    with all workers, by the clock.
     """
     # Gains of every length stay at hand, as those of the only length do in a sweep.
     chain._KEPT_CHAINS *= len(studies)
@@ -57,7 +58,7 @@ def measure(studies: Sequence[Turns], rounds: int) -> list[dict[str, list[float]
 
 
 def _computed(config: Any) -> Time:
-    """Core-seconds of one thread, seconds of all workers."""
+    """Measure computing alone: `cpu` with one thread, and `wall` with all workers."""
     workers = config.compute.workers or 1
     alone = timed(lambda: compute(config, 1))[1]
     if workers == 1:
@@ -72,7 +73,7 @@ def _whole(overrides: Sequence[str]) -> float:
 
 
 def compute(config: Any, threads: int) -> None:
-    """All groups of a study's plan, computed and thrown away."""
+    """Compute all groups of a study's plan on some threads, and discard the results."""
     groups: dict[str, list[Any]] = {}
     for block in blocks.plan(config):
         groups.setdefault(block.group, []).append(block)

@@ -1,4 +1,6 @@
-"""A study of two cells in this process, without figures: what a first look costs. Prints JSON.
+"""Run a study of two cells in this process, without figures, and print its time as JSON.
+
+This is what a first look at the program costs.
 
 python -m benchmarks.two_cells [again]
 """
@@ -13,7 +15,11 @@ from benchmarks.timing import timed
 
 
 def two_cells(*, again: bool) -> dict[str, float]:
-    """Seconds of a study of two cells in an empty folder: the first of a process, and the next."""
+    """Measure the seconds of a study of two cells, the first run in this process.
+
+    Returns `first`, the seconds by the clock; `cpu`, the core-seconds; and `again`, the seconds of
+    a second run (0 if `again` is false).
+    """
     with tempfile.TemporaryDirectory() as results:
 
         def study(name: str) -> None:

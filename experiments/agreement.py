@@ -1,4 +1,4 @@
-"""Whether files that were made again agree with those kept in results/reference, and to what."""
+"""Compare files that were made again with those kept in results/reference."""
 
 from __future__ import annotations
 
@@ -9,16 +9,18 @@ from pathlib import Path
 import owtsweep
 from owtsweep import InputError
 
-#: Other processors and libraries round differently. Relative to the number itself.
+#: Numbers agree if they differ by less than this, relative to themselves: other processors and
+#: libraries round differently.
 TOLERANCE = 1e-6
-#: Say when and where a run was made. They are kept as they are while all else agrees.
+#: Files that say when and where a run was made. While all other files agree, they are not replaced.
 PROVENANCE = ("config.yaml", "manifest.json")
 
 
 def compare_folders(made: Path, kept: Path) -> dict[str, str]:
-    """What differs between two folders, file by file; empty if they agree.
+    """Compare two folders: return the name of each file that differs, and how it differs.
 
-    The configuration agrees if it makes the same run: keys that came later may stand in one alone.
+    The result is empty if the folders agree. Configurations agree if they make equal runs, even if
+    one has keys that the other lacks because they were added to the program later.
     """
     differences = {}
     for name in sorted({path.name for folder in (made, kept) for path in folder.glob("*")}):
@@ -36,7 +38,7 @@ def compare_folders(made: Path, kept: Path) -> dict[str, str]:
 
 
 def largest_difference(made: Path, kept: Path) -> float:
-    """The largest relative difference of a number in the tables that both folders have."""
+    """Return the largest relative difference of two numbers in the CSV tables of both folders."""
     tables = [path for path in made.glob("*.csv") if (kept / path.name).is_file()]
     return max((_numbers(path, kept / path.name)[0] for path in tables), default=0.0)
 
@@ -53,7 +55,11 @@ def _compare(made: Path, kept: Path) -> str:
 
 
 def _numbers(made: Path, kept: Path) -> tuple[float, str]:
-    """The largest relative difference of two tables, infinite for texts, and where it stands."""
+    """Return the largest relative difference of two CSV tables, and where it is.
+
+    The difference is infinite if two texts differ, or if a number stands where there is none in the
+    other table.
+    """
     largest, where = 0.0, ""
     with made.open(newline="") as first, kept.open(newline="") as second:
         rows = zip_longest(csv.reader(first), csv.reader(second), fillvalue=[])

@@ -1,8 +1,8 @@
-"""Why a scheme wins: its error over the frequency of the motion, and from noise alone.
+"""Draw why a scheme wins: its error against the motion's frequency, and from noise alone.
 
     python experiments/error_spectra.py [RUN]
 
-RUN is the folder of a run. Without it, the default study is used, and run first if needed.
+RUN is the folder of a run. Without RUN, the default study is used; it is run first if needed.
 """
 
 import sys

@@ -2,7 +2,7 @@
 
     python experiments/figure_10.py [RUN]
 
-RUN is the folder of a run. Without it, the default study is used, and run first if needed.
+RUN is the folder of a run. Without RUN, the default study is used; it is run first if needed.
 """
 
 import sys

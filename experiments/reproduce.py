@@ -1,11 +1,12 @@
-"""Everything behind docs/reproduction.md: the search, the runs, all figures, the reports.
+"""Make everything behind docs/reproduction.md: the search, the runs, all figures, the reports.
 
     python experiments/reproduce.py [REPLICATES] [--check]
 
-Runs what is missing below results/ (100 records per cell by default), draws and reports. Then it
-says whether the small outputs agree with results/reference/, and to what, and copies there what
-does not. With --check everything is computed anew in a temporary folder, nothing is copied, and the
-exit code is 1 if something differs. `make reproduce` calls it.
+The script runs what is missing below results/ (100 records per cell by default), draws the figures
+and writes the reports. Then it compares the small outputs with results/reference/, says how far
+they agree, and copies those that differ to results/reference/. With --check everything is computed
+anew in a temporary folder, nothing is copied, and the exit code is 1 if something differs. `make
+reproduce` calls this script.
 """
 
 import argparse
@@ -31,7 +32,7 @@ RUNS = {
     "matched": ["tuning=matched"],
     "matched_on_paper": ["experiment=paper", "tuning=matched"],
 }
-#: The paper's reading with one thing changed, HME1 against HME2: what makes the map what it is.
+#: The paper's reading with one thing changed, for HME1 and HME2: shows what shapes the map.
 ABLATIONS = {
     "paper_all_inputs": ["hme.mhe.inputs=all"],
     "paper_same_variance": ["hme1.r_gnss.scale=0.303"],
@@ -52,18 +53,18 @@ KEPT = {
 
 
 class Reproduction:
-    """Runs below one folder, and what differs between them and results/reference."""
+    """The runs below one folder, and the list of files that differ from results/reference."""
 
     def __init__(self, results: Path, replicates: str, *, check: bool) -> None:
         self.results, self.replicates, self.check = results, replicates, check
         self.differing: list[str] = []
 
     def sweep(self, name: str, *overrides: str) -> None:
-        """Run one study under a name, or stop with its exit code."""
+        """Run one study under a name; if it fails, end the program with the exit code."""
         run_command("sweep", f"results={self.results}", f"name={name}", *overrides)
 
     def report(self, name: str) -> None:
-        """Draw all figures of a run and hold it against the print."""
+        """Draw all figures of a run, and write the report that compares it with the paper."""
         run_command("figures", str(self.results / name))
         run_command("fidelity", str(self.results / name))
 
@@ -85,7 +86,7 @@ class Reproduction:
                         shutil.copy(made / file, kept / file)
 
     def keep_picture(self, file: Path) -> None:
-        """The same for one picture of several runs."""
+        """Compare one picture of several runs with results/reference; copy it if it differs."""
         with tempfile.TemporaryDirectory() as folder:
             made, kept = Path(folder) / "made", Path(folder) / "kept"
             for target in (made, kept):
@@ -99,7 +100,10 @@ class Reproduction:
                 shutil.copy(made / file.name, REFERENCE / file.name)
 
     def tell(self, name: str, differences: dict[str, str], largest: float) -> None:
-        """Print whether a part of the reference was met, and remember what was not."""
+        """Print whether a part agrees with results/reference, and remember the files that do not.
+
+        `differences` and `largest` are the results of `compare_folders` and `largest_difference`.
+        """
         if not differences:
             exact = "to the last digit" if largest == 0.0 else f"to {largest:.1e}"
             print(f"{name}: agrees with {REFERENCE / name}, numbers {exact}", flush=True)
@@ -108,7 +112,7 @@ class Reproduction:
         self.differing += [f"{name}/{file}" for file in differences]
 
     def make_all(self) -> None:
-        """The search, the runs, the ablations, and the two maps side by side."""
+        """Make the search, the runs, the ablations, and the figure of two maps side by side."""
         self.sweep("readings", "experiment=readings")
         self.keep("readings")
         for name, overrides in RUNS.items():
@@ -127,7 +131,7 @@ class Reproduction:
 
 
 def run_command(*words: str) -> None:
-    """Run one command of the program, or stop with its exit code."""
+    """Run one command of owtsweep; if it fails, end the program with the exit code."""
     print("$ python -m owtsweep", *words, flush=True)
     code = main(list(words))
     if code:
@@ -135,7 +139,7 @@ def run_command(*words: str) -> None:
 
 
 def copy_small(source: Path, target: Path) -> None:
-    """Copy a file; a PNG gets a palette: a third of the size, the same to the eye."""
+    """Copy a file; a PNG is reduced to 192 colours, a third of the size and alike to the eye."""
     if source.suffix != ".png":
         shutil.copy(source, target)
         return

@@ -1,9 +1,9 @@
-"""The best-scheme maps of two tunings side by side, with the HME1/HME2 boundary and its causes.
+"""Draw the best-scheme maps of two tunings side by side, with the HME1/HME2 boundary and its cause.
 
     python experiments/two_maps.py PAPER_RUN MATCHED_RUN [FILE_STEM]
 
-draws them for the runs in two folders, into FILE_STEM.png and .svg (default: two_maps in the
-current folder).
+PAPER_RUN and MATCHED_RUN are the folders of two runs. The files are FILE_STEM.png and
+FILE_STEM.svg (default: two_maps in the current folder).
 """
 
 import sys

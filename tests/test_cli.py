@@ -37,8 +37,8 @@ def test_sweep_writes_what_the_readme_says(capsys):
     assert main(["sweep", *SMALL, "schemes=[MKF,HME1]", "sensors.gnss.delay=0.4"]) == 0
     run = only_run()
     assert {path.name for path in run.iterdir()} == {
-        "config.yaml", "manifest.json", "cases", "summary.csv", "best_scheme.csv", "figures",
-        "run.log",
+        "config.yaml", "plan.json", "manifest.json", "cases", "summary.csv", "best_scheme.csv",
+        "figures", "run.log",
     }  # fmt: skip
     assert {path.name for path in (run / "figures").iterdir()} == {
         "figure_18_best_scheme.png",
@@ -300,3 +300,32 @@ def test_figures_need_a_case_that_succeeded(capsys):
     assert main(["figures", str(only_run())]) == 2
     assert capsys.readouterr().err.count("\n") == 1
     assert not (only_run() / "figures").exists()
+
+
+def test_a_current_folder_that_is_gone_is_told(tmp_path, monkeypatch, capsys):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    assert main(["sweep", *SMALL]) == 2
+    assert "the current folder has been deleted" in capsys.readouterr().err
+
+
+def test_an_output_that_cannot_be_written_is_one_line(monkeypatch, capsys):
+    def full(*words, **options):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("owtsweep.cli.list.names", full)
+    assert main(["list"]) == 1
+    assert capsys.readouterr().err == "owtsweep: OSError: [Errno 28] No space left on device\n"
+
+
+def test_an_error_that_a_library_makes_of_ctrl_c_is_ctrl_c(monkeypatch, capsys):
+    def interrupted(*words, **options):
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            raise AttributeError("a half-made object")  # noqa: B904
+
+    monkeypatch.setattr("owtsweep.cli.list.names", interrupted)
+    assert main(["list"]) == 130
+    assert capsys.readouterr().err.startswith("owtsweep: interrupted; ")

@@ -1,7 +1,7 @@
-"""owtsweep: sweep conditions x estimation schemes, and map which scheme is best where.
+"""owtsweep: run estimation schemes under many conditions, and map which scheme is best where.
 
-The public interface is the names in `__all__`; everything else is private. Exports are lazy, so
-importing the package is fast.
+The names in `__all__` are the public interface; everything else is private. A name is imported on
+first use, so importing the package is fast.
 """
 
 from __future__ import annotations

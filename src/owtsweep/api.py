@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep import studies
-from owtsweep.errors import InputError
-from owtsweep.sweep.runs import Run
 
 if TYPE_CHECKING:
     from owtsweep.studies.replay.running import Replay
+    from owtsweep.sweep.runs import Run
 
 __all__ = ["load", "replay", "run"]
 
 
 def run(overrides: Sequence[str] = ()) -> Run:
-    """Run a study, or finish one, and return it.
+    """Run a study and return the run; if a run was interrupted, compute what is missing.
 
     Parameters
     ----------
@@ -28,9 +28,9 @@ def run(overrides: Sequence[str] = ()) -> Run:
     Returns
     -------
     Run
-        With its `config`, `cases()`, `summary()` and `best_scheme()`. Its cases include
-        failed ones, with the status "failed" and a reason, and cases that their scheme cannot
-        compute, with the status "unable".
+        The run, with `config`, `cases()`, `summary()` and `best_scheme()`. The cases include those
+        that failed, with the status "failed" and a reason, and those that a scheme cannot compute,
+        with the status "unable".
 
     Raises
     ------
@@ -44,19 +44,16 @@ def run(overrides: Sequence[str] = ()) -> Run:
 
 
 def load(path: str | PathLike[str]) -> Run:
-    """Open the run in a folder.
+    """Open the run in a folder; nothing that the folder names is imported or executed.
 
     Raises
     ------
     InputError
         If the folder holds no run, or one that this version cannot read.
     """
-    folder = Path(path)
-    file = folder / "config.yaml"
-    if not file.is_file():
-        raise InputError(f"{folder}: there is no config.yaml in it; name the folder of a run")
-    config = studies.load_config(file)
-    return Run(folder, config, studies.get_study(config.study))
+    from owtsweep.studies.opening import open_run
+
+    return open_run(Path(os.path.expanduser(path)))
 
 
 def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] = ()) -> Replay:
@@ -65,14 +62,17 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     Parameters
     ----------
     files
-        A path or pattern, or several. With an empty list the files named by `replay.table`.
+        A path or pattern, or a list of them. An empty list stands for the files in the table that
+        the key `replay.table` names.
     overrides
-        As on the command line, e.g. `["columns.position_x=TwHt1TPxi", "sensors.gnss.rate=5"]`.
+        Hydra overrides as on the command line, e.g. `["columns.position_x=TwHt1TPxi",
+        "sensors.gnss.rate=5"]`.
 
     Returns
     -------
     Replay
-        With `errors()`, `advice()`, `records()` and `estimates()` as DataFrames, and its `run`.
+        The result, with `errors()`, `advice()`, `records()` and `estimates()` as DataFrames, and
+        the `run` itself.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The array type of all signatures (real, double precision), and arrays aligned in memory."""
+"""Defines the array type of all signatures (real, double precision); makes aligned arrays."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ LINE = 64
 
 
 def aligned(*shape: int) -> Array:
-    """Zeros (*shape) that begin at a cache line, for arrays that kernels read and write.
+    """Return zeros of the given shape that begin at a cache line, for use by compiled kernels.
 
-    A row of eight lanes is as long as a cache line. If it began elsewhere it would lie across two
-    lines, and every access would touch both.
+    A row of eight numbers is as long as a cache line. A row that began elsewhere would lie across
+    two cache lines, and every access would touch both.
     """
     size = 8 * math.prod(shape)
     raw = np.zeros(size + LINE, dtype=np.uint8)

@@ -1,8 +1,8 @@
-"""numba, set up so that compiled code is cached and never stale.
+"""Compiles kernels with numba and caches them so that no stale code is used.
 
-numba's own cache does not see edits in helper functions of other files. The cache folder is
-therefore named by a hash of every source file that kernels are made of: any edit gives a new
-folder. Kernels import `njit` from here.
+A kernel is a function compiled by numba; all kernels import `njit` from here. numba's own cache
+does not notice edits in helper functions of other files. The cache folder is therefore named by a
+hash of every source file that kernels are made of: after any edit, kernels use a new folder.
 """
 
 from __future__ import annotations
@@ -21,13 +21,17 @@ from typing import Any
 _PACKAGE = Path(__file__).resolve().parent
 _IMPORT = re.compile(r"^ *from owtsweep\.([\w.]+) import ", re.MULTILINE)
 
-#: What the name of the cache folder ends in, for all kernels that are imported from now on.
+#: The end of the cache folder's name, for all kernels that are imported from now on.
 variant = ""
 
 
 @cache
 def kernel_sources() -> tuple[Path, ...]:
-    """All files of the package that import this module, and all that these import, sorted."""
+    """Return the package's files that kernels are made of, sorted by path.
+
+    These are the files that import this module, and all files of the package that they import,
+    directly or through others.
+    """
     texts = {path: path.read_text("utf-8") for path in _PACKAGE.rglob("*.py")}
     todo = [p for p, text in texts.items() if Path(__file__).resolve() in _imported(text)]
     sources: set[Path] = set()
@@ -40,7 +44,7 @@ def kernel_sources() -> tuple[Path, ...]:
 
 
 def _imported(text: str) -> Iterator[Path]:
-    """The files of the package that a source imports from."""
+    """Yield the files of this package that a source text imports from."""
     for name in _IMPORT.findall(text):
         path = _PACKAGE.joinpath(*name.split("."))
         yield path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
@@ -48,7 +52,7 @@ def _imported(text: str) -> Iterator[Path]:
 
 @cache
 def source_hash() -> str:
-    """Hash of all kernel sources and of the numba that compiles them."""
+    """Return a hash of all kernel sources and of numba's version, in hexadecimal digits."""
     import numba
 
     digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)
@@ -59,7 +63,10 @@ def source_hash() -> str:
 
 
 def cache_directory() -> Path:
-    """Where compiled kernels are kept: NUMBA_CACHE_DIR if set, else the user's cache folder."""
+    """Return the folder of compiled kernels, whose name contains `source_hash`.
+
+    The folder lies in NUMBA_CACHE_DIR if that variable is set, else in the user's cache folder.
+    """
     home = os.environ.get("NUMBA_CACHE_DIR")
     if home:
         base = Path(home)
@@ -70,7 +77,7 @@ def cache_directory() -> Path:
 
 @cache
 def announce(directory: Path) -> None:
-    """Say once that kernels are being compiled: the first run takes longer than later ones."""
+    """Log and print to stderr, once per folder, that kernels are being compiled into the folder."""
     text = f"compiling kernels, once (up to a minute); they are kept in {directory}"
     logging.getLogger(__name__).info(text)
     print(f"owtsweep: {text}", file=sys.stderr)
@@ -78,7 +85,10 @@ def announce(directory: Path) -> None:
 
 @cache
 def _announce_when_compiling() -> None:
-    """Call `announce` as soon as a kernel of this package is compiled, not read from the cache."""
+    """Make numba call `announce` whenever it compiles a kernel of this package.
+
+    Reading a kernel from the cache does not count.
+    """
     from numba.core import event
 
     class Listener(event.Listener):  # type: ignore[misc]
@@ -93,7 +103,7 @@ def _announce_when_compiling() -> None:
 
 
 def _usable_directory() -> Path:
-    """The cache folder, or a folder for temporary files if the cache folder is not writable."""
+    """Make the cache folder and return it; if that fails, return a folder for temporary files."""
     directory = cache_directory()
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -103,7 +113,7 @@ def _usable_directory() -> Path:
 
 
 def njit(function: Callable[..., Any]) -> Any:
-    """`numba.njit` as this package uses it: cached, without the GIL, exact (no fastmath)."""
+    """Compile a function by `numba.njit`: cached, without the GIL, exact (no fastmath)."""
     import numba
 
     _announce_when_compiling()

@@ -1,4 +1,4 @@
-"""Whether the process keeps memory that it has freed; has an effect with glibc only."""
+"""Sets whether the process keeps memory that it has freed; has an effect with glibc only."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ def keep_freed_memory() -> None:
     """Make glibc keep freed memory for later use instead of returning it to the system.
 
     Every block of a sweep needs arrays of the same sizes as the block before it. By default glibc
-    returns large arrays at once, and the system clears each page again at its next use. This takes
-    a tenth of the time of a sweep on one thread, and more on several. Peak memory stays that of the
-    largest block; one arena for all threads holds less than one for each. The setting holds for the
-    whole process, so only processes that belong to a sweep should call this.
+    returns large arrays at once, and the system clears each page again at its next use. Clearing
+    takes a tenth of the time of a sweep on one thread, and more on several. Peak memory stays that
+    of the largest block. All threads share one arena (glibc's pool of memory), which holds less
+    than one arena for each thread would. The setting holds for the whole process, so only
+    processes that belong to a sweep should call this.
     """
     mallopt = _glibc("mallopt")
     if mallopt is None:
@@ -30,14 +31,14 @@ def keep_freed_memory() -> None:
 
 
 def give_back_freed_memory() -> None:
-    """Return to the system the memory that glibc keeps: some hundred MB per thread."""
+    """Make glibc release its kept memory to the operating system: some hundred MB per thread."""
     trim = _glibc("malloc_trim")
     if trim is not None:
         trim(0)
 
 
 def _glibc(name: str) -> Any:
-    """A function of glibc, or None with another C library."""
+    """Return a function of glibc by name; return None on other systems and C libraries."""
     if sys.platform != "linux":
         return None
     return getattr(ctypes.CDLL(None), name, None)

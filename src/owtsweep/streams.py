@@ -1,4 +1,4 @@
-"""Named random streams: the only source of randomness in the package."""
+"""Makes named random streams, the only source of randomness in the package."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ import numpy as np
 def stream(
     seed: int, study: str, conditions: Sequence[float | str], replicate: int, name: str
 ) -> np.random.Generator:
-    """The generator of one named quantity of one record.
+    """Return the random generator of one named quantity of one record.
 
-    Every stream has its own spawn key, so drawing more from one (a longer record, a faster GNSS)
-    changes no other, and changing a sigma, a delay or a tuning keeps the noise.
+    Every stream has its own spawn key. Therefore, drawing more numbers from one stream (for a
+    longer record or a faster GNSS) changes no other stream. Changing a sigma, a delay or a tuning
+    changes no stream at all.
 
     Parameters
     ----------
@@ -23,8 +24,8 @@ def stream(
     study
         The study's name.
     conditions
-        The values of those conditions of the record that must change the draws. Their number and
-        order are always the same. Numbers are rounded to a millionth.
+        The values of those conditions of the record that must change the draws. All calls of a
+        study give the same conditions in the same order. Numbers are rounded to a millionth.
     replicate
         Number of the record.
     name
@@ -35,5 +36,5 @@ def stream(
 
 
 def encode_value(value: float | str) -> int:
-    """The value of a condition as a part of a spawn key: an integer that is not negative."""
+    """Return a condition's value as a part of a spawn key: an integer that is not negative."""
     return crc32(value.encode()) if isinstance(value, str) else round(value * 1e6) % 2**64

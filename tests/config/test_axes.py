@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from owtsweep.config import Axis, Positive, Section, key, typed
+from owtsweep.config import axes as axes_module
 from owtsweep.config.axes import expand
 from owtsweep.errors import InputError
 
@@ -81,3 +82,9 @@ def test_what_is_no_axis_is_one_line(entries: object, says: str) -> None:
 def test_an_axis_that_the_study_does_not_have_is_one_line() -> None:
     with pytest.raises(InputError, match=r"^wind: there is no such key"):
         typed(Grid, {"wind": [{"log": [1, 2, 3]}]})
+
+
+def test_ranges_together_have_a_bound(monkeypatch) -> None:
+    monkeypatch.setattr(axes_module, "MOST_POINTS", 100)
+    with pytest.raises(ValueError, match="more than 100 values"):
+        expand([{"log": [1, 2, 99]}, {"log": [3, 4, 9]}])

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 from dummy_study import DummyStudy, make_config
@@ -34,11 +36,11 @@ def undisturbed(folder: Path, levels: int) -> dict[str, bytes]:
     return content(sweep(DummyStudy(), config).run.folder)
 
 
-def child(*words: object) -> subprocess.Popen[str]:
+def child(*words: object, faults: Mapping[str, str] | None = None) -> subprocess.Popen[str]:
     """Start `child.py` in a session of its own."""
     return subprocess.Popen(
         [sys.executable, str(CHILD), *map(str, words)],
-        env=environment(),
+        env={**environment(), "FAULTS": json.dumps(faults or {})},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

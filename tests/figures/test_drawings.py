@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from contextlib import contextmanager
 
 import pytest
 
@@ -41,3 +42,19 @@ def test_a_figure_is_drawn_in_the_style_and_saved_under_its_name(tmp_path):
     drawing = save_figure(lambda: style.new_figure(2.0, 1.0), {"run": "3f2a"})
     assert [file.name for file in drawing(tmp_path, "empty")] == ["empty.png", "empty.svg"]
     assert b"run\x003f2a" in (tmp_path / "empty.png").read_bytes()
+
+
+def test_what_another_package_draws_is_drawn_under_its_guard(tmp_path, caplog):
+    def fail(folder, name):
+        return {}["means"]
+
+    @contextmanager
+    def blame():
+        try:
+            yield
+        except KeyError as error:
+            raise InputError(f"package: {error}") from error
+
+    drawn = draw_each({"none": fail, "one": leave}, tmp_path, None, blame)
+    assert [file.name for file in drawn] == ["one.txt"]
+    assert "none is left out: package: 'means'" in caplog.text

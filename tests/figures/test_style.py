@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import html
 
 import matplotlib as mpl
+import pytest
 
+from owtsweep.errors import InputError
 from owtsweep.figures import style
+from owtsweep.io import files
 
 
 def plain_figure():
@@ -45,3 +49,42 @@ def test_a_large_svg_is_written_again_with_letters_as_text(tmp_path, monkeypatch
     _, written = style.save(figure, tmp_path, "written")
     assert "<text" in written.read_text(encoding="utf-8")
     assert written.stat().st_size < outlined.stat().st_size
+
+
+NAMES = ("$\\frac{$", "a_b^c", "_under", "50 %$", "\\", "<b>&", "\N{HOUSE BUILDING}")
+
+
+@pytest.mark.filterwarnings("error")
+def test_names_are_drawn_as_typed_and_are_all_in_the_legend(tmp_path):
+    with style.context():
+        figure = style.new_figure(6.0, 4.0)
+        axes = figure.subplots()
+        axes.set_yscale("log")
+        for number, name in enumerate(NAMES, 1):
+            axes.plot([0, 1], [1, number], label=style.label_of(name))
+        axes.set_xticks(range(len(NAMES)), list(NAMES))
+        axes.set_title("log$_2$")
+        legend = figure.legend(*axes.get_legend_handles_labels())
+        figure.suptitle(" ".join(NAMES))
+    style.save(figure, tmp_path, "named")
+    shown = [text.get_text().removeprefix(style.JOINER) for text in legend.get_texts()]
+    assert shown == list(NAMES)
+    assert axes.title.get_parse_math()
+    assert all(label.get_parse_math() for label in axes.get_yticklabels())  # powers of ten
+
+
+@pytest.mark.parametrize("fails", ["fsync", "replace"])
+def test_an_old_picture_stays_whole_if_the_disk_is_full(tmp_path, monkeypatch, fails):
+    def refuse(*args):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    figure = style.new_figure(2.0, 1.0)
+    before = [path.read_bytes() for path in style.save(figure, tmp_path, "map", {"run": "old"})]
+    monkeypatch.setattr(files.os, fails, refuse)
+    with (
+        pytest.raises(InputError, match=r"map\.png: cannot be written \(No space left on device\)"),
+        files.refuse_in_one_line(tmp_path),
+    ):
+        style.save(figure, tmp_path, "map", {"run": "new"})
+    assert [path.name for path in sorted(tmp_path.iterdir())] == ["map.png", "map.svg"]
+    assert [path.read_bytes() for path in sorted(tmp_path.iterdir())] == before

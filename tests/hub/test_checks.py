@@ -133,7 +133,7 @@ VALUES = [
     ("schemes=[FOO]", "no scheme 'FOO'; use EKF, MKF, HME1, HME2 or"),
     ("schemes=[{_target_: hold_last_fix.Missing}]", "cannot be made .AttributeError"),
     ("schemes=[{_target_: hold_last_fix.HoldLastFix, gain: 2}]", "cannot be made .TypeError"),
-    ("schemes=[{_target_: decimal.Decimal}]", "lacks name .*, linear .*, start"),
+    ("schemes=[{_target_: decimal.Decimal}]", "no class with a method start"),
     ("schemes=[{target: foo}]", "neither a name nor"),
     ("schemes=[3]", "neither a name nor"),
     ("mkf.update_rule=foo", "none of proper, mask_columns, mask_rows, every_step"),
@@ -209,3 +209,53 @@ def test_rates_divide_and_the_hints_work(ratio: int, beyond: float) -> None:
     hints = suggested(message_of(caught.value, "sensors.gnss.rate"))
     found = [sensors(with_gnss(config, rate=hint).sensors).fix_interval for hint in hints]
     assert found == [ratio + 1, ratio]
+
+
+# Numbers with which nothing can be computed, and sizes that no memory holds.
+TOO_MUCH = [
+    ("grid.natural_period=[1e300]", "magnitude must be from 1e-30 to 1e.30"),
+    ("grid.natural_period=[1e-300]", "magnitude must be"),
+    ("grid.amplitude=[1e160]", "magnitude must be"),
+    ("grid.amplitude=[5e-324]", "magnitude must be"),
+    ("sensors.gnss.sigma=1e200", "magnitude must be"),
+    ("sensors.imu.bias_walk=1e200", "magnitude must be"),
+    ("sensors.imu.bias_initial=-1e200", "magnitude must be"),
+    ("spectrum.bandwidth=1e-300", "magnitude must be"),
+    ("mkf.p0=[1,1,1,1e300]", "magnitude must be"),
+    ("sensors.gnss.rate=1e-12", "leaves 1e.14 IMU steps between fixes, more than 500000"),
+    ("sensors.gnss.sigma='-5'", "-5 m must be"),
+    ("record.duration=1e12", "longer than"),
+    ("sensors.gnss.delay=1e9", "no shorter than record.duration"),
+    ("hme.mhe.horizon=1000000000", "is more than 1000000; lower it"),
+    ("hme.mhe.horizon=" + "9" * 400, "is more than 1000000; lower it"),
+    ("grid.replicates=" + "9" * 400, "is more than 1000000; lower it"),
+    ("grid.amplitude=[{log:[1,2,.inf]}]", "is no entry of an axis"),
+    ("spectrum.bandwidth=1e-30", "leaves the peak at 3 s no width"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("override", "message"), TOO_MUCH, ids=[case[0][:40] for case in TOO_MUCH])
+def test_refused_before_it_is_computed_with(default: dict, override: str, message: str) -> None:
+    mapping = OmegaConf.merge(default, OmegaConf.from_dotlist([override]))
+    with pytest.raises(InputError, match=message) as caught:
+        from_mapping(mapping)
+    assert len(str(caught.value)) < 1200
+
+
+@pytest.mark.parametrize(
+    ("overrides", "message"),
+    [
+        (["grid.natural_period=[{linear:[3,9,9000]}]", "grid.amplitude=[{linear:[1,9,90000]}]"],
+         r"^grid: .* need some .* GB"),
+        (["grid.replicates=1000000", "grid.natural_period=[{linear:[3,8,9]}]"], r"^grid: .*"),
+        (["evaluation=direct", "grid.amplitude=[{linear:[1,9,90000]}]"], r"^grid: .* blocks"),
+        (["record.duration=1000000", "sensors.gnss.rate=0.1", "sensors.gnss.delay=900000"],
+         r"^hme.smoother_window: 19 steps, and 90000000 steps of sensors.gnss.delay, need"),
+        (["record.duration=1000000", "hme.smoother_window=700000"],
+         r"^hme.smoother_window: 700000 steps, .* need some 4.3 GB, more than 4 GB"),
+        (["record.duration=100000", "hme.mhe.horizon=9000"], r"^hme.mhe.horizon: 9000 .* GB"),
+    ],
+)  # fmt: skip
+def test_sizes_that_keys_make_together(default: dict, overrides: list[str], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        from_mapping(OmegaConf.merge(default, OmegaConf.from_dotlist(overrides)))

@@ -16,7 +16,7 @@ from dense import whitener
 from owtsweep.config import as_mapping
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
-from owtsweep.studies import compose, load_config
+from owtsweep.studies import compose
 from owtsweep.studies.hub import HubStudy, window
 from owtsweep.studies.hub.blocks import plan
 from owtsweep.studies.hub.config import HubConfig
@@ -25,6 +25,7 @@ from owtsweep.studies.hub.horizon import Horizon, horizon, transition_over
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve, under
 from owtsweep.studies.hub.sensors import Measurements, sensors
+from owtsweep.studies.opening import load_config
 from owtsweep.sweep.keys import run_hash
 from owtsweep.testing import check_scheme, example_sensors
 

@@ -13,7 +13,9 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.patches import Rectangle
 from rich.console import Console
+from tools import configure
 
+from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.figures import best_scheme_map, style, terminal
 from owtsweep.figures.drawings import draw_each
@@ -22,8 +24,10 @@ from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA
-from owtsweep.studies.hub.figures import drawings, mse_over_amplitude
+from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
+from owtsweep.studies.hub.figures import drawings, error_spectra, mse_over_amplitude
 from owtsweep.studies.hub.looks import LOOKS
+from owtsweep.studies.hub.schemes.stored import StoredKernelScheme
 
 SCHEMES = ["EKF", "MKF", "HME1", "HME2"]
 
@@ -314,3 +318,13 @@ def test_terminal_map_of_many_periods_and_of_missing_cells():
     assert " - " in text
     nothing = rendered(terminal.grid(table, SCHEMES, CONDITIONS, "velocity", "full"))
     assert "No cell to compare" in nothing
+
+
+def test_what_would_run_the_authors_code_is_left_out_and_told():
+    theirs = StoredKernelScheme({"_target_": "theirs.HME1"}, "HME1", linear=True)
+    config = changed(configure(tuning="matched"), schemes=["MKF", "HME2", theirs])
+    shown = error_spectra.compute(config, points=5)
+    assert list(shown) == ["MKF", "HME2"]
+    (told,) = error_spectra.unsettled(config, shown)
+    assert told == "matched: no curve (code of the run's author is not run) for HME1."
+    assert measure_history_errors(config) is None

@@ -8,8 +8,10 @@ import types
 import numpy as np
 import pytest
 from hold_last_fix import HoldLastFix
+from hostile_schemes import ERRORS, GARBAGE
 from tools import SMALL, Key, configure, rows_of, whole_series
 
+from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.hub import blocks
 from owtsweep.studies.hub.records import make_records
@@ -57,6 +59,62 @@ def test_a_failing_case_gives_its_reason_and_the_rest_goes_on(fault: str, reason
     assert (done["Failing"]["status"] == "failed").all()
     assert len(done["Failing"]) == 1
     assert done["Failing"]["reason"].str.contains(reason).all()
+
+
+BROKEN = (
+    *(f"hostile_schemes.Made, how: {how}" for how in ERRORS),
+    *(
+        f"hostile_schemes.{name}"
+        for name in (
+            "Name", "Linear", "Under", "UnderNothing", "Sections", "NoSections", "TextSections",
+            "OddSections", "Kernel", "Version", "NumberName", "NoStart", "Abstract", "WithMeta",
+        )
+    ),
+    "hostile_module.Anything", "3", "''", ".x", "x.", "hostile_schemes.", "..",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("target", BROKEN)
+def test_a_broken_class_is_refused_in_one_line(target: str) -> None:
+    with pytest.raises(InputError, match=r"^schemes: ") as caught:
+        blocks.plan(configure(f"schemes=[MKF,{{_target_: {target}}}]"))
+    assert str(caught.value).isprintable()
+
+
+RUNNING = [
+    *(("Running", "start", how) for how in ERRORS),
+    *(("Running", "update", how) for how in ERRORS),
+    *(("Running", "garbage", how) for how in GARBAGE),
+    *(("Running", "recorded", how) for how in ("row", "texts", "array")),
+    *(("Kernels", "kernel", how) for how in ERRORS),
+    *(("Kernels", "garbage", how) for how in ("none", "damaged")),
+]
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("name", "where", "how"), RUNNING)
+def test_a_scheme_that_breaks_off_takes_nothing_else_down(name, where, how) -> None:
+    """In one task with ours, the first of which runs all kernels."""
+    config = configure(
+        f"schemes=[MKF,{{_target_: hostile_schemes.{name}, where: {where}, how: {how}}},EKF]",
+        "record.duration=12", "grid.replicates=2",
+    )  # fmt: skip
+    left, done = blocks.plan(config), {}
+    while left:  # as a worker does: the block that was due fails, and those after it are run
+        try:
+            for block, rows in blocks.run(config, left):
+                done[block.content["scheme"]] = rows
+        except Exception as error:
+            due = next(b for b in left if b.content["scheme"] not in done)
+            done[due.content["scheme"]] = error
+        left = [block for block in left if block.content["scheme"] not in done]
+    assert (done["MKF"]["status"] == "ok").all()
+    assert (done["EKF"]["status"] == "ok").all()
+    if name == "Running":
+        assert list(done[name]["status"]) == ["failed", "failed"]
+        assert done[name]["reason"].map(lambda reason: reason.isprintable() and reason).all()
+    else:
+        assert isinstance(done[name], Exception)
 
 
 def test_its_source_is_part_of_its_blocks() -> None:

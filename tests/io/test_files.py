@@ -68,6 +68,20 @@ def test_check_refuses_files_and_dangling_links_in_the_way(tmp_path, below):
         check_writable(tmp_path / below)
 
 
+@pytest.mark.parametrize(
+    ("below", "says"),
+    [
+        ("a" * 300, "File name too long"),
+        ("a" * 150 + "/b" * 1900, "folders, one in the other"),
+        ("/".join(["a" * 200] * 21), "File name too long"),
+    ],
+)
+def test_check_refuses_what_is_too_long(tmp_path, below, says):
+    with pytest.raises(InputError, match=rf"^results: .* cannot be written \(.*{says}") as caught:
+        check_writable(tmp_path / below)
+    assert len(str(caught.value)) < 500
+
+
 def test_check_tells_the_reason_of_the_file_system(tmp_path, monkeypatch):
     def refuse(**options):
         raise PermissionError(13, "Permission denied")

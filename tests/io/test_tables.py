@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pandas as pd
 import pytest
 
 from owtsweep.errors import InputError
+from owtsweep.io import tables
 from owtsweep.io.tables import read_table, write_table
 
 REFERENCE = sorted((Path(__file__).parents[2] / "results" / "reference").rglob("*.csv"))
@@ -69,8 +71,45 @@ def test_a_stored_table_is_written_again_as_it_was(path, tmp_path):
     assert written.read_bytes() == path.read_bytes()
 
 
-@pytest.mark.parametrize("content", [b"", b"\n", b"a,b\n1,2,3\n", b"a,b\n1\n"])
+GOOD = b"name,value\n" + b"MKF,0.1\n" * 1000
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"", b"\n", b"a,b\n1,2,3\n", b"a,b\n1\n", b"a,a\n1,2\n", b",\n1,2\n", b"\0" * 99,
+        b'"' * 999, GOOD + b'"MKF,0.1\n' + GOOD, GOOD + b"MK\0F,0.1\n", GOOD + b"M" * 10_000_000,
+        GOOD + b"MKF\n" + GOOD, GOOD + b"MKF,1,2\n" + GOOD, GOOD + b"M\xffF,1\n",
+    ],
+    ids=range(14),
+)  # fmt: skip
 def test_a_damaged_table_gives_one_line(content, tmp_path):
     (tmp_path / "summary.csv").write_bytes(content)
     with pytest.raises(InputError, match=r"summary\.csv: this is no table; run its sweep again$"):
+        read_table(tmp_path, "summary")
+
+
+def test_text_among_numbers_and_long_fields_are_read_as_they_are(tmp_path):
+    long = "M" * 10_000_000
+    (tmp_path / "summary.csv").write_text(GOOD.decode() + f'{long},text\n"a,""b""\nc",2020-01-01\n')
+    table = read_table(tmp_path, "summary")
+    assert table["value"].tolist() == ["0.1"] * 1000 + ["text", "2020-01-01"]
+    assert table["name"].tolist()[-2:] == [long, 'a,"b"\nc']
+
+
+def test_a_header_alone_is_a_table_without_rows(tmp_path):
+    (tmp_path / "summary.csv").write_text("a,b\n")
+    table = read_table(tmp_path, "summary")
+    assert (list(table.columns), len(table)) == (["a", "b"], 0)
+
+
+@pytest.mark.parametrize("version", ["2.2.2", "3.0.1", "3.1.1", "4.0.0rc1"])
+def test_older_versions_of_pandas_are_told_to_read_exactly(version):
+    assert tables._is_exact(version) == (version[:3] in ("3.1", "4.0"))
+
+
+@pytest.mark.parametrize("put", [os.mkfifo, Path.mkdir, lambda path: path.symlink_to(path)])
+def test_what_is_no_file_is_no_table(put, tmp_path):
+    put(tmp_path / "summary.csv")
+    with pytest.raises(InputError, match=r"summary\.csv: (this is a|cannot be read)"):
         read_table(tmp_path, "summary")

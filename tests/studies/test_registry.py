@@ -13,7 +13,8 @@ from owtsweep import studies
 from owtsweep.cli import main
 from owtsweep.config import dump
 from owtsweep.errors import InputError
-from owtsweep.studies import compose, get_study, load_config, locate
+from owtsweep.studies import compose, get_study, locate
+from owtsweep.studies.opening import load_config
 
 TESTS = Path(__file__).parents[1]
 PACKAGES = TESTS / "fixtures/stranger"

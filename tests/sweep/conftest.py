@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +11,9 @@ from dummy_study import DummyConfig, DummyStudy, make_config
 
 from owtsweep import studies
 from owtsweep.studies import registry
+
+# Whoever starts the tests in the background leaves Ctrl-C ignored to all that they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture

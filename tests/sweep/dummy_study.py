@@ -10,8 +10,10 @@ import logging
 import os
 import signal
 import sys
+import threading
 import time
 import warnings
+from asyncio import CancelledError
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,6 +42,8 @@ class DummyConfig(Config):
     schemes: list[str] = key("letters", default=["A", "B"])
 
 
+#: Fault -> what it raises, which is no `Exception`.
+BASE = {error.__name__: error for error in (KeyboardInterrupt, GeneratorExit, CancelledError)}
 #: Fault -> status and reason of its two rows.
 ROWS = {
     "": ((OK, ""), (OK, "")),
@@ -57,8 +61,9 @@ class DummyStudy:
     """A study as small as can be, which is its own only engine; two cases per block.
 
     `faults` says at which block (by its label) what happens: "raise", "memory", "exit", "silent"
-    (no rows), "statusless" (rows of the wrong shape), "interrupt", "kill" (the worker process
-    dies), "slow", "log", and those of `ROWS`, where cases have no number.
+    (no rows), "statusless" (rows of the wrong shape), "interrupt" (Ctrl-C to the sweep), "kill"
+    (the worker process dies), "thread" (one that never ends), "slow", "log", those of `BASE`, and
+    those of `ROWS`, where cases have no number.
     """
 
     faults: Mapping[str, str] = field(default_factory=dict)
@@ -111,9 +116,13 @@ class DummyStudy:
             if fault == "exit":
                 sys.exit("enough")
             if fault == "interrupt":
-                raise KeyboardInterrupt
+                os.kill(self.parent, signal.SIGINT)
+            if fault in BASE:
+                raise BASE[fault]
             if fault == "kill" and os.getpid() != self.parent:
                 os.kill(os.getpid(), signal.SIGKILL)
+            if fault == "thread":
+                threading.Thread(target=threading.Event().wait, daemon=False).start()
             if fault == "slow":
                 time.sleep(0.1)
             if fault == "log":

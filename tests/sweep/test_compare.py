@@ -202,3 +202,20 @@ def test_the_command_shows_a_plain_table_and_notes(run, capsys):
     assert out.splitlines()[0].split() == ["sigma", "mean"]
     assert "comparison.md" in out.splitlines()[-1]
     assert "note: hashes" in err
+
+
+def test_names_are_told_in_printable_text(run, tmp_path, capsys):
+    for number in (1, 2):  # alike but for their grids, so their folders tell them apart
+        folder = run("many", name=f"run{number}", level=[1.0, 2.0][:number])
+    Path(folder).rename(Path(folder).with_name("run\x1b[2J\u202e"))
+    (tmp_path / "many" / "multirun.json").write_text(
+        json.dumps({"runs": [{"folder": "\ud800\x1b[2J", "values": {"\ud800": 1}}]})
+    )
+    assert main(["compare", str(tmp_path / "many")]) == 0
+    out, err = capsys.readouterr()
+    assert r"run\x1b[2J\u202e" in out
+    assert r"note: \ud800\x1b[2J is left out" in err
+    report = (tmp_path / "many" / "comparison" / "comparison.md").read_text()
+    for line in (out + err + report).split("\n"):
+        assert line.isprintable(), repr(line)
+    assert show("a\x1b") == r"a\x1b"

@@ -34,6 +34,33 @@ def test_a_chatty_task_is_cut(monkeypatch):
     assert records[-1].message == "7 more records of this task were left out"
 
 
+HOSTILE = "red \x1b[31m\n2026-01-01T00:00:00Z INFO done: \u202e"
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_every_line_is_printable_and_none_is_forged(tmp_path, elsewhere, monkeypatch):
+    monkeypatch.setattr(logging.root, "handlers", [])  # those of pytest raise
+    theirs = logging.getLogger("theirs")
+    with run_log(tmp_path):
+        with collect_entries(elsewhere) as entries:
+            theirs.warning(HOSTILE)
+            theirs.warning("%d", HOSTILE)  # its arguments do not fit: no fault of the sweep's
+            try:
+                raise ValueError(HOSTILE)
+            except ValueError:
+                theirs.exception("caught")
+        if elsewhere:
+            (tmp_path / "run.log").write_text("")
+            log.repeat(entries)
+    lines = (tmp_path / "run.log").read_text().splitlines()
+    assert all(line.isprintable() for line in lines)
+    new = [line for line in lines if not line.startswith("  ")]
+    assert [line.split()[1] for line in new] == ["WARNING", "WARNING", "ERROR"]
+    assert new[0].endswith(r" red \x1b[31m")
+    assert "cannot be formatted (TypeError: " in new[1]
+    assert elsewhere or any(r"ValueError: red \x1b[31m" in line for line in lines)
+
+
 def test_log_on_a_full_disk_is_silent(tmp_path, capsys, monkeypatch):
     def full(self):
         raise OSError(28, "No space left on device")

@@ -148,3 +148,29 @@ def test_git_that_is_not_there_is_no_error(tmp_path, monkeypatch):
 
     monkeypatch.setattr(provenance.subprocess, "run", absent)
     assert git_state(tmp_path) is None
+
+
+@pytest.mark.parametrize("part", ["sort_columns", "drawings"])
+def test_a_study_of_another_package_that_fails_is_named_in_one_line(study, config, part):
+    run = sweep(study, config()).run
+    setattr(study, part, lambda *args: {}["soil"])
+    says = r"^study: 'dummy' of the package dummy_study does not work \(KeyError: 'soil'\); update"
+    with pytest.raises(InputError, match=says):
+        run.draw()
+
+
+def test_a_figure_that_raises_leaves_the_others(study, config, caplog):
+    run = sweep(study, config()).run
+    drawings = study.drawings(run.config, run.tables(), run.cases(), {})
+    study.drawings = lambda *args: {"broken": lambda *_: {}["soil"], **drawings}
+    assert [path.name for path in run.draw()] == ["means.csv"]
+    assert "broken is left out: study: 'dummy' of the package dummy_study" in caplog.text
+
+
+def test_tables_that_cannot_be_made_lose_no_case(study, config):
+    study.tables = lambda *args: {}["soil"]
+    outcome = sweep(study, config())
+    (failure,) = outcome.failed
+    assert "of the package dummy_study does not work (KeyError: 'soil')" in failure.reason
+    assert outcome.results is None
+    assert len(outcome.run.cases()) == outcome.computed > 0

@@ -42,7 +42,7 @@ def test_every_shard_is_whole_and_holds_cases(run: Run) -> None:
     stored = shards(run)
     assert len(stored) == 2
     for key, data in stored.items():
-        rows = decode(data, key).to_pandas()
+        rows = decode(data, key, {}).to_pandas()
         assert len(rows) == 32
         assert set(rows["status"]) == {"ok"}
         pd.testing.assert_frame_equal(run.store.read(key), rows, check_exact=True)

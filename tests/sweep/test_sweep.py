@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import logging
+import os
 import tempfile
 import time
 
 import pandas as pd
 import pytest
+from dummy_study import BASE
 
 from owtsweep.cli.running import setback_lines
 from owtsweep.errors import InputError
@@ -124,6 +126,15 @@ def test_blocks_beside_a_fault_are_kept(faulty, config, fault, reason):
     (failure,) = outcome.failed
     assert failure.label == "B2.0"
     assert failure.reason.startswith(reason)
+
+
+@pytest.mark.parametrize("error", BASE)
+@pytest.mark.parametrize(("backend", "workers"), [("threading", 1), ("threading", 2), ("loky", 2)])
+def test_what_a_block_raises_never_ends_the_sweep(faulty, config, error, backend, workers):
+    c = config(backend=backend, workers=workers)
+    outcome = sweep(faulty(**{"A2.0": error, "B0.3": error}), c)
+    assert outcome.computed == 8
+    assert sorted((f.label, f.reason) for f in outcome.failed) == [("A2.0", error), ("B0.3", error)]
 
 
 def test_failed_case_is_stored_told_and_tried_again(faulty, config):
@@ -322,4 +333,13 @@ def test_failures_are_grouped_by_reason():
 def test_a_backend_that_is_none_is_told(study, config, monkeypatch):
     monkeypatch.setattr(type(study), "backend", lambda self, config: "threads")
     with pytest.raises(InputError, match=r"^study dummy: its backend is 'threads'; a study says"):
+        sweep(study, config())
+
+
+@pytest.mark.parametrize("name", ["run.log", "manifest.json"])
+def test_a_pipe_in_place_of_a_file_is_refused(study, config, name):
+    run = sweep(study, config()).run
+    (run.folder / name).unlink()
+    os.mkfifo(run.folder / name)
+    with pytest.raises(InputError, match=f"{name}: this is a pipe or a device where a file"):
         sweep(study, config())

@@ -36,7 +36,7 @@ def test_a_report_writes_tables_figures_and_both_pages(tmp_path):
         "fidelity.html",
     ]  # fmt: skip
     markdown = files[3].read_text(encoding="utf-8")
-    assert markdown.startswith("# A run & a paper\n\nIt <agrees>.\n\n- one\n- two\n\n")
+    assert markdown.startswith("# A run & a paper\n\nIt &lt;agrees>.\n\n- one\n- two\n\n")
     assert "| item | value |\n| --- | ---: |\n| a\\|b | 1.5 |" in markdown
     assert markdown.endswith("![Nothing.](figures/empty.png)\n")
     html = files[4].read_text(encoding="utf-8")

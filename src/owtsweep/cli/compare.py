@@ -5,16 +5,20 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from owtsweep.cli.program import DONE
+from owtsweep.errors import printable
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Write the comparison and print a short form of it."""
     from owtsweep.api import load
+    from owtsweep.io.files import refuse_in_one_line
     from owtsweep.sweep.compare import compare
 
-    compared = compare(options.runs, load)
+    with refuse_in_one_line(Path(options.runs[0])):
+        compared = compare(options.runs, load)
     if sys.stdout.isatty():
         from rich import box
         from rich.console import Console
@@ -25,11 +29,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
             table.add_column(column, justify="right", overflow="fold")
         for row in compared.overview.itertuples(index=False):
             table.add_row(*row)
-        Console().print(table)
+        Console(markup=False, emoji=False).print(table)  # names are shown as typed
     else:
         print(compared.overview.to_string(index=False))
     for note in compared.notes:
         print(f"note: {note}", file=sys.stderr)
     files = len(compared.findings.tables) + len(compared.findings.figures) + 1
-    print(f"{files} files: {compared.folder / 'comparison.md'}")
+    print(f"{files} files: {printable(str(compared.folder / 'comparison.md'))}")
     return DONE

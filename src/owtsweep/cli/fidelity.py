@@ -7,13 +7,14 @@ from collections.abc import Sequence
 
 from owtsweep.cli.program import DONE
 from owtsweep.config import require
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Write tables, figures and the report into the run's folder fidelity/."""
     from owtsweep.api import load
-    from owtsweep.sweep.study import OK, Judged
+    from owtsweep.io.files import refuse_in_one_line
+    from owtsweep.sweep.study import OK, Judged, blame
 
     opened = load(options.run)
     study = opened.study
@@ -33,6 +34,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         f"{opened.folder}: no case of this run has succeeded; run its sweep again",
     )
     folder = opened.folder / "fidelity"
-    files = study.write_fidelity(opened.config, rows, folder, metadata=opened.metadata())
-    print(f"{len(files)} files: {folder / 'fidelity.html'}")
+    with refuse_in_one_line(folder), blame(study):
+        files = study.write_fidelity(opened.config, rows, folder, metadata=opened.metadata())
+    print(f"{len(files)} files: {printable(str(folder / 'fidelity.html'))}")
     return DONE

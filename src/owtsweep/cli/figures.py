@@ -11,8 +11,12 @@ from owtsweep.cli.program import DONE
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Draw all figures of a run into its folder figures/."""
     from owtsweep.api import load
+    from owtsweep.errors import printable
+    from owtsweep.io.files import refuse_in_one_line
 
     opened = load(options.run)
-    files = opened.draw()
-    print(f"{len(files)} files: {opened.folder / 'figures'}/")
+    folder = opened.folder / "figures"
+    with refuse_in_one_line(folder):
+        files = opened.draw()
+    print(f"{len(files)} files: {printable(str(folder))}/")
     return DONE

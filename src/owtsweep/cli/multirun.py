@@ -16,23 +16,27 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM, raise_interrupt
 from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, dump
-from owtsweep.config.composition import compose_hydra
+from owtsweep.config.composition import compose_hydra, quote_home
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.errors import InputError, as_text, require
+from owtsweep.errors import InputError, as_text, printable, require
 from owtsweep.io.files import check_writable, write_atomically
+from owtsweep.io.reading import read_json
 from owtsweep.studies import compose, from_mapping, locate
 from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.multirun_record import PlannedRun, write_record
+from owtsweep.sweep.provenance import read_manifest
 
 logger = logging.getLogger(__name__)
 
 #: The folder of the outcomes inside the folder of a multirun.
 OUTCOMES = ".outcomes"
 NOT_FINISHED = "not finished"
+#: Most bytes of an outcome: overrides may be long, and there are few.
+MOST_BYTES = 10_000_000
 
 
 def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -101,10 +105,10 @@ class Job:
             name = run_folder(config).name
             code = run_one(config, self.argv)
             reason = _describe_failures(run_folder(config)) if code else ""
-        except InputError as error:
-            code, reason = BAD_INPUT, str(error)
         except Exception as error:  # after any error the other runs go on
-            code, reason = FAILED, as_text(error)
+            raise_interrupt(error)
+            refused = isinstance(error, InputError)
+            code, reason = (BAD_INPUT, str(error)) if refused else (FAILED, as_text(error))
             logger.debug("run %s", name, exc_info=True)
         outcome = JobOutcome(name, task, code, reason)
         file = Path(self.folder) / OUTCOMES / f"{name}.json"
@@ -139,11 +143,26 @@ class JobOutcome:
 def _describe_failures(run_folder: Path) -> str:
     """How many cases failed, according to the manifest of the run."""
     try:
-        manifest: dict[str, Any] = json.loads((run_folder / "manifest.json").read_text())
-        failed = int(manifest["cases"]["failed"])
-    except (OSError, ValueError, KeyError, TypeError):
+        failed = int(read_manifest(run_folder)["cases"]["failed"])
+    except (ValueError, KeyError, TypeError):
         return "some cases failed"
     return f"{failed} case{'s' * (failed != 1)} failed"
+
+
+def _read_outcome(file: Path) -> JobOutcome:
+    """The outcome in a file; that of a damaged file is a failure, for that reason."""
+    try:
+        match read_json(file, MOST_BYTES):
+            case {
+                "folder": str(name),
+                "overrides": list(words),
+                "code": int(code),
+                "reason": str(reason),
+            } if name == file.stem and all(isinstance(word, str) for word in words):
+                return JobOutcome(name, words, code, printable(reason))
+        raise InputError(f"{file}: this is no outcome of a run")
+    except InputError as error:
+        return JobOutcome(file.stem, [], FAILED, str(error))
 
 
 def _tell(
@@ -154,7 +173,8 @@ def _tell(
     by_run = {run.folder: JobOutcome(run.folder, run.overrides, FAILED, silent) for run in planned}
     # Those written are also of runs of another sweeper, whose combinations are not known before.
     for file in sorted((folder / OUTCOMES).glob("*.json")):
-        by_run[file.stem] = JobOutcome(**json.loads(file.read_text()))
+        outcome = _read_outcome(file)
+        by_run[outcome.folder] = outcome
     outcomes = list(by_run.values())
     bad = [outcome for outcome in outcomes if outcome.code]
     if stopped:
@@ -205,7 +225,7 @@ def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str],
     if any(o.startswith("hydra/sweeper=") and o != "hydra/sweeper=basic" for o in overrides):
         return []
     with hydra_in_one_line(tree):
-        parsed = OverridesParser.create().parse_overrides(list(overrides))
+        parsed = OverridesParser.create().parse_overrides([quote_home(o) for o in overrides])
         keys = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
         batches = BasicSweeper.split_arguments(keys, max_batch_size=None)
     swept = {o.get_key_element() for o in keys if o.is_sweep_override()}

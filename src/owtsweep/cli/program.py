@@ -6,7 +6,9 @@ Exit codes: 0 done, 1 some cases failed, 2 bad input, 130 interrupted.
 from __future__ import annotations
 
 import argparse
+import errno
 import logging
+import os
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
@@ -15,7 +17,8 @@ from itertools import pairwise
 from typing import NoReturn
 
 from owtsweep import __version__
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, as_text, require
+from owtsweep.io.log_lines import Lines
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -165,6 +168,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # `owtsweep list | head`
         sys.stderr.close()
         return DONE
+    except OSError as error:
+        if error.errno in (errno.EMFILE, errno.ENFILE):
+            told = "this process may not open more files; raise its limit (ulimit -n 1024)"
+            print(f"owtsweep: {told}", file=sys.stderr)
+            return BAD_INPUT
+        print(f"owtsweep: {as_text(error)}", file=sys.stderr)  # stdout on a full disk, say
+        return FAILED
 
 
 def same_command(arguments: Sequence[str]) -> str:
@@ -179,8 +189,8 @@ def _warnings_to_stderr() -> None:
     if not logger.handlers:
         handler = logging.StreamHandler()
         handler.setLevel(logging.WARNING)
-        handler.addFilter(lambda record: not record.getMessage().startswith("failed: "))
-        handler.setFormatter(logging.Formatter("owtsweep: %(message)s"))
+        handler.addFilter(lambda record: not str(record.msg).startswith("failed: "))
+        handler.setFormatter(Lines("owtsweep: %(message)s"))
         logger.addHandler(handler)
 
 
@@ -190,13 +200,37 @@ def _run(arguments: list[str]) -> int:
         parser.print_help()
         return BAD_INPUT
     name = arguments[0]
+    require(_here_exists(), "the current folder has been deleted; change to one that exists")
     if name in COMMANDS:
         # Intermixed parsing lets flags stand anywhere among the overrides.
         options = parser.commands[name].parse_intermixed_args(_without_cfg_kind(arguments))
     else:
         options = parser.parse_args(arguments)  # --help, or an error that names the commands
     module = import_module(f"owtsweep.cli.{name}")
-    return int(module.run(options, arguments))
+    try:
+        return int(module.run(options, arguments))
+    except Exception as error:
+        raise_interrupt(error)
+        raise
+
+
+def raise_interrupt(error: BaseException) -> None:
+    """Raise KeyboardInterrupt if this error is one in disguise.
+
+    A library that is interrupted in the middle of something may fail in another way then.
+    """
+    earlier = error.__context__
+    while earlier is not None and not isinstance(earlier, KeyboardInterrupt):
+        earlier = earlier.__context__
+    if earlier is not None:
+        raise KeyboardInterrupt from error
+
+
+def _here_exists() -> bool:
+    try:
+        return bool(os.getcwd())
+    except FileNotFoundError:
+        return False
 
 
 def _without_cfg_kind(arguments: list[str]) -> list[str]:

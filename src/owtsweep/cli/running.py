@@ -56,11 +56,11 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     study = get_study(config.study)
     outcome = sweep(study, config, fresh=fresh, progress=make_progress(), argv=argv)
     tables = written_tables(outcome)
-    drawn = _draw_overview(outcome) if tables else True
+    shown = _draw_overview(outcome) if tables else True
     if tables and sys.stdout.isatty():
-        print_answer(outcome.run, tables)
+        shown &= print_answer(outcome.run, tables)
     code = tell_end(outcome, argv, f"{outcome.run.folder}/")
-    return code if drawn else FAILED
+    return code if shown else FAILED
 
 
 def written_tables(outcome: Outcome) -> dict[str, pd.DataFrame]:
@@ -69,22 +69,35 @@ def written_tables(outcome: Outcome) -> dict[str, pd.DataFrame]:
 
 
 def _draw_overview(outcome: Outcome) -> bool:
-    """Draw the overview figure; False if its files cannot be written."""
+    """Draw the overview figure; False if that fails, which loses nothing that was computed."""
+    from owtsweep.io.files import refuse_in_one_line
+    from owtsweep.sweep.study import blame
+
     run = outcome.run
     try:
-        run.draw(run.engine.overview(run.config), outcome.results)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        print(f"failed: the map could not be drawn: {reason}", file=sys.stderr)
+        with refuse_in_one_line(run.folder / "figures"):
+            with blame(run.study):
+                overview = run.engine.overview(run.config)
+            run.draw(overview, outcome.results)
+    except InputError as error:
+        print(f"failed: the map could not be drawn: {error}", file=sys.stderr)
         return False
     return True
 
 
-def print_answer(run: Run, tables: dict[str, pd.DataFrame], width: int | None = None) -> None:
-    """Print the study's result in a few lines."""
+def print_answer(run: Run, tables: dict[str, pd.DataFrame], width: int | None = None) -> bool:
+    """Print the study's result in a few lines; False if its package cannot make them."""
     from rich.console import Console
 
-    Console(width=width).print(run.engine.terminal(run.config, tables))
+    from owtsweep.sweep.study import blame
+
+    try:
+        with blame(run.study):
+            Console(width=width).print(run.engine.terminal(run.config, tables))
+    except InputError as error:
+        print(f"failed: the result could not be shown: {error}", file=sys.stderr)
+        return False
+    return True
 
 
 def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:

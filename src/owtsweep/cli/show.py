@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.cli.program import DONE
-from owtsweep.config import require
+from owtsweep.errors import InputError, printable
 
 if TYPE_CHECKING:
     from owtsweep.sweep.runs import Run
+
+#: Sections of a stranger's manifest that lie deeper are not shown; longer names are not aligned.
+DEEPEST, WIDEST = 20, 60
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Print a run's manifest, and what its folder holds now."""
     from owtsweep.api import load
+    from owtsweep.sweep.provenance import read_manifest
 
     opened = load(options.run)
-    path = opened.folder / "manifest.json"
-    require(path.is_file(), f"{opened.folder}: there is no manifest.json in it; run its sweep")
-    try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
-    except ValueError:
-        manifest = None
-    require(isinstance(manifest, dict), f"{path}: this is no manifest; run its sweep again")
+    manifest = read_manifest(opened.folder)
     _print({**_shorten(manifest, opened), "now": _describe_folder(opened)}, 0)
     return DONE
 
@@ -44,32 +41,47 @@ def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
 
 def _describe_folder(opened: Run) -> dict[str, Any]:
     """The contents of the run folder; reads all shards."""
-    from owtsweep.sweep.plan import make_plan
-
-    cases = dict.fromkeys(("done", "failed", "missing"), 0)
-    for key, block in make_plan(opened.study, opened.config).items():
-        cases[opened.store.status(key)] += block.cases
-    unable: dict[str, int] = {}
-    for setback in opened.unable():
-        unable[setback.reason] = unable.get(setback.reason, 0) + setback.cases
     figures = opened.folder / "figures"
     drawn = len(list(figures.glob("*.png"))) if figures.is_dir() else 0
     return {
-        "cases in finished blocks": cases["done"],
-        "cases in blocks with failures": cases["failed"],
-        "cases missing": cases["missing"],
-        **({"cases without a number": unable} if unable else {}),
+        **_count_cases(opened),
         "tables": [path.name for path in sorted(opened.folder.glob("*.csv"))] or "none yet",
         "figures": f"{drawn} in {figures}" if drawn else "none yet",
     }
 
 
+def _count_cases(opened: Run) -> dict[str, Any]:
+    cases = dict.fromkeys(("done", "failed", "missing"), 0)
+    try:
+        plan = opened.plan()
+    except InputError as error:  # a run of before plans were stored, with a scheme of its author's
+        return {"cases": str(error)}
+    store = opened.store
+    for key, block in plan.items():
+        cases[store.status(key)] += block.cases
+    unable: dict[str, int] = {}
+    for setback in opened.unable():
+        unable[setback.reason] = unable.get(setback.reason, 0) + setback.cases
+    return {
+        "cases in finished blocks": cases["done"],
+        "cases in blocks with failures": cases["failed"],
+        "cases missing": cases["missing"],
+        **({"cases without a number": unable} if unable else {}),
+    }
+
+
 def _print(section: Mapping[str, Any], depth: int) -> None:
-    width = max((len(key) for key in section), default=0)
+    width = min(max((len(key) for key in section), default=0), WIDEST)
     for key, value in section.items():
-        if isinstance(value, Mapping):
-            print(f"{'  ' * depth}{key}:")
+        name = printable(key)
+        if isinstance(value, Mapping) and depth < DEEPEST:
+            print(f"{'  ' * depth}{name}:")
             _print(value, depth + 1)
         else:
-            text = " ".join(map(str, value)) if isinstance(value, list) else value
-            print(f"{'  ' * depth}{key:<{width}}  {text}")
+            print(f"{'  ' * depth}{name:<{width}}  {printable(_as_line(value, depth))}")
+
+
+def _as_line(value: Any, depth: int) -> str:
+    if isinstance(value, list) and depth < DEEPEST:
+        return " ".join(_as_line(item, depth + 1) for item in value)
+    return "..." if isinstance(value, list | Mapping) and depth >= DEEPEST else str(value)

@@ -11,10 +11,10 @@ from owtsweep.errors import InputError
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Write figures and tables into the folder spectrum/ of the run, and print the floors."""
-    from owtsweep.io.files import check_writable
+    from owtsweep.io.files import check_writable, refuse_in_one_line
     from owtsweep.studies import compose, get_study
     from owtsweep.sweep.keys import run_folder, run_hash
-    from owtsweep.sweep.study import Spectral
+    from owtsweep.sweep.study import Spectral, blame
 
     config = compose(options.overrides, options.config_dir)
     study = get_study(config.study)
@@ -22,7 +22,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         raise InputError(f"study: {config.study!r} has no error spectra; use one that has")
     folder = run_folder(config) / "spectrum"
     check_writable(folder)
-    files, answer = study.write_spectrum(config, folder, metadata={"run": run_hash(config)})
+    with refuse_in_one_line(folder), blame(study):
+        files, answer = study.write_spectrum(config, folder, metadata={"run": run_hash(config)})
 
     from rich.console import Console
 

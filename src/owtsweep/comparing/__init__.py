@@ -1,5 +1,5 @@
-"""Comparing runs of one study: best schemes, boundaries, and what changes, with intervals.
+"""Compare runs of one study: best schemes, boundaries, and their changes, with 95 % intervals.
 
-It works on rows and on the study's description of each run (`aspects.Aspects`), and does not depend
-on any study.
+The package works on the rows of a run and on the study's description of the run
+(`aspects.Aspects`). It does not depend on any study.
 """

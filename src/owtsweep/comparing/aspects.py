@@ -24,16 +24,19 @@ class Aspects:
     schemes
         Names of the schemes, in order.
     criterion, window
-        The measure and the window by which the run judges.
+        The measure by which the run judges its schemes, e.g. position, and the part of each record
+        over which this measure is averaged ("full" or "settled").
     pairing
-        Key -> its value, for the keys that determine the records together with conditions and
-        replicate. If they are equal in two runs, equal replicates are compared in pairs.
+        Configuration key -> its value. These keys, with conditions and replicate, determine a
+        record's motion and noise. Two runs in which all these values are equal have the same
+        records, so their replicates are compared in pairs.
     boundary
-        Two schemes: the first is better below and the second above a boundary along the condition
-        that expands. None if no boundary is of interest.
+        Names of two schemes: the first is expected to be better below, and the second above, a
+        value of the condition that expands (`Condition.expands`). None if there is no such pair.
     best_of
-        Makes the best-scheme table of a run whose rows are not samples, from rows, common values of
-        the conditions, schemes and criterion; None if they are samples.
+        Function that makes the best-scheme table of a run with expected values instead of records.
+        Its arguments are the run's rows, the common values of the conditions, the schemes and the
+        criterion. None for a run with records.
     """
 
     conditions: tuple[Condition, ...]
@@ -52,5 +55,5 @@ class Aspects:
 
     @property
     def size(self) -> int:
-        """The number of cells."""
+        """The number of cells, i.e. combinations of values of the conditions."""
         return math.prod(len(self.grid[name]) for name in self.names)

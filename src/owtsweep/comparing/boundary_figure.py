@@ -1,4 +1,4 @@
-"""How the boundary of two schemes moves with a swept key."""
+"""Draw how the boundary between two schemes moves with a swept configuration key."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARKERS = "osD^vP*X"
-#: The axis extends beyond the condition's values by this factor. A boundary farther out would be an
-#: extrapolation.
+#: The vertical axis may extend beyond the condition's values by this factor. A boundary farther out
+#: would be an extrapolation.
 BEYOND = 4.0
 
 
@@ -30,20 +30,23 @@ def draw(
     *,
     subtitle: str,
 ) -> Figure:
-    """Draw the boundary over the first key, one line per cell, one panel per second key.
+    """Draw the boundary against the first swept key, one line per cell.
+
+    If the runs differ in a second key, there is one panel for each value of this key. A cell is one
+    value of each condition except the one that expands. The vertical axis shows the condition that
+    expands. A boundary far outside the values of this condition is a hollow mark at the axis limit.
 
     Parameters
     ----------
     boundaries
-        The table of boundaries with the run's `index`; at least one exists. A cell is one value of
-        each condition except the one that expands.
+        Tables of `results.boundary.find_boundary` of all runs as one, with a column `index`: the
+        number of the run in `comparison`. At least one boundary exists.
     comparison
-        The runs, told apart by one or two keys.
+        The runs, which differ in one or two keys.
     shared
-        What the runs have in common. Boundaries far outside the values of the condition that
-        expands are drawn hollow, at the edge.
+        What the runs have in common.
     subtitle
-        Says what is judged.
+        The end of the title, which says by what the schemes are judged.
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
@@ -90,7 +93,7 @@ def draw(
 
 
 def _list_cells(boundaries: pd.DataFrame, outer: Sequence[Condition]) -> dict[str, pd.DataFrame]:
-    """Name of a cell in the legend -> its boundaries in all runs."""
+    """Split the boundaries of all runs by cell; the keys name the cells in the legend."""
     names = [condition.name for condition in outer]
     groups: Any = boundaries.groupby(names) if names else [((), boundaries)]
     return {
@@ -123,7 +126,8 @@ def _draw_panel(
                 axes.vlines(place, *np.clip([low, high], *edges), linewidth=1.2, **look)
         look |= {"marker": MARKERS[number % len(MARKERS)], "markersize": 5}
         drawn = np.clip(line, *edges)
-        axes.plot(x, drawn, linewidth=1.4, linestyle="-" if joined else "none", label=name, **look)
+        dashes, label = "-" if joined else "none", style.label_of(name)
+        axes.plot(x, drawn, linewidth=1.4, linestyle=dashes, label=label, **look)
         outside = np.where(drawn == line, np.nan, drawn)
         axes.plot(x, outside, linestyle="none", markerfacecolor="white", **look)
 
@@ -131,7 +135,10 @@ def _draw_panel(
 def _say_why_empty(
     axes: Axes, boundaries: pd.DataFrame, places: dict[int, int], expanded: Condition
 ) -> None:
-    """Write where no cell has a boundary; one message if no run of the panel has any."""
+    """Write a message, with the reason, at each run in which no cell has a boundary.
+
+    If no run of the panel has a boundary, there is one message in the middle of the panel.
+    """
     in_panel = boundaries[boundaries["index"].isin(list(places))]
     if not (in_panel["wins"] == "").any():
         text = f"no boundary:\n{_explain_absence(in_panel, expanded)}"

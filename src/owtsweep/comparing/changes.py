@@ -1,4 +1,4 @@
-"""Changes from one run to another: best scheme and boundary per cell, and each scheme's MSE."""
+"""Compute changes from one run to another: best schemes, boundaries, and each scheme's MSE."""
 
 from __future__ import annotations
 
@@ -33,7 +33,15 @@ Winners = Mapping[tuple[Value, ...], str]
 
 
 def list_winners(best: pd.DataFrame, names: Sequence[str]) -> dict[tuple[Value, ...], str]:
-    """The best scheme per cell, from one run's table with these conditions."""
+    """Return the best scheme of every cell; a cell is a tuple of the values of `names`.
+
+    Parameters
+    ----------
+    best
+        A run's best-scheme table.
+    names
+        Names of the conditions: columns of `best`.
+    """
     cells = zip(*(best[name].tolist() for name in names), strict=True)
     return dict(zip(cells, best["best"].tolist(), strict=True))
 
@@ -46,26 +54,28 @@ def compare_cells(
     *,
     paired: bool,
 ) -> list[dict[Any, Any]]:
-    """The cells that change their best scheme from the first run to the second.
+    """List the cells whose best scheme in the first run is not that in the second.
 
-    Where P is best in the first run and Q in the second, the gap is MSE(Q) - MSE(P): positive
-    there, negative here. A change is established if both gaps differ from zero: the larger of the
-    two p-values (an intersection-union test) under Holm's correction over all common cells.
+    If P is the best scheme in the first run and Q in the second, the gap of a run is
+    MSE(Q) - MSE(P). The gap is positive in the first run and negative in the second. The change is
+    established if both signs are: the larger p-value of the two gaps (an intersection-union test)
+    passes Holm's correction over all common cells.
 
     Parameters
     ----------
     first, second
         The `samples` of both runs (`common.Judged`), with the same rows and columns.
     best_first, best_second
-        Their best schemes.
+        Cell -> best scheme, for both runs.
     paired
         Whether equal replicates saw the same motion and noise in both runs.
 
     Returns
     -------
     list of dict
-        The conditions and `CHANGED_COLUMNS` except the criterion. `change` is the gap of the second
-        run minus that of the first, with its (paired) interval.
+        One row per changed cell: the conditions and `CHANGED_COLUMNS` without `criterion`.
+        `change` is the gap of the second run minus that of the first. The columns ending in `_low`
+        and `_high` are the ends of 95 % intervals.
     """
     import pandas as pd
 
@@ -100,14 +110,21 @@ def compare_cells(
 def compare_schemes(
     first: pd.DataFrame, second: pd.DataFrame, *, paired: bool
 ) -> list[dict[Any, Any]]:
-    """Per scheme and cell the difference and the ratio of MSE between two runs.
+    """Compute the difference and the ratio of each scheme's MSE between two runs, cell by cell.
+
+    Parameters
+    ----------
+    first, second, paired
+        As for `compare_cells`.
 
     Returns
     -------
     list of dict
-        scheme, conditions and `SCHEME_COLUMNS` except the criterion. `verdict` is "better" or
-        "worse" (the second run's MSE is smaller or larger) under Holm's correction over all rows of
-        the pair, else "".
+        One row per scheme and cell: scheme, conditions and `SCHEME_COLUMNS` without `criterion`.
+        The difference is the second run's MSE minus the first run's, the ratio the second run's
+        divided by the first run's. `verdict` is "better" ("worse") if the second run's MSE is shown
+        to be smaller (larger) under Holm's correction over all rows; otherwise "". Rows without a
+        finite difference are left out.
     """
     a, b = first.to_numpy(), second.to_numpy()
     if paired:
@@ -128,18 +145,19 @@ def compare_schemes(
 
 
 def _name_columns(name: str, contrast: Contrast) -> dict[str, Any]:
-    """The columns of an estimate and its interval."""
+    """Return the values and interval ends of an estimate as columns name, name_low, name_high."""
     return {name: contrast.value, f"{name}_low": contrast.low, f"{name}_high": contrast.high}
 
 
 def compare_boundaries(
     first: pd.DataFrame, second: pd.DataFrame, *, paired: bool
 ) -> list[dict[Any, Any]]:
-    """The boundary in the second run divided by that in the first, per cell of other conditions.
+    """Divide the boundary in the second run by that in the first, cell by cell.
 
-    The interval consists of percentiles of a bootstrap over the records. Paired runs share their
-    draws, over the records that both schemes finished in both runs; otherwise each run has
-    different draws.
+    A cell is one value of each condition except the one that expands. The ends of the 95 % interval
+    are percentiles of a bootstrap over the records. For paired runs, both boundaries of a resample
+    use the same records, from those that both schemes finished in both runs. Otherwise the records
+    of each run are resampled independently.
 
     Parameters
     ----------
@@ -151,7 +169,7 @@ def compare_boundaries(
     Returns
     -------
     list of dict
-        The other conditions and `SHIFT_COLUMNS`; only cells with a boundary in both runs.
+        One row per cell with a boundary in both runs: the cell's conditions and `SHIFT_COLUMNS`.
     """
     if paired:
         common = first.index.intersection(second.index)

@@ -1,4 +1,4 @@
-"""What compared runs have in common, and what each run shows in the common cells."""
+"""Find what compared runs have in common, and each run's results in the common cells."""
 
 from __future__ import annotations
 
@@ -20,20 +20,25 @@ if TYPE_CHECKING:
 
 
 def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[Aspects, list[str]]:
-    """Find what the runs have in common.
+    """Find the values of the conditions and the schemes that all runs have.
+
+    Parameters
+    ----------
+    runs, aspects
+        The runs, and the study's description of each.
 
     Returns
     -------
     tuple
-        The description of the first run with the values of the conditions and the schemes that all
-        runs have (each run keeps its own window, pairing and `best_of`); sentences on what was left
-        out.
+        First, the description of the first run, with the common schemes and the common values of
+        the conditions; its window, pairing and `best_of` are those of the first run alone. Second,
+        sentences on what was left out.
 
     Raises
     ------
     InputError
         If the runs share no cell or no scheme, have different conditions, are judged by different
-        criteria, or if the rows of some runs are samples and those of others are not.
+        criteria, or if some runs have records and others have expected values only.
     """
     first = aspects[0]
     without = " or ".join(
@@ -80,22 +85,25 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
 
 @dataclass(frozen=True)
 class Judged:
-    """What a run shows in the common cells.
+    """A run's results in the cells and schemes that all compared runs have.
 
     Attributes
     ----------
     run, aspects
-        The run, and the study's description of it.
+        The run, and the study's description of the run.
     best
-        The best scheme of every cell, as in the run's best_scheme.csv.
+        The best scheme of every cell; columns as in best_scheme.csv.
     samples
-        The criterion's values: rows (scheme, *conditions), columns replicates; NaN where a scheme
-        did not finish a replicate.
-    boundaries, products
-        The boundary in every cell, and what it is computed from: `results.boundary.find_boundary`
-        and `subtract_schemes`. None if the run has no boundary.
+        Values of the criterion: one row per (scheme, *conditions), one column per replicate. NaN
+        where a scheme did not finish a replicate.
+    boundaries
+        The boundary in every cell, as `results.boundary.find_boundary` returns it. None if no
+        boundary is asked for, or if it cannot be computed.
+    products
+        The data from which the boundaries are computed, as `results.boundary.subtract_schemes`
+        returns them. None where `boundaries` is.
     no_boundary
-        Says why it has none.
+        The reason why an asked boundary cannot be computed; otherwise "".
     """
 
     run: Candidate
@@ -108,7 +116,15 @@ class Judged:
 
 
 def judge(run: Candidate, aspects: Aspects, shared: Aspects) -> Judged:
-    """Find what a run shows in the cells and schemes of `shared`."""
+    """Compute a run's best schemes, samples and boundaries in the cells and schemes of `shared`.
+
+    Parameters
+    ----------
+    run, aspects
+        The run, and the study's description of the run.
+    shared
+        What all compared runs have in common, as `find_common` returns it.
+    """
     rows, criterion = run.rows, shared.criterion
     for condition in shared.conditions:
         if not condition.expands:

@@ -1,4 +1,4 @@
-"""Compares runs of one study: tables, figures and text."""
+"""Compare runs of one study: make the tables, figures and text."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ def compare(
     comparison
         The runs, and the pairs of them to compare.
     folder
-        Folder for the figures.
+        Folder for the figures, which are written here; the tables are only returned.
     describe
         Function that returns the study's description of a run.
     metadata
-        Stored inside the figures.
+        Texts by name to store inside the figures' files.
 
     Raises
     ------
     InputError
-        If the runs share no cell or scheme, or are judged by different criteria.
+        As `common.find_common`, if the runs cannot be compared.
     """
     import pandas as pd
 
@@ -67,7 +67,10 @@ def compare(
 
 
 def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame:
-    """The tables of all runs as one, with each run's folder and swept values in front."""
+    """Join the runs' tables into one, with each run's folder and swept values as first columns.
+
+    A run whose table is None is left out.
+    """
     import pandas as pd
 
     return pd.DataFrame(
@@ -83,7 +86,7 @@ def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) ->
 def _compare_pairs(
     pairs: Sequence[Pair], runs: Sequence[Judged], shared: Aspects
 ) -> tuple[dict[str, pd.DataFrame], list[str]]:
-    """The tables of pairs of runs, and a note on pairs that do not share their records."""
+    """Make the tables on pairs of runs, by name, and a note if pairs do not share their records."""
     import pandas as pd
 
     from owtsweep.comparing import changes
@@ -133,7 +136,7 @@ def _draw(
     folder: Path,
     metadata: Mapping[str, str],
 ) -> tuple[list[Path], list[str]]:
-    """Draw the figures; return the files, and notes on figures that were not drawn."""
+    """Draw and save the figures; return the files, and notes on figures that were not drawn."""
     import pandas as pd
 
     from owtsweep.comparing import boundary_figure, maps

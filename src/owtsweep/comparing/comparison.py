@@ -1,7 +1,7 @@
 """The types that the sweep package and the studies share to compare runs.
 
-`owtsweep.sweep.compare` finds runs, keys and pairs without knowing what they mean. A study that is
-`Comparable` turns them into findings.
+`owtsweep.sweep.compare` finds the runs, the keys in which they differ, and the pairs to compare. A
+study that is `Comparable` turns these into findings.
 """
 
 from __future__ import annotations
@@ -12,25 +12,31 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+from owtsweep.errors import printable
+
 if TYPE_CHECKING:
     import pandas as pd
 
 
 def show(value: Any) -> str:
-    """A value as a user would type it in an override, shortened to fit a title."""
+    """Return a value as a user would type it in an override; longer texts end after 27 letters."""
     if isinstance(value, float):
         return f"{value:.10g}"
     text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+    text = printable(text)
     return text if len(text) <= 30 else f"{text[:27]}..."
 
 
 def identify(value: Any) -> str:
-    """A text that identifies a value: equal values have equal texts."""
+    """Return a text that identifies a value: equal values have equal texts."""
     return json.dumps(value, sort_keys=True, default=str)
 
 
 def rank_values(values: Sequence[Any]) -> list[int]:
-    """The place of each value on its axis: numbers by size, others by first appearance."""
+    """Return the place (0, 1, ...) of each value among the distinct values.
+
+    Numbers are ordered by size. If a value is not a number, the order is that of first appearance.
+    """
     numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
     distinct = {identify(value): value for value in values}
     axis = sorted(distinct, key=lambda i: distinct[i]) if numbers else list(distinct)
@@ -50,9 +56,9 @@ class Candidate:
     config
         The resolved configuration.
     rows
-        The rows of its stored cases, including failed ones, sorted.
+        The rows of the run's stored cases, including failed ones, sorted.
     values
-        Swept key -> this run's value, in the order of `Comparison.keys`.
+        Swept configuration key -> this run's value, in the order of `Comparison.keys`.
     """
 
     name: str
@@ -63,21 +69,26 @@ class Candidate:
 
     @property
     def shown(self) -> dict[str, str]:
-        """Swept key -> this run's value as text."""
+        """The run's values as texts, by swept key."""
         return {key: show(value) for key, value in self.values.items()}
 
     @property
     def label(self) -> str:
-        """The name of the run, made from its swept values."""
+        """The name of the run in tables and figures: its swept keys and values as "key=value"."""
         return " ".join(f"{key}={text}" for key, text in self.shown.items())
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Two runs to compare, by their indices; `along` says why they form a pair.
+    """Two runs to compare.
 
-    `along` is the swept key in which they have neighbouring values while all other keys are equal,
-    or "first run" if `first` is only the first run of the comparison.
+    Attributes
+    ----------
+    first, second
+        Indices of the runs in `Comparison.runs`.
+    along
+        The swept key in which the two runs have neighbouring values while all other keys are equal;
+        or "first run" if the second run is compared with the first run of the comparison.
     """
 
     first: int
@@ -89,8 +100,16 @@ class Pair:
 class Comparison:
     """Runs of one study in the order of their swept values.
 
-    `keys` are the swept keys that distinguish the runs. Those in `following` change with them and
-    need not be shown.
+    Attributes
+    ----------
+    keys
+        The swept configuration keys that distinguish the runs.
+    following
+        Further swept keys. Their values follow from those of `keys`, so they are not shown.
+    runs
+        The runs.
+    pairs
+        The pairs of runs to compare.
     """
 
     keys: tuple[str, ...]
@@ -99,7 +118,7 @@ class Comparison:
     pairs: tuple[Pair, ...]
 
     def rank(self, key: str) -> list[int]:
-        """The place of each run on the axis of a key."""
+        """Return the place (0, 1, ...) of each run's value of a key among the distinct values."""
         return rank_values([run.values[key] for run in self.runs])
 
 
@@ -112,13 +131,13 @@ class Findings:
     tables
         Name -> table; each is written as `<name>.csv`.
     overview
-        One row of texts per run, in the order of the runs; shown in the terminal.
+        A table of texts for the terminal, one row per run, in the order of the runs.
     notes
-        Notes for the reader, e.g. what was left out or is not paired.
+        Sentences for the reader, e.g. on what was left out or which runs are not paired.
     report
-        Sections of `comparison.md`, Markdown.
+        Sections of the file `comparison.md`, in Markdown.
     figures
-        The files drawn.
+        The figures' files, already written.
     """
 
     tables: Mapping[str, pd.DataFrame]
@@ -135,11 +154,13 @@ class Comparable(Protocol):
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
-        """Compare runs; figures are saved in `folder` with `metadata`.
+        """Compare runs, save the figures in `folder`, and return the findings.
+
+        `metadata` are texts by name to store inside the figures' files.
 
         Raises
         ------
         InputError
-            If these runs have nothing in common; then nothing has been written.
+            If these runs cannot be compared; then nothing has been written.
         """
         ...

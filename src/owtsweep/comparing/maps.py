@@ -1,4 +1,4 @@
-"""The best-scheme maps of several runs as small multiples, with the boundary of two schemes."""
+"""Draw the best-scheme maps of several runs side by side, with the boundary of two schemes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LINE: dict[str, Any] = {
 }  # fmt: skip
 
 
-#: Greatest number of panels that can be read, and of panels in a row if there is one key.
+#: Greatest number of panels in a figure; number of panels in a row if the runs differ in one key.
 MOST_PANELS = 30
 WRAP = 4
 #: `panels[row][column]` is the index of a run or None.
@@ -34,9 +34,11 @@ Panels = list[list[int | None]]
 
 
 def arrange(comparison: Comparison) -> Panels | None:
-    """A panel for every run: first key across, second key downwards, one key in rows of `WRAP`.
+    """Assign a panel to every run.
 
-    None for more than two keys, or more panels than can be read.
+    With two swept keys, the first key's values run across and the second's downwards. With one key,
+    the runs fill rows of `WRAP` panels. Returns None if the runs differ in more than two keys, or
+    if there would be more than `MOST_PANELS` panels.
     """
     keys, count = comparison.keys, len(comparison.runs)
     if len(keys) > 2 or count > MOST_PANELS:
@@ -63,20 +65,20 @@ def draw(
     *,
     subtitle: str,
 ) -> Figure:
-    """Draw one map per run.
+    """Draw one best-scheme map per run, with the boundary of the two schemes where there is one.
 
     Parameters
     ----------
     panels
-        The place of each run's panel.
+        The place of each run's panel, as `arrange` returns it.
     runs
-        The runs, told apart by one or two keys.
+        The runs, which differ in one or two keys.
     shared
         What the runs have in common.
     plane
         The axes of each map.
     subtitle
-        Says what the maps judge.
+        The end of the title, which says by what the schemes are judged.
     """
     from matplotlib.patches import Patch
 
@@ -112,7 +114,7 @@ def draw(
             grid[lowest][column].tick_params(labelbottom=True)
             grid[lowest][column].set_xlabel(plane.across.title)
         handles: list[Any] = [
-            Patch(facecolor=style_of(name, shared.schemes).color, label=name)
+            Patch(facecolor=style_of(name, shared.schemes).color, label=style.label_of(name))
             for name in shared.schemes
         ]
         handles += explain_marks(hatched=hatched, holes=holes)
@@ -125,7 +127,10 @@ def draw(
 
 
 def _draw_boundary(axes: Axes, boundaries: pd.DataFrame | None, plane: Plane) -> bool:
-    """Draw the boundary if its condition is the upward axis; return whether there is any."""
+    """Draw the boundary if its condition is the map's vertical axis; return whether it was drawn.
+
+    Without a boundary in any cell, nothing is drawn.
+    """
     if boundaries is None or plane.upwards is None or not plane.upwards.expands:
         return False
     exists = boundaries[(boundaries["wins"] == "") & boundaries["boundary"].notna()]

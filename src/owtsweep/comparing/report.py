@@ -1,4 +1,4 @@
-"""The text of a comparison: one line per run, and the sections of its report."""
+"""Write the text of a comparison: an overview with one row per run, and the report's sections."""
 
 from __future__ import annotations
 
@@ -15,7 +15,12 @@ if TYPE_CHECKING:
 
 
 def make_overview(runs: Sequence[Judged], shared: Aspects, changed: pd.DataFrame) -> pd.DataFrame:
-    """For each run: cells won by each scheme, the boundary, cells changed from the first run."""
+    """Make a table with one row per run, for the terminal.
+
+    The columns hold the number of cells won by each scheme, the range of the boundary, and the
+    number of cells whose best scheme is not that of the first run. `changed` is the table of
+    changed cells of all pairs of runs.
+    """
     import pandas as pd
 
     rows = []
@@ -48,7 +53,10 @@ def _tell_range(boundaries: pd.DataFrame | None, shared: Aspects) -> str:
 
 
 def write_sections(shared: Aspects, tables: Mapping[str, pd.DataFrame]) -> str:
-    """The sections of the report: what the columns mean, what changed, and which files exist."""
+    """Write the sections of the report in Markdown: what the columns mean, what changed, the files.
+
+    `tables` are the comparison's tables by name.
+    """
     files = [
         "- `runs.csv`: run folders, hashes, swept values",
         "- `best_schemes.csv`: the maps, as each run's best_scheme.csv, on the common cells",

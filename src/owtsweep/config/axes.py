@@ -26,11 +26,12 @@ def expand(values: Any) -> Any:
     """Replace the ranges in a list by numbers; a value that is not a list is returned unchanged."""
     if not isinstance(values, list):
         return values
-    return [
-        number
-        for entry in values
-        for number in (_numbers(entry) if isinstance(entry, Mapping) else [entry])
-    ]
+    numbers: list[Any] = []
+    for entry in values:
+        numbers += _numbers(entry) if isinstance(entry, Mapping) else [entry]
+        if len(numbers) > MOST_POINTS:
+            raise ValueError(f"it has more than {MOST_POINTS} values; give fewer")
+    return numbers
 
 
 def require_distinct(values: list[Any]) -> list[Any]:
@@ -69,7 +70,7 @@ def _numbers(entry: Mapping[Any, Any]) -> list[float]:
         first, last, points = float(first), float(last), int(count)
         if points != count:
             raise ValueError
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{{{shown}}} is no entry of an axis; use a number, {ENTRY}") from None
     if not 2 <= points <= MOST_POINTS:
         raise ValueError(f"{{{shown}}} has a count of {points}; give 2 to {MOST_POINTS}")

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
+
+from pydantic import field_validator
 
 from owtsweep.config.section import Section, key
 from owtsweep.errors import require
@@ -56,6 +59,36 @@ class Config(Section):
     config_version: int = key("version of these keys", default=CONFIG_VERSION)
     compute: Compute = key("how to compute; changes no result", default=Compute())
 
+    @field_validator("results")
+    @classmethod
+    def _find_home(cls, value: str) -> str:
+        return os.path.expanduser(value)  # as a shell: `~nobody` stays as it is
+
+    def describe_code(self) -> Any:
+        """What readers of a run must know of code of the user's that the keys name: JSON data.
+
+        It is stored with the run. None if the keys can name no code.
+        """
+        return None
+
+    @classmethod
+    def hide_code(cls, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+        """Stored keys in which nothing names code any more, so that it cannot be executed.
+
+        Parameters
+        ----------
+        plain
+            The keys as plain data.
+        described
+            What `describe_code` said of them; None for a run of before it was stored.
+
+        Raises
+        ------
+        InputError
+            If the description does not fit the keys.
+        """
+        return plain
+
     def check(self) -> None:
         """Raise `InputError` for values that cannot work together; studies extend it."""
         self._check_scheduler(self.compute.backend, self.compute.scheduler)
@@ -65,6 +98,10 @@ class Config(Section):
             f"engine: {self.engine!r} is not known; the study has one engine, {engine.default}",
         )
         require(self.results.strip() != "", "results: it is empty; name a folder, e.g. results")
+        require(
+            self.results.isprintable(),
+            f"results: {self.results!r} holds a character that cannot be printed; use another name",
+        )
         require(
             self.config_version == CONFIG_VERSION,
             f"config_version: {self.config_version} is not known; this version writes and reads "

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from owtsweep.config.common import Config
+from owtsweep.config.given_files import check_chosen_files
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
-from owtsweep.config.stored import read, resolved
-from owtsweep.errors import InputError, require
+from owtsweep.config.stored import DEEPEST, read, resolved
+from owtsweep.errors import InputError, require, shorten
 
 #: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
 TREES = "studies"
@@ -42,13 +44,18 @@ class Tree:
         listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
         groups = self.groups()
         admitted = []
-        for override in overrides:
+        for override in map(quote_home, overrides):
             path = override.partition("=")[0].split(".")
             fields = fields_along(self.model, path)
             has_default = any(not field.is_required() for field in fields)  # or its section has one
             unlisted = len(fields) == len(path) and has_default and not _holds(listed, path)
             admitted.append(f"++{override}" if unlisted and path[0] not in groups else override)
         return admitted
+
+
+def quote_home(override: str) -> str:
+    """`results=~/x` as Hydra reads it: in quotes. Most shells do not expand `~` in it."""
+    return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
 
 
 def _holds(mapping: Any, path: Sequence[str]) -> bool:
@@ -102,21 +109,52 @@ def compose_plain(
     """
     for override in overrides:
         require(
+            override.partition("=")[0].strip("+~") != "",
+            f"{override!r}: this is no override; use key=value",
+        )
+        require(
             not override.lstrip("+~").startswith("hydra"),
             f"{override}: Hydra's own settings work with --multirun only",
         )
     search = []
     if config_dir is not None:
-        directory = Path(config_dir).resolve()
-        require(directory.is_dir(), f"--config-dir: {config_dir} is no folder")
-        search = [f"hydra.searchpath=[file://{directory}]"]
+        directory = _find_folder(config_dir)
+        check_chosen_files(directory, overrides)
+        quoted = str(directory).replace("\\", "\\\\").replace("'", "\\'")
+        search = [f"hydra.searchpath=['file://{quoted}']"]
     try:
-        return resolved(compose_hydra(tree, [*search, *overrides]))
+        plain = resolved(compose_hydra(tree, [*search, *overrides]))
     except InputError:
         raise
-    except (ValueError, TypeError) as error:  # a number where Hydra expects an option's name
+    except (ValueError, TypeError, OSError) as error:  # no name where Hydra expects an option's
         wrong = [o for o in overrides if o.split("=")[0] in tree.groups()]
+        text = shorten(" ".join(str(error).split()), 300)
         if not wrong:
-            text = " ".join(str(error).split())
             raise InputError(f"{' '.join(overrides)}: this cannot be composed ({text})") from error
-        raise InputError(f"{wrong[0]}: this is a config group; name one of its options") from error
+        raise InputError(
+            f"{shorten(wrong[0], 300)}: this is a config group; name one of its options ({text})"
+        ) from error
+    for name, value in plain.items():
+        _require_storable(name, value)
+    return plain
+
+
+def _find_folder(config_dir: str) -> Path:
+    try:
+        directory = Path(config_dir).resolve()
+        there = directory.is_dir()
+    except (OSError, ValueError, RuntimeError):  # too long, a null character, a loop of links
+        there = False
+    require(there, f"--config-dir: {config_dir} is no folder")
+    return directory
+
+
+def _require_storable(key: str, value: Any, depth: int = 2) -> None:
+    """Refuse what `config.stored` would not read back from the run's folder."""
+    if isinstance(value, str):
+        require("${" not in value, f"{key}: {value!r} holds ${{, which cannot be stored")
+    if isinstance(value, dict | list):
+        require(depth <= DEEPEST, f"{key}: its lists and mappings lie more than {DEEPEST} deep")
+        parts = [*value, *value.values()] if isinstance(value, dict) else value
+        for part in parts:
+            _require_storable(key, part, depth + 1)

@@ -19,9 +19,14 @@ def hydra_in_one_line(tree: Tree | None = None) -> Iterator[None]:
     """Raise `InputError` for errors of Hydra and OmegaConf inside the context."""
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
+    from yaml import YAMLError
 
     try:
         yield
+    except YAMLError as error:  # it names the file
+        raise InputError(f"config: {' '.join(str(error).split())}") from error
+    except RecursionError as error:
+        raise InputError("config: its lists and mappings lie too deep in each other") from error
     except (HydraException, OmegaConfBaseException) as error:
         raise InputError(in_one_line(error, tree)) from error
 

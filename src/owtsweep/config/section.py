@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
+#: The magnitudes that a number other than zero may have. Squares and fourth powers of numbers
+#: beyond them, and products of these, overflow or vanish.
+SMALLEST, LARGEST = 1e-30, 1e30
+
+
+def require_magnitude(value: float) -> float:
+    """Refuse a number with which nothing can be computed."""
+    if math.isfinite(value) and value != 0.0 and not SMALLEST <= abs(value) <= LARGEST:
+        raise ValueError(
+            f"{value:g} cannot be computed with; its magnitude must be from {SMALLEST:g} to "
+            f"{LARGEST:g}"
+        )
+    return value
+
+
 #: Types of numbers. Bounds of a single field are given as `key(..., ge=1)`.
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False), AfterValidator(require_magnitude)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(require_magnitude)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(require_magnitude)]
 
 #: Attributes that hold the bounds of a number.
 BOUNDS = ("gt", "ge", "lt", "le")

@@ -1,16 +1,26 @@
-"""config.yaml: all keys of a run's configuration."""
+"""config.yaml: all keys of a run's configuration, as the program writes it and as others may.
+
+A run folder may be another person's. So a stored configuration is read with care: it is resolved
+data and nothing else.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from io import StringIO
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
-from owtsweep.config.typed import as_plain, checked
-from owtsweep.errors import InputError
+from owtsweep.config.typed import as_plain
+from owtsweep.errors import InputError, require
+from owtsweep.io.reading import read_text
 
-C = TypeVar("C", bound=Config)
+#: Most bytes of a stored configuration: the largest grid fits a hundred times.
+MOST_BYTES = 10_000_000
+#: How deep lists and mappings of a stored configuration may lie in each other.
+DEEPEST = 20
 
 
 def dump(config: Config) -> str:
@@ -39,19 +49,60 @@ def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
         raise InputError(f"{path}: cannot be read as a configuration ({text})") from error
 
 
-def load(path: Path, model: type[C]) -> C:
-    """Read a config.yaml of a study whose model is given.
+def read_stored(path: Path) -> tuple[dict[str, Any], str]:
+    """The plain data of a stored config.yaml, and its text.
 
     Raises
     ------
     InputError
-        As `read` and `checked`; the message names the file.
+        If it is missing, no file, too large, not a mapping of keys, or not resolved: an
+        interpolation (`${...}`) would read this user's environment, and an alias (`*name`) can
+        stand for more data than fit into memory.
     """
-    plain = read(path)
+    from omegaconf import OmegaConf
+
+    text = read_text(path, MOST_BYTES)
     try:
-        return checked(model, plain)
+        _check_events(text)
+        plain = resolved(OmegaConf.load(StringIO(text)), resolve=False)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        raise InputError(f"{path}: {error}") from None
+    except Exception as error:  # the errors of the YAML library have no common base class
+        words = " ".join(str(error).split())
+        raise InputError(f"{path}: cannot be read as a configuration ({words})") from error
+    require(
+        not any("${" in word for word in _texts(plain)),
+        f"{path}: it holds an interpolation (${{...}}); a stored configuration holds values",
+    )
+    return plain, text
+
+
+def _check_events(text: str) -> None:
+    """Refuse YAML that grows or nests without bounds, before any of it is made."""
+    import yaml
+
+    depth = 0
+    for event in yaml.parse(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
+        require(
+            not isinstance(event, yaml.AliasEvent),
+            "it holds an alias (*name); a stored configuration holds values",
+        )
+        depth += isinstance(event, yaml.CollectionStartEvent)
+        depth -= isinstance(event, yaml.CollectionEndEvent)
+        require(depth <= DEEPEST, f"its lists and mappings lie more than {DEEPEST} deep")
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """All texts in plain data, keys included."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for name, item in value.items():
+            yield from _texts(name)
+            yield from _texts(item)
+    elif isinstance(value, list):
+        for item in value:
+            yield from _texts(item)
 
 
 def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:

@@ -51,7 +51,8 @@ def in_one_line(error: ValidationError, model: Any) -> str:
 
 def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: str) -> str:
     """A sentence about a number beyond its bound."""
-    number = f"{value:g} {unit}".strip()
+    shown = f"{value:g}" if isinstance(value, float) else str(value)  # it may be a text, or huge
+    number = f"{shown} {unit}".strip()
     if kind == "finite_number":
         return f"{number} must be a finite number"
     limit = next(iter(limits.values()), None)
@@ -63,7 +64,7 @@ def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: st
             whole = isinstance(limit, int)
             told = f"is negative; {advice}" if whole else "must be a finite number, zero or above"
             return f"{number} {told}"
-        return f"{value:g} must be at least {f'{limit:g} {unit}'.strip()}"
+        return f"{shown} must be at least {f'{limit:g} {unit}'.strip()}"
     if kind in ("less_than", "less_than_equal"):
         return f"{value} is more than {limit}; lower it"
     return f"{value!r} cannot be taken ({kind.replace('_', ' ')})"

@@ -1,4 +1,5 @@
 """Linear estimation: filters, smoothers, predictors and horizons, independent of any study."""
 
-#: Raised whenever a change of this package alters a number that a study stores.
+#: Version of this package's numbers. Raise it whenever a change alters a number that a study
+#: stores.
 NUMERICS_VERSION = 0

@@ -1,9 +1,10 @@
 """The Kalman filter for measurements that arrive late, each with its own delay.
 
-At every step the filter goes back to the earliest step that a new measurement refers to. From there
-it filters again with all measurements that have arrived. This is exact for any delays. The extra
-cost is one step of filtering per step of delay. (The other exact method keeps a copy of the state
-for every step of the longest delay in one large state.)
+At every step the filter goes back to the earliest step whose measurement has just arrived. From
+there the filter runs again with all measurements that have arrived. The result is exact for any
+delays.
+The extra cost is one step of filtering per step of delay. (The other exact method has one large
+state, with a copy of the state for every step of the longest delay.)
 """
 
 from __future__ import annotations
@@ -37,20 +38,20 @@ from owtsweep.estimation.smoothing import compute_smoother_gain
 
 @dataclass(frozen=True)
 class Delayed:
-    """Estimates of each step from the measurements that had arrived by then.
+    """The estimates of a filter whose measurements arrive late.
 
     Attributes
     ----------
     state
-        (series, steps, n): row k is the state of step k given all that has arrived by step
-        k + lag, or by the record's end.
+        Shape (series, steps, n): row k is the state of step k given all measurements that have
+        arrived by step k + lag, or by the record's end. The lag is that of `filter_delayed`.
     covariance
-        (series, steps, n, n) of it.
+        Covariances of `state`, shape (series, steps, n, n).
     nis
-        (series, steps): NIS of the measurements that arrived at the step, given all that arrived
-        before. Its expectation is the number of components that arrived.
+        Shape (series, steps): normalised innovation squared of the measurements that arrived at
+        each step, given all that arrived earlier. The expectation of NIS is `arrived`.
     arrived
-        (series, steps): that number.
+        Shape (series, steps): number of measurement components that arrived at each step.
     """
 
     state: Array
@@ -74,12 +75,13 @@ def filter_delayed(
     Parameters
     ----------
     measurements
-        (series, steps, m); row k is measured at step k, whenever it arrives. NaN if it never does.
+        Shape (series, steps, m). Row k is measured at step k, whenever it arrives. A component
+        that never arrives is NaN.
     delay
         Steps from measurement to arrival, at least 0: one number, or any shape that broadcasts to
-        (series, steps, m). What arrives after the record's end is not used.
+        (series, steps, m). Measurements that arrive after the record's end are not used.
     state, covariance, inputs
-        As for `kalman.run_filter`.
+        As for `estimation.kalman.run_filter`.
     lag
         Steps by which the estimate may wait for further measurements.
 
@@ -98,8 +100,8 @@ def filter_delayed(
     smoothed, spread = np.empty_like(chain.filtered), np.empty_like(chain.filtered_P)
     nis = np.empty((series, steps))
     for now, first in enumerate(_earliest(arrival)):
-        # The NIS of all measurements is the sum over steps, whatever their order. That of the new
-        # ones is therefore the increase of this sum.
+        # The NIS of all measurements is the sum over steps, in whatever order they arrived. The
+        # NIS of the new measurements is therefore the increase of this sum.
         before = chain.nis[:, first:now].sum(axis=1)
         chain.filter_again(first, now)
         nis[:, now] = chain.nis[:, first : now + 1].sum(axis=1) - before
@@ -116,7 +118,9 @@ def filter_delayed(
 
 
 def _arrivals(z: Array, delay: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(series, steps, m): the step at which each component arrives; if never, the largest integer.
+    """Compute the step at which each measured component arrives, shape (series, steps, m).
+
+    For a component that never arrives, return the largest integer.
 
     Raises
     ------
@@ -136,7 +140,11 @@ def _arrivals(z: Array, delay: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _earliest(arrival: NDArray[np.int64]) -> list[int]:
-    """For every step, the earliest step that the measurements arriving at it refer to."""
+    """Find, for each step, the step from which to filter again when the step's measurements arrive.
+
+    Return one entry per step: the earliest step whose measurements arrive at the present step, or
+    the present step itself if none arrive.
+    """
     steps = arrival.shape[1]
     earliest = np.arange(steps)
     _, about, _ = np.nonzero(arrival < steps)
@@ -147,8 +155,9 @@ def _earliest(arrival: NDArray[np.int64]) -> list[int]:
 class _Chain:
     """The filter's states from the record's start to now, given all that has arrived by now.
 
-    predicted, filtered (series, steps, n) with their covariances (patterns, steps, n, n); nis
-    (series, steps) of the measurements of each step.
+    The states `predicted` and `filtered` have the shape (series, steps, n), their covariances
+    `predicted_P` and `filtered_P` (patterns, steps, n, n). `nis`, shape (series, steps), is the
+    normalised innovation squared of the measurements taken at each step.
     """
 
     def __init__(
@@ -168,11 +177,11 @@ class _Chain:
         self.nis = np.zeros((series, steps))
 
     def begin(self, state: Array, covariance: Array) -> None:
-        """Set the prior of step 0."""
+        """Set the state and covariance of step 0 before its measurement."""
         self.predicted[:, 0], self.predicted_P[:, 0] = state, covariance
 
     def filter_again(self, first: int, now: int) -> None:
-        """Filter the steps `first` to `now` with what has arrived by `now`."""
+        """Filter the steps `first` to `now` again, with all measurements that arrived by `now`."""
         for k in range(first, now + 1):
             if k > 0:
                 F, Q, _, _, _ = self.model.at(k - 1)
@@ -188,8 +197,13 @@ class _Chain:
             self.nis[:, k] = compute_nis(e, share_out(S, self.pattern))
 
     def smooth_back(self, now: int, oldest: int) -> tuple[Array, Array]:
-        """States (series, steps, n) and covariances (patterns, steps, n, n) of the steps `oldest`
-        to `now`, given all that has arrived by `now`."""
+        """Smooth the steps `oldest` to `now`, given all measurements that have arrived by `now`.
+
+        Returns
+        -------
+        tuple of array
+            States (series, steps, n) and covariances (patterns, steps, n, n) of these steps.
+        """
         window = slice(oldest, now + 1)
         x, P = self.filtered[:, window].copy(), self.filtered_P[:, window].copy()
         for k in range(now - 1, oldest - 1, -1):

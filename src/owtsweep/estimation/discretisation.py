@@ -1,4 +1,4 @@
-"""From continuous to discrete time, Eq. (10) of Ren et al. (2019)."""
+"""Turns models in continuous time into discrete ones, Eq. (10) of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ METHODS = ("exact", "first_order")
 
 @dataclass(frozen=True)
 class Model:
-    """x' = A x + B u + w with E[w w'] = Q delta(t); z = H x.
+    """The model x' = A x + B u + w in continuous time, where w is white noise of intensity Q.
 
     Attributes
     ----------
     A, B, Q
-        (states, states), (states, inputs), (states, states) in SI units per second.
+        Shapes (states, states), (states, inputs) and (states, states), in SI units per second.
     """
 
     A: Array
@@ -28,7 +28,10 @@ class Model:
 
 @dataclass(frozen=True)
 class Discrete:
-    """x+ = A x + B u + w with E[w w'] = Q, the input held over the step."""
+    """The model x[k+1] = A x[k] + B u[k] + w[k], where w has covariance Q.
+
+    The input u[k] is held over the step. `step` is the time from k to k + 1, in s.
+    """
 
     A: Array
     B: Array
@@ -37,12 +40,17 @@ class Discrete:
 
 
 def discretise(model: Model, step: float, method: str = "exact") -> Discrete:
-    """Discretise over `step` seconds with the input held.
+    """Discretise a model over `step` seconds, with the input held over the step.
 
-    "exact" computes the integrals of Eq. (10): A and B by one augmented matrix exponential, Q by
-    van Loan's method. "first_order" is the form printed in the paper: A = I + A T (10c),
-    B = T B + T^2/2 A B (10d), and the sum of (10e), Q T + Q A T^2 + A Q A' T^3/3, of which only the
+    The method "exact" computes the integrals of Eq. (10) of Ren et al. (2019). "first_order" is
+    the approximation printed there, with the step T: A becomes I + A T (10c), B becomes
+    T B + T^2/2 A B (10d), Q becomes Q T + Q A T^2 + A Q A' T^3/3 (10e). Of this last sum only the
     symmetric part is kept, since a covariance is symmetric.
+
+    Raises
+    ------
+    ValueError
+        If `method` is not one of `METHODS`.
     """
     from scipy.linalg import expm
 

@@ -16,12 +16,13 @@ T = TypeVar("T", bound=np.generic)
 
 
 def check_measurements(model: LinearModel, measurements: Array) -> Array:
-    """Measurements as (series, steps, m) numbers, NaN where a component was lost.
+    """Return measurements as an array of floats, after checks.
 
     Raises
     ------
     InputError
-        If the shape is wrong, a number is infinite, or the model has fewer steps.
+        If the shape is not (series, steps, m), a number is infinite (a lost component is NaN), or
+        the model has fewer steps than the measurements.
     """
     z = np.asarray(measurements, dtype=float)
     if z.ndim != 3 or z.shape[-1] != model.measurements:
@@ -35,12 +36,12 @@ def check_measurements(model: LinearModel, measurements: Array) -> Array:
 
 
 def check_steps(model: LinearModel, steps: int) -> None:
-    """Refuse a record that is longer than the model.
+    """Check that a record is not longer than a model whose matrices depend on time.
 
     Raises
     ------
     InputError
-        If it has more steps.
+        If the record has more steps than the model.
     """
     if model.steps is not None and model.steps < steps:
         raise InputError(
@@ -50,12 +51,12 @@ def check_steps(model: LinearModel, steps: int) -> None:
 
 
 def check_prior(model: LinearModel, covariance: Array) -> Array:
-    """The covariance of the first state as (n, n) numbers.
+    """Return the covariance of the first state as an array of floats, after checks.
 
     Raises
     ------
     InputError
-        If the shape is wrong, or it is not a covariance.
+        If the shape is not (n, n), or the matrix is not a covariance.
     """
     P = np.asarray(covariance, dtype=float)
     if P.shape != (model.states, model.states):
@@ -68,12 +69,12 @@ def check_prior(model: LinearModel, covariance: Array) -> Array:
 
 
 def spread_state(model: LinearModel, state: Array, series: int) -> Array:
-    """The expected first state of each series, (series, n).
+    """Return the expected first state of each series, shape (series, n).
 
     Raises
     ------
     InputError
-        If it is neither (n,) nor (series, n).
+        If the shape of `state` is neither (n,) nor (series, n).
     """
     x = np.asarray(state, dtype=float)
     if x.shape not in ((model.states,), (series, model.states)):
@@ -86,12 +87,15 @@ def spread_state(model: LinearModel, state: Array, series: int) -> Array:
 def compute_input_effects(
     model: LinearModel, inputs: Array | None, series: int, steps: int
 ) -> Array:
-    """B u of every step, (series, steps, n); zeros where the model has no B.
+    """Compute the effects B u of the inputs u on the state, shape (series, steps, n).
+
+    The effects are zero if the model has no B.
 
     Raises
     ------
     InputError
-        If inputs are missing, given without B, of a wrong shape or not finite.
+        If the model has B and inputs are missing, of a wrong shape or not finite, or if the model
+        has no B and there are inputs.
     """
     shape = (series, steps, model.states)
     if model.B is None:
@@ -111,7 +115,11 @@ def compute_input_effects(
 
 
 def find_patterns(marks: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """The different rows of (series, ...) marks, and for each series the number of its row."""
+    """Find the distinct rows of marks (series, ...), and for each series the index of its row.
+
+    A series' marks say, for example, which measurements exist. The rows have the shape
+    (patterns, ...), the indices (series,).
+    """
     flat = marks.reshape(len(marks), -1)
     if np.all(flat == flat[:1]):  # the common case, without sorting
         return marks[:1], np.zeros(len(marks), dtype=np.int64)
@@ -120,5 +128,9 @@ def find_patterns(marks: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]
 
 
 def share_out(values: NDArray[T], pattern: NDArray[np.int64]) -> NDArray[T]:
-    """Each series' entry of (patterns, ...); (1, ...) if all series share one pattern."""
+    """Return each series' entry of values (patterns, ...), shape (series, ...).
+
+    `pattern` is the index of each series' entry. If there is only one pattern, the values are
+    returned as they are, shape (1, ...).
+    """
     return values if len(values) == 1 else values[pattern]

@@ -1,7 +1,8 @@
-"""Gains of a two-rate Kalman filter: computed once, shared by all records.
+"""Computes the gains of a Kalman filter with a slow and a fast measurement.
 
-The gains depend only on the model and the tuning, never on data. After a transient they repeat
-with the slow interval, so a schedule stores the transient and one cycle.
+The gains depend only on the model and the tuning, never on data, so all records share them. After a
+transient the gains repeat from one slow measurement to the next, a cycle. A gain schedule therefore
+stores the transient and one cycle.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from owtsweep.arrays import Array, aligned
 from owtsweep.errors import InputError
 from owtsweep.estimation.discretisation import Discrete
 
-#: Rules for steps without a slow measurement; see REPRODUCTION.md, rows "Alg. 6" and "EKF".
+#: Rules for steps without a slow measurement (a position fix); see REPRODUCTION.md, rows "Alg. 6"
+#: and "EKF". Equations and sections are those of Ren et al. (2019).
 #: proper: the slow rows of H are dropped (Joseph form). mask_columns: K is computed from all rows,
 #: then its slow columns are set to zero (text of section 4.3.3), with P = (I - K H) P as printed.
 #: mask_rows: K(1:2, :) = 0 as printed in Algorithm 6, and the last fix is held. every_step: the
@@ -29,23 +31,23 @@ TOLERANCE = 1e-13
 
 @dataclass(frozen=True)
 class GainSchedule:
-    """Gains and covariances of every step: `transient` rows, the last `cycle` of which repeat.
+    """The filter's gains and covariances: one row per step, until the rows repeat.
 
     Attributes
     ----------
     K
-        (rows, states, 2): gain columns of the slow and of the fast measurement.
+        Shape (rows, states, 2): gain columns of the slow and of the fast measurement.
     applied
-        (rows,): whether the slow measurement corrects the state.
+        Shape (rows,): whether the slow measurement corrects the state.
     fresh
-        (rows,): whether there is a new slow measurement, and so an innovation. Between fixes,
-        `mask_rows` applies the last one again.
+        Shape (rows,): whether there is a new slow measurement, and so an innovation. At steps
+        without one, the rule `mask_rows` applies the last slow measurement again.
     innovation_variance
-        (rows,): variance of the slow innovation, H P H' + R.
+        Shape (rows,): variance H P H' + R of the slow measurement's innovation.
     predicted, filtered
-        (rows, states, states): P_{k|k-1} and P_{k|k}.
+        Shape (rows, states, states): covariances P_{k|k-1} and P_{k|k}.
     cycle
-        Steps after which the rows repeat; the last `cycle` rows are the settled ones.
+        After the last row, the last `cycle` rows repeat for ever.
     """
 
     K: Array
@@ -58,17 +60,17 @@ class GainSchedule:
 
     @property
     def rows(self) -> int:
-        """Number of stored rows."""
+        """The number of stored rows."""
         return len(self.K)
 
     def row(self, step: NDArray[np.int64] | int) -> NDArray[np.int64]:
-        """The stored row that serves a step."""
+        """Return the index of the stored row that serves a step (or each of several steps)."""
         step = np.asarray(step)
         settled = self.rows - self.cycle
         return np.where(step < self.rows, step, settled + (step - settled) % self.cycle)
 
     def fresh_before(self, step: int) -> int:
-        """How many steps before this one have a new slow measurement."""
+        """Count the new slow measurements in the steps 0 to step - 1."""
         stored = self.fresh[:step]
         cycles, rest = divmod(step - len(stored), self.cycle)
         last = self.fresh[self.rows - self.cycle :]
@@ -90,23 +92,28 @@ def schedule(
     start_interval: int | None = None,
     start_steps: int = 0,
 ) -> GainSchedule:
-    """Run the covariance recursion of Algorithm 6 until it repeats, for at most `steps` steps.
+    """Compute gains by the covariance recursion of Algorithm 6 of Ren et al. (2019).
 
-    Each step predicts, then corrects with that step's measurements; the first step starts from
-    `initial_covariance` one step before it.
+    The recursion stops when its covariances repeat, or after `steps` steps (rounded up to a whole
+    number of intervals). Each step predicts, then corrects with that step's measurements.
 
     Parameters
     ----------
     slow, fast
-        (states,) measurement rows; an all-zero fast row means that the fast signal is an input.
+        Measurement rows (states,). An all-zero fast row means that the fast signal is an input.
     slow_variance, fast_variance
         Variances of the two measurements.
+    initial_covariance
+        Covariance (states, states) of the state one step before the first step.
     interval
-        Steps between slow measurements (at steps that are multiples of it).
+        Steps between slow measurements, which come at multiples of `interval`.
+    steps
+        Length of the longest record.
     rule
         One of `RULES`.
     start_interval, start_steps
-        For the first `start_steps` steps slow measurements come every `start_interval` steps.
+        During the first `start_steps` steps, slow measurements come every `start_interval` steps;
+        None means `interval`.
 
     Raises
     ------
@@ -139,7 +146,7 @@ def schedule(
 
 
 def _lengthen(array: Array, rows: int, filled: int) -> Array:
-    """A longer array that begins with the first `filled` rows of this one."""
+    """Return an array of `rows` rows that begins with the first `filled` rows of `array`."""
     result = aligned(rows, *array.shape[1:])
     result[:filled] = array[:filled]
     return result

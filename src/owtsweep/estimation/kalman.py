@@ -1,9 +1,9 @@
 """The Kalman filter for any number of states and any pattern of lost measurements.
 
-Gains and covariances depend on the model and on which measurements there are, never on their
-values. They are computed once for each pattern of losses (`compute_gains`, or `schedule_gains` for
-one that repeats) and applied to all series that share it (`apply_gains`). The formulas are in
-`kalman_step`.
+Gains and covariances depend on the model and on which measurements exist, never on the values of
+the measurements. A pattern of losses says which measurements exist. Gains are computed once for
+each pattern (`compute_gains`, or `schedule_gains` for a pattern that repeats) and applied to all
+series that share the pattern (`apply_gains`). The formulas are in `kalman_step`.
 """
 
 from __future__ import annotations
@@ -32,26 +32,29 @@ from owtsweep.estimation.kalman_step import (
 )
 from owtsweep.estimation.linear import LinearModel
 
-#: Distance from the periodic covariance, relative to the states' variances, that is negligible.
+#: A distance from the periodic covariance is negligible below this, relative to the states'
+#: variances.
 TOLERANCE = 1e-13
 
 
 @dataclass(frozen=True)
 class Gains:
-    """Gains and covariances for each pattern of losses; they do not depend on data.
+    """The filter's gains and covariances for each pattern of losses; they do not depend on data.
+
+    The model has n states, and a measurement has m components.
 
     Attributes
     ----------
     available
-        (patterns, rows, m): whether a component of the measurement exists.
+        Shape (patterns, rows, m): whether a component of the measurement exists.
     K
-        (patterns, rows, n, m), zero in the columns of lost components.
+        Gains, shape (patterns, rows, n, m); zero in the columns of lost components.
     innovation_covariance
-        (patterns, rows, m, m), the identity in the rows and columns of lost components.
+        Shape (patterns, rows, m, m); the identity in the rows and columns of lost components.
     predicted, filtered
-        (patterns, rows, n, n): covariances of the state before and after the measurement.
+        Covariances of the state before and after the measurement, shape (patterns, rows, n, n).
     cycle
-        The last `cycle` rows repeat for ever; with 0, each step has its own row.
+        The last `cycle` rows repeat for ever. If `cycle` is 0, each step has its own row.
     """
 
     available: NDArray[np.bool_]
@@ -62,12 +65,12 @@ class Gains:
     cycle: int = 0
 
     def rows_of(self, steps: int) -> NDArray[np.int64]:
-        """(steps,): the row that serves each step of a record.
+        """Return, for each step of a record, the index of the row that serves the step; (steps,).
 
         Raises
         ------
         InputError
-            If the record is longer than gains that do not repeat.
+            If the gains do not repeat and the record has more steps than they have rows.
         """
         rows, step = self.K.shape[1], np.arange(steps)
         if self.cycle:
@@ -80,7 +83,7 @@ class Gains:
 
 @dataclass(frozen=True)
 class Filtered:
-    """A filter's run over some series.
+    """The results of a filter's run over some series.
 
     Attributes
     ----------
@@ -89,11 +92,11 @@ class Filtered:
     gains
         Gains and covariances of each pattern of losses.
     pattern
-        (series,): index of each series' pattern.
+        For each series, the index of its pattern of losses in `gains`; shape (series,).
     predicted, filtered
-        (series, steps, n): the state before and after the step's measurement.
+        The states before and after each step's measurement, shape (series, steps, n).
     innovation
-        (series, steps, m): z - H x, NaN where the component was lost.
+        z - H x, shape (series, steps, m); NaN where the component was lost.
     """
 
     model: LinearModel
@@ -105,20 +108,23 @@ class Filtered:
 
     @property
     def covariance(self) -> Array:
-        """(series, steps, n, n) of the filtered states."""
+        """The covariances of the filtered states, shape (series, steps, n, n)."""
         return self._of_series(self.gains.filtered)
 
     @property
     def innovation_covariance(self) -> Array:
-        """(series, steps, m, m), the identity in the rows and columns of lost components."""
+        """The covariances of the innovations, shape (series, steps, m, m).
+
+        The rows and columns of lost components are those of the identity.
+        """
         return self._of_series(self.gains.innovation_covariance)
 
     @property
     def nis(self) -> Array:
-        """NIS e' S^-1 e of the innovations e, (series, steps); zero where there is none.
+        """The normalised innovation squared, e' S^-1 e of the innovations e; (series, steps).
 
-        If the model is right, its expectation is the number of components that exist
-        (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+        NIS is zero at steps without a measurement. If the model is right, the expectation of NIS is
+        the number of components that exist (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
         """
         return compute_nis(self.innovation, self.innovation_covariance)
 
@@ -136,18 +142,19 @@ def run_filter(
     covariance: Array,
     inputs: Array | None = None,
 ) -> Filtered:
-    """Filter some series.
+    """Filter some series with a model of n states, m measurements and p inputs.
 
     Parameters
     ----------
     measurements
-        (series, steps, m), NaN where a component was lost.
+        Shape (series, steps, m); NaN where a component was lost.
     state
-        (n,) or (series, n): the expected state of step 0 before its measurement.
+        Expected state of step 0 before its measurement, shape (n,) or (series, n).
     covariance
-        (n, n): the covariance of that state.
+        Covariance of that state, shape (n, n).
     inputs
-        (steps, p) or (series, steps, p) if the model has B; input k acts between steps k and k + 1.
+        Shape (steps, p) or (series, steps, p); input k acts between steps k and k + 1. None if the
+        model has no B.
 
     Raises
     ------
@@ -161,14 +168,19 @@ def run_filter(
 
 
 def compute_gains(model: LinearModel, covariance: Array, available: NDArray[np.bool_]) -> Gains:
-    """Gains and covariances of some patterns of losses.
+    """Compute the gains and covariances of some patterns of losses.
 
     Parameters
     ----------
     covariance
-        (n, n) of the state of step 0 before its measurement.
+        Covariance (n, n) of the state of step 0 before its measurement.
     available
-        (patterns, steps, m): whether a component of the measurement exists.
+        Whether a component of the measurement exists, shape (patterns, steps, m).
+
+    Raises
+    ------
+    InputError
+        If the model has fewer steps, or `covariance` is not a covariance of n states.
     """
     patterns, steps, m = available.shape
     n = model.states
@@ -187,28 +199,29 @@ def compute_gains(model: LinearModel, covariance: Array, available: NDArray[np.b
 def schedule_gains(
     model: LinearModel, covariance: Array, available: NDArray[np.bool_], steps: int
 ) -> Gains:
-    """Gains of one pattern of losses that repeats: after a transient, so do the gains.
+    """Compute the gains of one pattern of losses that repeats.
 
-    With a model that does not change and a fixed cycle (one sensor slower than another, for
-    example) the covariance converges to a periodic one (Anderson and Moore 1979, section 4.4, for a
-    cycle of one step). The transient and one cycle then serve records of any length.
+    The pattern repeats, for example, if one sensor is slower than another. With a model that does
+    not change with time, the covariance then converges to a periodic one (Anderson and Moore 1979,
+    section 4.4, for a cycle of one step), and so do the gains. The rows of the transient and of one
+    cycle then serve records of any length.
 
     Parameters
     ----------
     model
         The model, with matrices that have no axis of time.
     covariance
-        (n, n) of the state of step 0 before its measurement.
+        Covariance (n, n) of the state of step 0 before its measurement.
     available
-        (cycle, m): whether a component of the measurement exists, over one cycle.
+        Whether a component of the measurement exists, for one cycle; shape (cycle, m).
     steps
-        Length of the longest record. If the covariance has not settled by then, every step has its
-        own row. (The covariance of a state that nothing observes never settles.)
+        Length of the longest record. If the covariance has not settled after `steps` steps, every
+        step has its own row. (The covariance of a state that nothing observes never settles.)
 
     Raises
     ------
     InputError
-        If the model changes with time, or the pattern does not fit it.
+        If the model changes with time, or `available` or `covariance` does not fit the model.
     """
     there = np.asarray(available, dtype=bool)
     if model.steps is not None:
@@ -236,16 +249,20 @@ def schedule_gains(
 
 
 def _change(before: Array, after: Array) -> float:
-    """Largest change of a covariance, relative to the variances of the two states concerned."""
+    """Return the largest change of an element of a covariance (n, n).
+
+    An element is divided by the standard deviations of its two states.
+    """
     scale = np.sqrt(np.diagonal(after))
     scale = np.where(scale > 0.0, scale, 1.0)
     return float(np.max(np.abs(after - before) / np.outer(scale, scale)))
 
 
 def _is_settled(before: float, change: float) -> bool:
-    """Whether all changes still to come are within the tolerance.
+    """Return whether all changes of the covariance that are still to come are negligible.
 
-    While changes fall by the factor r = change / before per cycle, those to come sum to
+    `change` is the change in the last cycle, `before` the change in the previous cycle. If changes
+    go on falling by the factor r = change / before per cycle, the changes to come sum to
     change r / (1 - r). Changes that no longer fall are round-off.
     """
     if change > TOLERANCE:
@@ -262,12 +279,17 @@ def apply_gains(
     inputs: Array | None = None,
     pattern: NDArray[np.int64] | None = None,
 ) -> Filtered:
-    """Filter some series with given gains; other parameters are as for `run_filter`.
+    """Filter some series with given gains.
 
     Parameters
     ----------
+    gains
+        What `compute_gains` or `schedule_gains` returns.
+    measurements, state, inputs
+        As for `run_filter`.
     pattern
-        (series,): index of each series' pattern in the gains; None for the first pattern.
+        For each series, the index of its pattern of losses in `gains`; shape (series,). None means
+        the first pattern for all.
 
     Raises
     ------

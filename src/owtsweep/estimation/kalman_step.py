@@ -1,6 +1,6 @@
-"""One step of the Kalman filter, for many series at once.
+"""Computes one step of the Kalman filter, for many series at once.
 
-Kalman (1960); Anderson and Moore (1979), section 3.1.
+Sources: Kalman (1960); Anderson and Moore (1979), section 3.1.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from owtsweep.errors import InputError
 
 
 def predict_covariance(P: Array, F: Array, Q: Array) -> Array:
-    """F P F' + Q for covariances (..., n, n)."""
+    """Predict covariances P (..., n, n) over one step: return F P F' + Q."""
     return np.asarray(F @ P @ F.T + Q)
 
 
@@ -23,24 +23,26 @@ def correct_covariance(
     """Correct covariances by a measurement.
 
     Joseph's form (I - K H) P (I - K H)' + K R K' keeps the covariance symmetric and positive
-    (Bucy and Joseph 1968). A lost component has a zero row in H and unit noise that is correlated
-    with nothing. Its column of K is then zero, and the other components are corrected exactly as
-    if its rows and columns were dropped (Durbin and Koopman 2012, section 4.10).
+    (Bucy and Joseph 1968). A component that is not available is given a zero row in H and unit
+    noise that is correlated with nothing. Then its column of K is zero, and the states are
+    corrected exactly as if the component did not exist (Durbin and Koopman 2012, section 4.10).
 
     Parameters
     ----------
     P
-        (patterns, n, n) before the measurement.
+        Covariances of the state before the measurement, shape (patterns, n, n). A pattern says
+        which components of the measurements exist.
     H, R
-        (m, n) and (m, m).
+        Measurement matrix (m, n), and covariance (m, m) of the measurement noise.
     available
         (patterns, m): which components of the measurement exist.
 
     Returns
     -------
     K, S, corrected
-        (patterns, n, m) gain P H' S^-1; (patterns, m, m) covariance S = H P H' + R of the
-        innovation; (patterns, n, n) covariance after the measurement.
+        The gain P H' S^-1, shape (patterns, n, m); the innovation's covariance S = H P H' + R,
+        shape (patterns, m, m); and the covariance of the state after the measurement, shape
+        (patterns, n, n).
 
     Raises
     ------
@@ -64,21 +66,28 @@ def correct_covariance(
 
 
 def correct_state(x: Array, K: Array, innovation: Array) -> Array:
-    """x + K e for (series, n), (series, n, m) and (series, m); NaN in e counts as zero."""
+    """Return the corrected states x + K e, shape (series, n).
+
+    The gains K have the shape (series, n, m), the innovations e (series, m). NaN in e counts as 0.
+    """
     return x + multiply(K, np.nan_to_num(innovation))
 
 
 def compute_nis(innovation: Array, innovation_covariance: Array) -> Array:
-    """e' S^-1 e for (..., m) and (..., m, m); NaN in e counts as zero."""
+    """Compute the normalised innovation squared, e' S^-1 e, shape (...).
+
+    The innovations e have the shape (..., m), their covariances S (..., m, m). NaN in e counts
+    as zero.
+    """
     e = np.nan_to_num(innovation)
     return np.asarray(np.sum(e * np.linalg.solve(innovation_covariance, e[..., None])[..., 0], -1))
 
 
 def multiply(matrix: Array, vector: Array) -> Array:
-    """(..., n, m) times (..., m)."""
+    """Multiply matrices (..., n, m) by vectors (..., m)."""
     return np.asarray((matrix @ vector[..., None])[..., 0])
 
 
 def transpose(matrix: Array) -> Array:
-    """(..., n, m) to (..., m, n)."""
+    """Transpose matrices: shape (..., n, m) becomes (..., m, n)."""
     return np.swapaxes(matrix, -1, -2)

@@ -22,7 +22,7 @@ ROUND_OFF = 1e-9
 
 
 class Step(NamedTuple):
-    """The matrices of one step; B is None where there is no input."""
+    """The matrices of a `LinearModel` for one step; B is None if the model has no inputs."""
 
     F: Array
     Q: Array
@@ -33,22 +33,23 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True)
 class LinearModel:
-    """A model of n states, m measurements and perhaps p inputs.
+    """The model x[k+1] = F x[k] + B u[k] + w[k], z[k] = H x[k] + v[k].
 
-    Each matrix may have a leading axis of time, (steps, ...). Without it, it serves all steps.
+    The state x has n components, the measurement z has m, the input u has p. Each matrix may have a
+    leading axis of time, (steps, ...). A matrix without this axis serves all steps.
 
     Attributes
     ----------
     F
-        (n, n) transition from step k to step k + 1.
+        Transition matrix (n, n) from step k to step k + 1.
     Q
-        (n, n) covariance of the process noise of that transition.
+        Covariance (n, n) of the process noise w of that transition.
     H
-        (m, n) measurement matrix.
+        Measurement matrix (m, n).
     R
-        (m, m) covariance of the measurement noise.
+        Covariance (m, m) of the measurement noise v.
     B
-        (n, p) input matrix of that transition, or None.
+        Input matrix (n, p) of that transition; None if the model has no inputs.
 
     Raises
     ------
@@ -93,33 +94,33 @@ class LinearModel:
 
     @property
     def states(self) -> int:
-        """Number of states n."""
+        """The number of states, n."""
         return int(self.F.shape[-1])
 
     @property
     def measurements(self) -> int:
-        """Number of measurements m."""
+        """The number of components of a measurement, m."""
         return int(self.H.shape[-2])
 
     @property
     def steps(self) -> int | None:
-        """Number of steps of the model; None if it serves any number."""
+        """The number of steps for which there are matrices; None if no matrix depends on time."""
         matrices = (self.F, self.Q, self.H, self.R, self.B)
         return next((len(a) for a in matrices if a is not None and a.ndim == 3), None)
 
     def at(self, step: int) -> Step:
-        """The matrices of a step."""
+        """Return the matrices of a step."""
         matrices: Any = (self.F, self.Q, self.H, self.R, self.B)
         return Step(*(a if a is None or a.ndim == 2 else a[step] for a in matrices))
 
 
 def check_covariance(name: str, matrix: Array) -> None:
-    """Refuse matrices (..., n, n) that are not symmetric and positive semidefinite.
+    """Check that a matrix, or each of several (..., n, n), is a covariance.
 
     Raises
     ------
     InputError
-        With the name of the matrix.
+        If a matrix is not symmetric and positive semidefinite. The message begins with `name`.
     """
     transposed = np.swapaxes(matrix, -1, -2)
     largest = np.max(np.abs(matrix), initial=0.0)

@@ -1,11 +1,13 @@
-"""Moving horizon estimation over fixes and preintegrated inputs, Eq. (11) of Ren et al. (2019).
+"""Moving horizon estimation, Eq. (11) of Ren et al. (2019).
 
-Eq. (11) is read as follows (PAPER.md, section 4; REPRODUCTION.md, row "Eq. (11)"): squared norms,
-nodes at the fixes, every link between neighbouring nodes weighted once, and a last node at the
-present delayed time, t_f after the last fix. Without constraints the last link is met exactly,
-because the last node has no measurement. The estimate is then the least-squares state at the last
-fix, predicted by the inputs. That state is a fixed linear map of fixes, inputs and arrival state,
-which `window_map` computes.
+The estimator fits the states of a window to position fixes (of GNSS) and to inputs that are
+integrated from each fix to the next. Eq. (11) is read as follows (PAPER.md, section 4;
+REPRODUCTION.md, row "Eq. (11)"): norms are squared, nodes are the times of the fixes, every link
+between neighbouring nodes is weighted once, and there is a last node at the present delayed time,
+t_f after the last fix. Without constraints the last link is met exactly, because the last node has
+no measurement. The estimate is then the least-squares state at the last fix, predicted by the
+inputs. The estimate at the last fix is a linear function of fixes, inputs and arrival state, with
+constant coefficients; `window_map` computes the matrix of coefficients.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
-#: How far beyond a constraint a solution may lie, as a fraction of the allowed interval. The
+#: How far beyond a constraint a solution may lie, as a fraction of the allowed range. The
 #: tolerance of daqp is 1e-12 of the scaled states; rounding leaves about 1e-9 where weights differ
 #: by decades.
 FEASIBILITY = 1e-8
@@ -25,14 +27,15 @@ FEASIBILITY = 1e-8
 
 @dataclass(frozen=True)
 class WindowWeights:
-    """Weights of the terms of Eq. (11a), per axis.
+    """The weights of the terms of Eq. (11a) of Ren et al. (2019), for one axis.
 
     Attributes
     ----------
     transition
-        (states, states): A over one fix interval.
+        Shape (states, states): A from one position fix to the next.
     link_covariance
-        (states, states): covariance of w over one interval, the inverse of the paper's weight Q.
+        Shape (states, states): covariance of the process noise from one fix to the next; the
+        inverse of the paper's weight Q.
     fix_variance
         Variance of a fix, the inverse of the paper's weight R. A fix measures the first state.
     """
@@ -43,7 +46,7 @@ class WindowWeights:
 
 
 def square_root_information(covariance: Array) -> Array:
-    """U with U' U = covariance^-1."""
+    """Compute a matrix U with U' U = covariance^-1."""
     lower = np.linalg.cholesky(covariance)
     return np.linalg.solve(lower, np.eye(len(covariance)))
 
@@ -56,23 +59,25 @@ def window_map(
     fixed_arrival: bool = False,
     use_first_fix: bool = True,
 ) -> Array:
-    """Compute the linear map from a window's data to the state of its last node.
+    """Compute the matrix that turns a window's data into the state of the window's last fix.
 
     Parameters
     ----------
     intervals
-        Number of links; there are intervals + 1 nodes.
+        Number of links between neighbouring fixes. The window has one fix more.
     arrival_covariance
-        (states, states) covariance of the arrival state, or None for no arrival term.
+        Covariance (states, states) of the arrival state; None if there is no arrival term.
     fixed_arrival
-        Whether the arrival state is the oldest node's state; otherwise it is its prior.
+        If true, the oldest node's state equals the arrival state.
     use_first_fix
         False if the arrival state already includes the oldest fix.
 
     Returns
     -------
-    (states, intervals + 1 + states * intervals + states): columns for the fixes z_0 ... z_n, for
-    the inputs' effect on each interval, and for the arrival state. Unused data has zero columns.
+    array
+        Shape (states, intervals + 1 + states * intervals + states): columns for the fixes, oldest
+        first, then for the inputs' effect on the state over each interval, then for the arrival
+        state. Data that is not used has zero columns.
 
     Raises
     ------
@@ -116,23 +121,34 @@ def window_map(
 
 
 class CasadiWindow:
-    """Eq. (11) as an optimisation problem, solved by CasADi; it is the test of `window_map`.
+    """The optimisation problem of a window, Eq. (11) of Ren et al. (2019), solved by CasADi.
 
-    Only this class can solve a window with constraints; `constraints` is their number of rows on
-    every free node's state.
-
-    It solves two axes at once (states in the order of Sigma_2: x, y, v_x, v_y, b_x, b_y), with the
-    last node at the present. Variables are scaled by the standard deviations that the weights
-    imply.
+    Without constraints, `window_map` solves this problem in closed form; the class tests that
+    function. Only the class can solve a window with constraints. The hub study solves two axes at
+    once: the states are x, y, v_x, v_y, b_x, b_y (position, velocity and bias). Variables are
+    scaled by the sizes of the states that the caller gives.
 
     Parameters
     ----------
     intervals
-        Links between fixes.
+        Number of links between neighbouring fixes.
+    states, outputs
+        Numbers of components of a state and of a fix.
+    last_node
+        Whether the window has a further node, the present, t_f after the last fix.
+    arrival
+        Whether the arrival state is an uncertain prior of the oldest node's state.
+    fixed_arrival, use_first_fix
+        As in `window_map`.
     solver
         "qrqp" (an active-set QP solver; equal to the closed form up to rounding) or "ipopt".
-    arrival, fixed_arrival, use_first_fix
-        As in `window_map`: with an uncertain prior, with a fixed first state, or with neither.
+    constraints
+        Number of constraints on the state of each free node.
+
+    Raises
+    ------
+    ValueError
+        If `solver` is neither of the two.
     """
 
     def __init__(
@@ -228,7 +244,7 @@ class CasadiWindow:
         lower: Array,
         upper: Array,
     ) -> Array:
-        """The states of all nodes, (states, nodes [+ 1]).
+        """Compute the states of all nodes, one column per node, shape (states, nodes).
 
         The solution is refined once: the same problem is solved for the residuals. A solver alone
         has errors of up to 1e-10 of the states where the weights differ by many decades.
@@ -236,25 +252,28 @@ class CasadiWindow:
         Parameters
         ----------
         scale
-            (states,): sizes of the states, as the weights imply them.
+            Typical sizes of the states, as the weights imply them, shape (states,).
         z, inputs
-            (outputs, nodes) fixes and (states, links) effects of the inputs.
+            Position fixes (outputs, fixes), and the inputs' effects on the state (states, links).
         A, A_f
-            (states, states) over a GNSS interval and over t_f.
+            Transition matrices (states, states) from fix to fix, and over the time t_f from the
+            last fix to the last node.
         link, fix, prior
-            Square roots of information: (states, states), scalar or one per node (zero where the
-            fix is missing), (states, states).
+            Square roots of information matrices (inverse covariances) of a link (states, states),
+            of a fix (one number, or one per fix, zero for a missing fix), and of the arrival state
+            (states, states).
         x0
-            (states,) arrival state.
+            Arrival state (states,).
         rows, lower, upper
-            (constraints, states) and (constraints,): lower <= rows x <= upper at every free node.
+            The constraints lower <= rows x <= upper on the state x of every free node; shapes
+            (constraints, states), (constraints,), (constraints,).
 
         Raises
         ------
         ArithmeticError
-            If the solution does not meet the conditions of optimality: the gradient, with the
-            forces of active constraints, is not small, a constraint is violated or a multiplier has
-            the wrong sign. The solvers' flags of success are not reliable.
+            If the solution does not meet the conditions of optimality: the gradient of the
+            Lagrangian is not small, a constraint is violated, or a constraint that is not active
+            has a multiplier. (The solvers' own flags of success are not reliable.)
         """
         nodes = z.shape[1]
         fix = np.broadcast_to(fix, nodes)
@@ -269,7 +288,15 @@ class CasadiWindow:
         return states + self._minimum(limits, scale, rows, *left, *data, x0 - states[:, 0], prior)
 
     def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
-        """Return the first solver's answer that is a minimum within `limits` (2, nodes, rows)."""
+        """Return the states from the first solver whose answer is a minimum within `limits`.
+
+        `limits` has the shape (2, free nodes, constraints): lower limits, then upper limits.
+
+        Raises
+        ------
+        ArithmeticError
+            If no solver's answer is a minimum.
+        """
         packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
         p = np.concatenate([packed, scale, rows.ravel("F")])
         equal = np.zeros(self._equal)
@@ -286,7 +313,7 @@ class CasadiWindow:
         raise ArithmeticError(f"the MHE's solver stopped {fault}")
 
     def _slope_left(self, answer: Array, p: Array, force: Array) -> str:
-        """The fault if the gradient, with constraint forces, is not small; else empty."""
+        """Describe the fault if the gradient of the Lagrangian is not small; else return ""."""
         slope = np.asarray(self._gradient(answer, p)).ravel()
         start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
         if self._limited:
@@ -299,7 +326,10 @@ class CasadiWindow:
         return ""
 
     def _broken_limit(self, states: Array, rows: Array, limits: Array, force: Array) -> str:
-        """The fault if a limit is violated, or one not reached has a multiplier; else empty."""
+        """Describe the fault if a limit is violated or an unreached one has a multiplier.
+
+        Return "" if there is no fault.
+        """
         value = (rows @ states[:, -self._limited :]).T
         width = limits[1] - limits[0]
         below, above = (value - limits[0]) / width, (limits[1] - value) / width

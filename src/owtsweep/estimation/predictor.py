@@ -1,4 +1,4 @@
-"""Open-loop prediction over a stored input sequence, Algorithm 9 of Ren et al. (2019)."""
+"""Predicts a state by the model and stored inputs alone, Algorithm 9 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from owtsweep.estimation.discretisation import Discrete
 
 
 def predict(model: Discrete, state: Array, inputs: Array) -> Array:
-    """Step `state` (states,) through `inputs` (steps, inputs), oldest first.
+    """Predict a state (states,) over the steps of `inputs` (steps, inputs), oldest first.
 
-    The paper prints N_d - 1 steps with register 1, then N_s with u_s, which is the wrong order in
-    time. Here the inputs are in order of time.
+    Algorithm 9 of Ren et al. (2019) prints N_d - 1 steps with the inputs of register 1, then N_s
+    steps with u_s, which is the wrong order in time. Here the inputs are in order of time.
     """
     for u in inputs:
         state = model.A @ state + model.B @ u
@@ -22,7 +22,7 @@ def predict(model: Discrete, state: Array, inputs: Array) -> Array:
 
 
 def powers(A: Array, count: int) -> Array:
-    """(count + 1, states, states): I, A, A^2, ..., A^count."""
+    """Compute the powers I, A, A^2, ..., A^count, shape (count + 1, states, states)."""
     result = np.empty((count + 1, *A.shape))
     result[0] = np.eye(len(A))
     for i in range(count):
@@ -32,16 +32,16 @@ def powers(A: Array, count: int) -> Array:
 
 @dataclass(frozen=True)
 class PredictionNoise:
-    """How the noise of the inputs enters a prediction over `steps` steps.
+    """The ways in which noise enters a prediction over some number of steps.
 
     Attributes
     ----------
     transition
-        (states, states): A^steps.
+        Shape (states, states): A^steps.
     response
-        (steps, states): A^(steps-1-i) B, the effect of the noise of input i.
+        Shape (steps, states): row i is A^(steps-1-i) B, the effect of the input's noise at step i.
     process
-        (states, states): covariance of the process noise gathered on the way.
+        Shape (states, states): covariance of the process noise that all steps add.
     """
 
     transition: Array
@@ -50,7 +50,7 @@ class PredictionNoise:
 
 
 def prediction_noise(model: Discrete, steps: int) -> PredictionNoise:
-    """Response of a single-input model to the noise of each input of a prediction."""
+    """Compute how noise enters a prediction over `steps` steps, for a model with one input."""
     A = powers(model.A, steps)
     response = np.array([A[steps - 1 - i] @ model.B[:, 0] for i in range(steps)])
     process = np.zeros_like(model.Q)

@@ -1,7 +1,8 @@
-"""The covariance recursion of a two-rate Kalman filter, compiled.
+"""The compiled covariance recursion of a Kalman filter with a slow and a fast measurement.
 
-One measurement row is fast (every step), one slow (every `interval` steps). Symbols as in
-Algorithm 6 of Ren et al. (2019): P covariance, K gain, H measurement rows, S = H P H' + R.
+The fast measurement comes at every step, the slow one every `interval` steps. Symbols are those of
+Algorithm 6 of Ren et al. (2019): covariance P, gain K, measurement rows H, measurement variances R,
+and S = H P H' + R.
 """
 
 from __future__ import annotations
@@ -20,8 +21,9 @@ PROPER, MASK_COLUMNS, MASK_ROWS, EVERY_STEP = 0, 1, 2, 3
 class TwoRates(NamedTuple):
     """A model with a slow and a fast measurement.
 
-    A, Q (n, n); slow, fast (n,) measurement rows, of variances r_slow and r_fast; rule as above.
-    If `fast` is all zero, there is no fast measurement (the model takes it as an input).
+    A and Q have the shape (n, n). `slow` and `fast` are measurement rows (n,); their noises have
+    the variances `r_slow` and `r_fast`. If `fast` is all zero, there is no fast measurement: the
+    model takes the signal as an input. `rule` is PROPER, MASK_COLUMNS, MASK_ROWS or EVERY_STEP.
     """
 
     A: Array
@@ -34,7 +36,11 @@ class TwoRates(NamedTuple):
 
 
 class Pattern(NamedTuple):
-    """Steps between slow measurements: `start_interval` until `start_steps`, then `interval`."""
+    """The steps between slow measurements.
+
+    There are `start_interval` steps between slow measurements before the step `start_steps`, and
+    `interval` steps from the step `start_steps` on.
+    """
 
     interval: int
     start_interval: int
@@ -44,8 +50,8 @@ class Pattern(NamedTuple):
 class GainRows(NamedTuple):
     """The arrays that the recursion fills: one row per step.
 
-    K (rows, n, 2) gains; S (rows,) variance of the slow innovation; Pm, Pf (rows, n, n) P_k|k-1
-    and P_k|k.
+    K, shape (rows, n, 2): gains of the slow and of the fast measurement. S, shape (rows,): variance
+    of the slow innovation. Pm and Pf, shape (rows, n, n): covariances P_k|k-1 and P_k|k.
     """
 
     K: Array
@@ -56,10 +62,11 @@ class GainRows(NamedTuple):
 
 @njit
 def riccati_step(model, P, is_slow, K, Pm, Pf, work):
-    """One step from P: fill K (n, 2), Pm and Pf (n, n); returns the slow innovation's variance.
+    """Predict and correct the covariance P (n, n); return the slow innovation's variance.
 
-    `model` has the fields of `TwoRates`; `is_slow` says whether there is a slow measurement; `work`
-    is (3, n, n).
+    The gains are written into K (n, 2), the predicted covariance into Pm (n, n), the corrected one
+    into Pf (n, n). `model` has the fields of `TwoRates`. `is_slow` says whether this step has a
+    slow measurement. `work` is scratch space of shape (3, n, n).
     """
     A, Q, slow, fast = model.A, model.Q, model.slow, model.fast
     r_slow, r_fast, rule = model.r_slow, model.r_fast, model.rule
@@ -144,16 +151,17 @@ def riccati_step(model, P, is_slow, K, Pm, Pf, work):
 
 @njit
 def recursion(first, stop, quiet, model, P0, pattern, tolerance, filled):
-    """Fill the rows from `first` to stop - 1, or fewer, until a whole cycle repeats.
+    """Fill rows of `filled` from `first` on, up to stop - 1 or until a whole cycle repeats.
 
-    A cycle repeats when no element of Pf, scaled by its diagonal, has moved by more than
-    `tolerance` over `interval` steps. The rows before `first` must be there.
+    A cycle is one interval between slow measurements. A cycle repeats when, over `interval` steps
+    in a row, no element of Pf has moved by more than `tolerance` since `interval` steps earlier.
+    Elements are scaled by the diagonal of Pf. The rows before `first` must have been filled.
 
     Returns
     -------
     int, bool, int
-        Number of rows, whether they repeat, and for how many rows the covariance has not moved:
-        the argument `quiet` of the next call.
+        The number of filled rows; whether they repeat; and for how many rows the covariance has
+        not moved, which is the argument `quiet` of the next call.
     """
     interval, start_interval, start_steps = pattern
     K, S, Pm, Pf = filled

@@ -1,7 +1,8 @@
-"""Fixed-lag smoothing over a moving window, Algorithms 7 and 8 of Ren et al. (2019).
+"""Smooths with a fixed lag over a moving window, Algorithms 7 and 8 of Ren et al. (2019).
 
-`FixedLagSmoother` is the algorithm as written: at every step one Rauch-Tung-Striebel pass over the
-window. `smoother_gains` prepares the recursion that gives the same output in O(1) per step.
+`FixedLagSmoother` is the algorithm as written: at every step it makes one pass of Rauch, Tung and
+Striebel over the window. `smoother_gains` computes the gains of a recursion that gives the same
+output in O(1) per step.
 """
 
 from __future__ import annotations
@@ -18,10 +19,11 @@ _ROWS_AT_ONCE = 8192
 
 
 class FixedLagSmoother:
-    """Register 4 and the online RTS pass (Algorithms 7 and 8).
+    """The paper's register 4 and its smoothing pass (Algorithms 7 and 8 of Ren et al. 2019).
 
-    The printed loop indexes columns N_s - 1 ... 0 of registers with columns 1 ... N_s; a lag of
-    N_s steps is meant, so the window holds the newest filtered pair and the N_s before it.
+    The printed loop runs over columns N_s - 1 ... 0 of registers that have columns 1 ... N_s. A lag
+    of N_s steps is meant. The window therefore holds the newest filtered state and the N_s states
+    before it, each with its covariance. `window` is N_s; `transition` is the model's matrix A.
     """
 
     def __init__(self, transition: Array, window: int) -> None:
@@ -32,14 +34,19 @@ class FixedLagSmoother:
     def update(
         self, x: Array, P: Array, x_predicted: Array, P_predicted: Array
     ) -> tuple[Array, Array] | None:
-        """Push a filtered pair; if full, return state and covariance of `window` steps ago.
+        """Take a step's filtered state; return the smoothed state of `window` steps ago.
 
         Parameters
         ----------
         x, P
             Filtered state (states,) and covariance (states, states) of this step.
         x_predicted, P_predicted
-            The prediction that this step started from.
+            Predicted state and covariance of this step, before its measurement.
+
+        Returns
+        -------
+        tuple of array, or None
+            Smoothed state and covariance; None in the first `window` steps.
         """
         self.register.append((x, P, x_predicted, P_predicted))
         if len(self.register) <= self.window:
@@ -55,15 +62,18 @@ class FixedLagSmoother:
 
 
 def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple[Array, Array]:
-    """RTS gains C_k and D_k = -C_k ... C_{k+window-1} K_{k+window} of every schedule row.
+    """Compute the smoother's gains C_k and D_k for every row of a gain schedule.
 
-    D_k removes the contribution of the innovations of step k + window from the smoothed state of
-    step k, because the window of step k - 1 does not include them.
+    C_k are the gains of the Rauch-Tung-Striebel smoother, and
+    D_k = -C_k ... C_{k+window-1} K_{k+window}. D_k removes the contribution of the innovations of
+    step k + window from the smoothed state of step k, because the window of step k - 1 does not
+    include them.
 
     Returns
     -------
     C, D
-        (rows, states, states), and (rows, states, 2) for the slow and the fast measurement.
+        Shapes (rows, states, states) and (rows, states, 2); the columns of D_k belong to the slow
+        and to the fast measurement.
     """
     from owtsweep.estimation.windowing import leaving
 

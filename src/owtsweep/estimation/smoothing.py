@@ -1,12 +1,12 @@
-"""Smoothing: the state of each step given later measurements too.
+"""Smooths: computes the state of each step given later measurements too.
 
 Rauch, Tung and Striebel (1965): with C[k] = P[k|k] F' P[k+1|k]^-1,
 
     x[k|N] = x[k|k] + C[k] (x[k+1|N] - x[k+1|k])
     P[k|N] = P[k|k] + C[k] (P[k+1|N] - P[k+1|k]) C[k]'
 
-(Anderson and Moore 1979, section 7.4). A smoother goes backwards over a filter's run. It does not
-use the measurements again, so it does not matter here which of them were lost.
+(Anderson and Moore 1979, section 7.4). A smoother goes backwards over a filter's run. The smoother
+does not use the measurements again, so it does not matter here which of them were lost.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ KNOWN_EXACTLY = 1e-14
 
 
 class Smoothed(NamedTuple):
-    """state (series, steps, n) and its covariance (series, steps, n, n)."""
+    """The smoothed states, shape (series, steps, n), and covariances, (series, steps, n, n)."""
 
     state: Array
     covariance: Array
 
 
 def smooth(run: Filtered) -> Smoothed:
-    """The state of every step given the whole record."""
+    """Compute the state of every step given all measurements of the record."""
     gains, (series, steps, n) = run.gains, run.filtered.shape
     rows = gains.rows_of(steps)
     C_of_rows = compute_smoother_gains(run.model, gains)
@@ -47,16 +47,16 @@ def smooth(run: Filtered) -> Smoothed:
 
 
 def smooth_fixed_lag(run: Filtered, lag: int) -> Smoothed:
-    """The state of step k given the measurements up to step k + lag, or to the record's end.
+    """Compute the state of each step k given the measurements up to step k + lag.
 
-    For each step this is a pass of Rauch, Tung and Striebel from k + lag back to k. All windows are
-    smoothed side by side. The result is optimal for that lag, unlike that of
-    filterpy's FixedLagSmoother.
+    The last `lag` steps use the measurements up to the record's end. Each step k takes a pass of
+    Rauch, Tung and Striebel from k + lag back to k. All passes are made side by side. The
+    result is optimal for that lag; the result of filterpy's FixedLagSmoother is not.
 
     Parameters
     ----------
     lag
-        In steps, at least 0 (0 gives the filter's estimates).
+        Lag in steps, at least 0. With 0, the filter's estimates are returned.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def smooth_fixed_lag(run: Filtered, lag: int) -> Smoothed:
     newest = np.minimum(np.arange(steps) + lag, last)
     x, P = run.filtered[:, newest], gains.filtered[:, rows[newest]]
     for back in range(min(lag, last) - 1, -1, -1):  # from step k + back + 1 to step k + back
-        windows = slice(last - back)  # the others end with the record, later in this loop
+        windows = slice(last - back)  # the other windows end with the record: they are shorter
         at = np.arange(last - back) + back
         C = C_of_rows[:, rows[at]]
         ahead = x[:, windows] - run.predicted[:, at + 1]
@@ -82,7 +82,10 @@ def smooth_fixed_lag(run: Filtered, lag: int) -> Smoothed:
 
 
 def compute_smoother_gains(model: LinearModel, gains: Gains) -> Array:
-    """C of every row, (patterns, rows, n, n); without a cycle the last row is left out."""
+    """Compute the smoother's gains C for each row of `gains`, shape (patterns, rows, n, n).
+
+    If the gains do not repeat (`gains.cycle` is 0), the last row has no C and is left out.
+    """
     rows = gains.K.shape[1]
     count = rows if gains.cycle else rows - 1
     following = gains.predicted[:, gains.rows_of(count + 1)[1:]]
@@ -91,11 +94,12 @@ def compute_smoother_gains(model: LinearModel, gains: Gains) -> Array:
 
 
 def compute_smoother_gain(filtered: Array, F: Array, following: Array) -> Array:
-    """C = P[k|k] F' P[k+1|k]^-1 of (..., n, n) covariances.
+    """Compute the smoother's gain C = P[k|k] F' P[k+1|k]^-1, shape (..., n, n).
 
-    The inverse is a pseudo-inverse, since a state may be known exactly (if no noise drives it and
-    it has no uncertainty at the start). It is computed from the correlation matrix, so that units
-    do not affect what counts as exact.
+    `filtered` is P[k|k] and `following` is P[k+1|k]. The inverse is a pseudo-inverse, since a state
+    may be known exactly (if no noise drives the state and its first value is known). The
+    pseudo-inverse is computed from the correlation matrix, so that units do not affect which states
+    count as known exactly.
     """
     scale = np.sqrt(np.diagonal(following, axis1=-2, axis2=-1))
     scale = np.where(scale > 0.0, scale, 1.0)

@@ -1,4 +1,4 @@
-"""Compiled covariances of a fixed-lag smoother's window, and gains for what leaves the window.
+"""Compiled functions for the window of a fixed-lag smoother: its covariances and gains.
 
 There are four states. During computations matrices are tuples of rows. The compiler keeps tuples in
 registers and vectorises over them, which it may not do with small arrays that could overlap.
@@ -19,9 +19,10 @@ _ONE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 
 
 
 class FilterRows(NamedTuple):
-    """What a smoother takes from a filter, (rows, 4, 4) each.
+    """The arrays that a smoother takes from a filter, one row per step, shape (rows, 4, 4) each.
 
-    filtered P_k|k, predicted P_k|k-1, and C the RTS gains.
+    `filtered` is the covariance P_k|k, `predicted` is P_k|k-1, and C are the gains of the
+    Rauch-Tung-Striebel smoother.
     """
 
     filtered: Array
@@ -31,7 +32,10 @@ class FilterRows(NamedTuple):
 
 @njit
 def schedule_row(k, rows, cycle):
-    """The stored row of a gain schedule that serves step k; the last `cycle` rows repeat."""
+    """Return the index of the gain schedule's row that serves step k.
+
+    The schedule has `rows` rows; after them, the last `cycle` rows repeat for ever.
+    """
     if k < rows:
         return k
     settled = rows - cycle
@@ -40,9 +44,11 @@ def schedule_row(k, rows, cycle):
 
 @njit
 def leaving(first, stop, C, K, window, cycle, D):
-    """D_k = -C_k C_{k+1} ... C_{k+window-1} K_{k+window} of four states and two measurements.
+    """Compute D_k = -C_k C_{k+1} ... C_{k+window-1} K_{k+window} for k = first ... stop - 1.
 
-    Rows of C and K repeat after `cycle`; rows first ... stop - 1 of D are filled.
+    D_k is written into row k of D, shape (rows, 4, 2): four states, two measurements. C, shape
+    (rows, 4, 4), are the smoother's gains, and K, shape (rows, 4, 2), are the filter's. After the
+    last row of C and K, the last `cycle` rows repeat.
     """
     rows = C.shape[0]
     for k in range(first, stop):
@@ -58,13 +64,14 @@ def leaving(first, stop, C, K, window, cycle, D):
 
 @njit
 def covariances(rows, window, h, response, smoothed, coupling, first=0):
-    """Smoothed covariance at the start of each window, and its coupling to the inputs' noise.
+    """Compute smoothed covariances of the first steps of windows, and their coupling to noise.
 
-    `rows` are `FilterRows`. Row i of `smoothed` and `coupling` belongs to k = first + i; rows with
-    k < window are left as they are. For the window s ... k = s + window: smoothed = P_{s|k} and
-    coupling = sum over i of C_s ... C_{s+i-1} P_{s+i|k} h response_i'. The coupling is the
-    cross-covariance of two errors: the smoothing error of s, and the error of a prediction from s
-    that the noise v of the window's measurements h x + v causes.
+    `rows` are `FilterRows`. A window has the steps s ... k, where s = k - window. Row i of the
+    outputs `smoothed` (4, 4 each) and `coupling` (4, outputs each) belongs to k = first + i; rows
+    with k < window are left as they are. smoothed = P_{s|k}, and coupling = sum over i of
+    C_s ... C_{s+i-1} P_{s+i|k} h response_i'. The coupling is a cross-covariance of two errors. The
+    first is the smoothing error at step s. The second is the error of a prediction from s that is
+    due to the noise v of the window's measurements h x + v.
     """
     Pf, Pm, C = rows
     outputs = response.shape[1]
@@ -97,7 +104,7 @@ def covariances(rows, window, h, response, smoothed, coupling, first=0):
 
 @njit
 def _matrix(A, k):
-    """Matrix k of an array."""
+    """Return matrix k of an array (rows, 4, 4) as a tuple of four rows."""
     return (
         (A[k, 0, 0], A[k, 0, 1], A[k, 0, 2], A[k, 0, 3]),
         (A[k, 1, 0], A[k, 1, 1], A[k, 1, 2], A[k, 1, 3]),
@@ -125,7 +132,7 @@ def _transposed(A):
 
 @njit
 def _plus_product(M, A, B):
-    """M + A B; each element is summed in the order of A's columns."""
+    """Return M + A B; the products of each element are added in the order of A's columns."""
     return (
         _plus_row_product(M[0], A[0], B),
         _plus_row_product(M[1], A[1], B),

@@ -14,9 +14,9 @@ class Quantity(NamedTuple):
     Attributes
     ----------
     name
-        Its name in estimates and tables.
+        The quantity's name in estimates and tables.
     components
-        Names of its components in tables; an estimate of it has this many numbers.
+        The names of its components in tables. An estimate of the quantity has as many numbers.
     """
 
     name: str
@@ -28,7 +28,10 @@ PLANAR_MOTION = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "
 
 
 class Innovation(NamedTuple):
-    """value (m,): a measurement minus its prediction; covariance (m, m) of that difference."""
+    """The innovation: a measurement minus its prediction.
+
+    `value`, shape (m,), is this difference; `covariance`, shape (m, m), is its covariance.
+    """
 
     value: Array
     covariance: Array
@@ -37,8 +40,8 @@ class Innovation(NamedTuple):
 class Estimate:
     """The estimate of the present state.
 
-    A study defines which quantities it judges, their dimensions and units. The hub study, for
-    example, judges position and velocity, (2,) each, in NED, in m and m/s:
+    A study defines which quantities are judged, and their dimensions and units. The hub study, for
+    example, judges position (m) and velocity (m/s), each of shape (2,), north and east:
     `Estimate(position, velocity)`. Other quantities are given by name,
     `Estimate(angle=..., strain=...)`, and become attributes of that name.
 
@@ -47,10 +50,11 @@ class Estimate:
     position, velocity
         Two quantities that most studies judge.
     covariance
-        (n, n) of all judged quantities, one after the other in the study's order, or None. With it
-        the study reports NEES.
+        Covariance (n, n) of all judged quantities, one after the other in the study's order. With a
+        covariance the study reports NEES; None means no covariance.
     innovation
-        The innovation of this step's measurement, or None. With it the study reports NIS.
+        The innovation of this step's measurement. With innovations the study reports NIS; None
+        means no innovation.
     quantities
         Further quantities by name.
 
@@ -91,6 +95,6 @@ class Estimate:
         return f"Estimate({said})"
 
     def _replace(self, **changes: Any) -> Estimate:
-        """A copy with other quantities, another covariance or another innovation."""
+        """Return a copy in which some quantities, the covariance or the innovation are replaced."""
         kept = {"covariance": self.covariance, "innovation": self.innovation}
         return Estimate(**{**self.quantities, **kept, **changes})

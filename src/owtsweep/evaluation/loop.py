@@ -1,7 +1,7 @@
 """Runs an estimator as on board: one `update` per step.
 
-Some quantities, the inputs, are measured at every step, such as the accelerations of an IMU. Others
-are measured less often; such a measurement is called a fix, for example a position from GNSS.
+Quantities that are measured at every step, such as the accelerations of an IMU, are called inputs.
+A measurement that comes less often, such as a position from GNSS, is called a fix.
 """
 
 from __future__ import annotations
@@ -19,13 +19,16 @@ from owtsweep.evaluation.trajectory import Trajectory
 class Updating(Protocol):
     """An estimator that can be run step by step.
 
-    An estimator may also offer `run_record(inputs, fixes) -> Trajectory`. It takes many steps in
-    one call and returns the same estimates as `update` step by step; a fix that did not arrive is
-    NaN.
+    An estimator may also offer `run_record(inputs, fixes) -> Trajectory`. This method takes many
+    steps in one call and returns the same estimates as `update` step by step. At steps without a
+    fix, the row of `fixes` is NaN.
     """
 
     def update(self, inputs: Array, fix: Array | None = None, /) -> Any:
-        """Take the inputs of a step, and a fix if one arrived; return an `Estimate`."""
+        """Take the inputs of a step, and a fix or None; return an `Estimate`.
+
+        A fix is a measurement that does not come at every step, such as a position from GNSS.
+        """
 
 
 def run_estimator(
@@ -41,13 +44,14 @@ def run_estimator(
     Parameters
     ----------
     inputs
-        (steps, i): the measurements of every step.
+        The measurements of every step, shape (steps, i).
     fixes
-        (fixes, m): the fixes at steps 0, M, 2 M, ...; NaN if a fix did not arrive.
+        The less frequent measurements, such as positions from GNSS, shape (fixes, m). Row j belongs
+        to step j * fix_interval. The row is NaN if the fix did not arrive.
     fix_interval
-        M, in steps.
+        Number of steps from one fix to the next.
     judged
-        As for `run_steps`.
+        The quantities to take from the estimates, in their order in the state.
 
     Raises
     ------
@@ -72,7 +76,8 @@ def run_steps(
     Parameters
     ----------
     inputs, fixes
-        (steps, i) and (steps, m), one row per step; a fix that did not arrive is NaN.
+        Measurements of every step (steps, i), and less frequent ones (steps, m), one row per step.
+        At steps without a fix, the row of `fixes` is NaN.
     first
         Number of the first of these steps, for error messages.
     judged
@@ -89,6 +94,7 @@ def run_steps(
     run_record = getattr(estimator, "run_record", None)
     if run_record is not None:
         trajectory: Trajectory = run_record(inputs, fixes)
+        _check_trajectory(trajectory, len(inputs), sum(len(each.components) for each in judged))
     else:
         estimates = _update_step_by_step(estimator, inputs, fixes)
         trajectory = collect(estimates, judged, len(inputs), first)
@@ -125,7 +131,8 @@ def collect(
     TypeError
         If an item is not an `Estimate`.
     ValueError
-        If an estimate lacks a quantity, or one has the wrong shape. The message names the step.
+        If an estimate lacks a quantity, or a quantity has the wrong shape. The message names the
+        step.
     """
     size = sum(len(quantity.components) for quantity in judged)
     state = np.empty((steps, size))
@@ -143,22 +150,51 @@ def collect(
         if estimate.covariance is not None:
             if covariance is None:
                 covariance = np.full((steps, size, size), np.nan)
-            covariance[k] = estimate.covariance
+            covariance[k] = _check_array(estimate.covariance, (size, size), "covariance", first + k)
         if estimate.innovation is not None:
-            value = np.asarray(estimate.innovation.value)
+            value, weight = estimate.innovation.value, estimate.innovation.covariance
             if innovation is None or innovation_covariance is None:
-                innovation = np.full((steps, len(value)), np.nan)
-                innovation_covariance = np.full((steps, len(value), len(value)), np.nan)
-            innovation[k] = value
-            innovation_covariance[k] = estimate.innovation.covariance
+                m = len(value)
+                innovation = np.full((steps, m), np.nan)
+                innovation_covariance = np.full((steps, m, m), np.nan)
+            m = innovation.shape[1]
+            innovation[k] = _check_array(value, (m,), "innovation", first + k)
+            innovation_covariance[k] = _check_array(
+                weight, (m, m), "innovation's covariance", first + k
+            )
     return Trajectory(state, covariance, innovation, innovation_covariance)
 
 
 def _check_quantity(estimate: Estimate, name: str, size: int, step: int) -> Array:
-    """A quantity of an estimate, (size,)."""
+    """Return a quantity of an estimate as an array (size,), after checks.
+
+    Raises
+    ------
+    ValueError
+        If the estimate lacks the quantity or has another shape. The message names the step.
+    """
     if name not in estimate.quantities:
         raise ValueError(f"the estimate of step {step} has no {name}")
-    array = np.asarray(estimate.quantities[name], dtype=float)
-    if array.shape != (size,):
-        raise ValueError(f"the {name} of step {step} has the shape {array.shape}, not ({size},)")
-    return array
+    return _check_array(estimate.quantities[name], (size,), name, step)
+
+
+def _check_array(value: Any, shape: tuple[int, ...], what: str, step: int) -> Array:
+    """A value as real numbers of this shape; NumPy would stretch or cut others silently."""
+    array = np.asarray(value)
+    if array.shape != shape:
+        raise ValueError(f"the {what} of step {step} has the shape {array.shape}, not {shape}")
+    if array.dtype.kind not in "fiubO":
+        raise ValueError(f"the {what} of step {step} holds {array.dtype}, not real numbers")
+    return array.astype(float, copy=False)
+
+
+def _check_trajectory(trajectory: Trajectory, steps: int, size: int) -> None:
+    """Refuse the answer of `run_record` if it is not that of so many steps and components."""
+    if not isinstance(trajectory, Trajectory):
+        raise TypeError(f"run_record gave a {type(trajectory).__name__}, not a Trajectory")
+    state = np.asarray(trajectory.state)
+    if state.shape != (steps, size) or state.dtype.kind != "f":
+        raise ValueError(
+            f"run_record gave states of {state.dtype} and the shape {state.shape}, not numbers of "
+            f"the shape ({steps}, {size})"
+        )

@@ -1,8 +1,9 @@
 """Measures computed from errors: MSE, NEES and NIS of quantities of any dimension.
 
-A linear estimator's error is the sum of two parts, one from the motion and one from everything else
-(noise). Every measure here is a mean of squares, so it splits into three products of the parts.
-Their means give the measure at any amplitude N of the motion: N^2 motion + 2 N cross + noise.
+A linear estimator's error is the sum of two parts: one is due to the motion, the other to all else
+(noise). Every measure here is a mean of squares, so it splits into three products of the parts:
+motion x motion, motion x noise and noise x noise. With their means, here called motion, cross and
+noise, the measure at any amplitude N of the motion is N^2 motion + 2 N cross + noise.
 """
 
 from __future__ import annotations
@@ -22,14 +23,16 @@ class Errors(NamedTuple):
     Attributes
     ----------
     state
-        (steps, n) errors of all judged quantities: either one array of the total error, or two
-        arrays of its parts, motion and noise.
+        Errors of all judged quantities, shape (steps, n) each: either one array, the total error,
+        or two arrays, the parts due to motion and to noise.
     covariance
-        (steps, n, n): the estimator's covariance, NaN at steps without one; None if it gave none.
+        The estimator's covariances, shape (steps, n, n), NaN at steps without one. None if the
+        estimator gave no covariance at all.
     innovation
-        (steps, m) innovations, as many arrays as in `state`, NaN at steps without one; or none.
+        Innovations, shape (steps, m) each, NaN at steps without one: as many arrays as in `state`,
+        or no array if the estimator gave no innovation.
     innovation_covariance
-        (steps, m, m), or None.
+        Covariances of the innovations, shape (steps, m, m), or None.
     """
 
     state: Sequence[Array]
@@ -41,8 +44,9 @@ class Errors(NamedTuple):
 class Mean(NamedTuple):
     """The mean of a measure over the steps of a record.
 
-    products (3,): means of motion x motion, motion x noise, noise x noise; samples: number of steps
-    in the means. If errors are not split into parts, they count as noise.
+    `products`, shape (3,), are the means of motion x motion, motion x noise and noise x noise:
+    products of the two parts of the error, one due to motion and one due to noise. If errors are
+    not split into parts, they count as noise. `samples` is the number of steps in the means.
     """
 
     products: Array
@@ -50,12 +54,13 @@ class Mean(NamedTuple):
 
 
 def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[str, Mean]:
-    """Compute the measures of a record from step `first` on, by name.
+    """Compute the measures of a record from step `first` on; return them by name.
 
-    They are the mean squared error of every component, that of every quantity as the sum over its
-    components, and NEES and NIS if the estimator gave covariances and innovations. NEES is the
-    squared error weighted with the inverse of its covariance, NIS the same for the innovation
-    (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+    Measures are the mean squared error of every component and of every quantity (the sum over its
+    components), NEES if the estimator gave covariances, and NIS if it gave innovations. NEES is the
+    squared error weighted with the inverse of the estimator's covariance. NIS is the squared
+    innovation weighted with the inverse of the innovation's covariance (Bar-Shalom, Li and
+    Kirubarajan 2001, section 5.4).
 
     Parameters
     ----------
@@ -82,8 +87,11 @@ def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[
 def _add_weighted(
     means: dict[str, Mean], name: str, parts: Sequence[Array], covariance: Array
 ) -> None:
-    """Add the mean square weighted with the inverse covariance, over the steps that have both."""
-    there = np.isfinite(covariance[:, 0, 0]) & np.isfinite(parts[-1][:, 0])
+    """Add to `means`, under `name`, a mean square weighted with the inverse of a covariance.
+
+    The mean is over the steps that have values and a covariance; without such steps, add nothing.
+    """
+    there = np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(parts[-1][:, 0])
     if there.any():  # after the settling time there may be no measurement
         weights = np.linalg.inv(covariance[there])
         products = _products([part[there] for part in parts], weights)
@@ -91,7 +99,10 @@ def _add_weighted(
 
 
 def _products(parts: Sequence[Array], weights: Array | None = None) -> Array:
-    """Means of motion x motion, motion x noise, noise x noise; (3,)."""
+    """Compute the means of motion x motion, motion x noise and noise x noise, shape (3,).
+
+    `parts` are the two parts of an error, or one array, which counts as noise.
+    """
 
     def mean(a: Array, b: Array) -> float:
         if weights is None:

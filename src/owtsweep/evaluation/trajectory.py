@@ -16,12 +16,14 @@ class Trajectory(NamedTuple):
     Attributes
     ----------
     state
-        (steps, n): the judged quantities, one after the other; of a planar motion x, y (m), v_x,
-        v_y (m/s) in NED.
+        The judged quantities, one after the other, shape (steps, n). For a planar motion the
+        columns are x, y (m), v_x, v_y (m/s), where x is north and y is east.
     covariance
-        (steps, n, n) of the state, NaN at steps without one; None if no step has one.
+        Covariances of the state, shape (steps, n, n), NaN at steps without one; None if no step has
+        a covariance.
     innovation, innovation_covariance
-        (steps, m) and (steps, m, m), NaN at steps without one; None if no step has one.
+        Innovations (steps, m) and their covariances (steps, m, m), NaN at steps without one; None
+        if no step has an innovation.
     """
 
     state: Array
@@ -31,16 +33,16 @@ class Trajectory(NamedTuple):
 
     @property
     def deviation(self) -> Array:
-        """(steps, n): standard deviations of the state; NaN without a covariance."""
+        """The standard deviations of the state, shape (steps, n); NaN without a covariance."""
         if self.covariance is None:
             return np.broadcast_to(np.nan, self.state.shape)
         return np.asarray(np.sqrt(np.einsum("kii->ki", self.covariance)))
 
     @property
     def scaled_innovation(self) -> Array:
-        """(steps, m): innovations over their own standard deviations; NaN at steps without one.
+        """The innovations divided by their standard deviations, shape (steps, m).
 
-        If no step has one, m is 1.
+        Rows of steps without an innovation are NaN. If no step has an innovation, m is 1.
         """
         if self.innovation is None or self.innovation_covariance is None:
             return np.broadcast_to(np.nan, (len(self.state), 1))
@@ -48,22 +50,28 @@ class Trajectory(NamedTuple):
         return np.asarray(self.innovation / np.sqrt(variance))
 
     def axis_covariance(self, axis: int) -> Array:
-        """(steps, 2, 2) of (p, v) along x (0) or y (1) of a planar motion; NaN without one."""
+        """Return the covariances of position and velocity along one axis of a planar motion.
+
+        `axis` is 0 for x and 1 for y. The shape is (steps, 2, 2); all is NaN without covariances.
+        """
         if self.covariance is None:
             return np.broadcast_to(np.nan, (len(self.state), 2, 2))
         return self.covariance[:, axis::2, axis::2]
 
     def part(self, steps: slice) -> Trajectory:
-        """Some of the steps, without a copy."""
+        """Return the part with these steps, without copying its arrays."""
         return Trajectory(*(None if a is None else a[steps] for a in self))  # type: ignore[arg-type]
 
     def copy(self) -> Trajectory:
-        """A copy. Unlike a part made by `part`, it does not keep the whole trajectory in memory."""
+        """Return a copy. A copy of a part does not keep the whole trajectory in memory."""
         return Trajectory(*(None if a is None else np.array(a) for a in self))  # type: ignore[arg-type]
 
 
 def join(pieces: Sequence[Trajectory]) -> Trajectory:
-    """Join successive pieces. Arrays that only some pieces have are NaN in the others."""
+    """Join successive pieces of a trajectory.
+
+    If only some pieces have an array, such as covariances, the rows of the other pieces are NaN.
+    """
     state = np.concatenate([piece.state for piece in pieces])
     return Trajectory(state, *(_join([piece[i] for piece in pieces], pieces) for i in (1, 2, 3)))
 
@@ -79,5 +87,10 @@ def _join(series: Sequence[Array | None], pieces: Sequence[Trajectory]) -> Array
 
 
 def spread_to_both_axes(covariance: Array) -> Array:
-    """(n, 2, 2) of (p, v), the same for x and y, as (n, 4, 4) of a planar motion."""
+    """Make the covariances of a planar motion from those along one axis.
+
+    The input, shape (n, 2, 2), is the covariance of position and velocity along x; that along y is
+    equal, and the axes are uncorrelated. The result has the shape (n, 4, 4), in the order x, y,
+    v_x, v_y.
+    """
     return np.kron(covariance, np.eye(2))

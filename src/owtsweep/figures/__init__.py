@@ -1,4 +1,4 @@
 """Figures for every study: style, palette, the best-scheme map, the map in the terminal.
 
-Functions that draw are called under `style.context`; `drawings.save_figure` sees to that.
+Call functions that draw under `style.context`, as `drawings.save_figure` does.
 """

@@ -1,7 +1,7 @@
-"""The best scheme over two conditions, as in figure 18 of Ren et al. (2019).
+"""Draw the map of the best scheme in every cell of two conditions, as Fig. 18 of Ren et al. (2019).
 
-Unlike figure 18, the map shows where the data do not distinguish the best scheme from the next
-(hatched), and by how much the next is worse.
+Unlike Fig. 18, the map hatches cells where the data do not distinguish the best scheme from the
+next best, and it shows by how much the next best is worse.
 """
 
 from __future__ import annotations
@@ -46,29 +46,29 @@ def draw(
     replicates: int | None = None,
     failures: int = 0,
 ) -> Figure:
-    """Draw the map of the best scheme in every cell.
+    """Draw the map of the best scheme in every cell, with title, legend and footnote.
 
     Parameters
     ----------
     best
-        Columns of best_scheme.csv.
+        The table best_scheme.csv of a run.
     schemes
         All schemes compared, in the order of the legend.
     conditions
         The study's conditions; at most two of them may have several values.
     criterion, window
-        Both select the rows and are named in the title.
+        Measure and window of the rows to draw; both are named in the title.
     tuning
-        Named in the title.
+        Name of the tuning, for the title.
     quantity
         What the title calls the criterion; "<criterion> MSE" if empty.
     coinciding
-        Groups of schemes with the same numbers (`best_scheme.find_coinciding`); the map shows the
-        last name of each.
+        Groups of schemes with equal results (`results.best_scheme.find_coinciding`). The map shows
+        each group under the last of its names.
     replicates
-        Planned number of records per cell, named in the title if given.
+        Planned number of records per cell, for the title; None leaves the number out.
     failures
-        Number of failed cases. If there are any, title and footnote say that cells may hold fewer
+        Number of failed cases. If it is not 0, title and footnote say that cells may have fewer
         records.
 
     Raises
@@ -117,13 +117,14 @@ def draw_cells(
     Parameters
     ----------
     rows
-        Rows of best_scheme.csv of one criterion and window.
+        Rows of best_scheme.csv with one criterion and one window.
     schemes
         All schemes compared.
     plane
         The axes of the map.
     labels
-        Text in a cell: best and next best on "two lines" or "one line", only the "best", or "none".
+        The text in a cell. "two lines" and "one line": the best scheme and the next best. "best":
+        the best scheme only. "none": no text, and the cells are drawn as pixels.
     """
     for row in rows:
         column, line = plane.place(row)
@@ -146,7 +147,7 @@ def draw_cells(
 def _label(
     axes: Axes, look: SchemeStyle, place: tuple[int, int], names: tuple[str, str], *, tall: bool
 ) -> None:
-    """Write the best scheme, and the next best if its text is not empty, into a cell."""
+    """Write two texts into a cell: the best scheme and the next best, which may be ""."""
     column, line = place
     best, runner_up = names
     # the box hides the hatch behind the letters
@@ -162,7 +163,10 @@ def _label(
 
 
 def _describe_runner_up(row: dict[Any, Any]) -> str:
-    """The next best scheme and by how many per cent its MSE is larger; "" if there is none."""
+    """Name the next best scheme of a cell, and by how much its MSE is larger, e.g. "HME1 +12 %".
+
+    Returns "" if there is no next best scheme, or if the best scheme's MSE is not positive.
+    """
     if not row["runner_up"] or not row["mse_best"] > 0:
         return ""
     excess = max(100.0 * row["difference"] / row["mse_best"], 0.0)
@@ -191,13 +195,14 @@ def _make_legend(
         alike = next((group for group in groups if group[-1] == name), (name,))
         cells = winners.count(name)
         label = f"{' = '.join(alike)} ({cells} cell{'s' * (cells != 1)})"
-        handles.append(Patch(facecolor=style_of(name, schemes).color, label=label))
+        look = style_of(name, schemes)
+        handles.append(Patch(facecolor=look.color, label=style.label_of(label)))
     hatched = not all(row["distinguishable"] for row in rows)
     return handles + explain_marks(hatched=hatched, holes=holes)
 
 
 def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
-    """The legend's entries for everything on a map except the schemes' colours."""
+    """Make the legend's entries for hatched cells and for cells without a result, where present."""
     marks = []
     if hatched:
         look: dict[str, Any] = {"facecolor": "0.6", "edgecolor": "white", "hatch": HATCH}

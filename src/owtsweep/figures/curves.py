@@ -1,4 +1,4 @@
-"""A measure over one condition: a curve with its interval as a band for every scheme."""
+"""Draw measures against one condition: for every scheme a curve with a band, its 95 % interval."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from owtsweep.figures import style
 from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.results.conditions import Condition, Value, order_values, show_value
 
-#: Every value has a tick unless two ticks would be closer than this fraction of a logarithmic axis.
+#: Every value of the condition has a tick, unless two ticks would be closer than this fraction of a
+#: logarithmic axis.
 CLOSEST_TICKS = 0.045
 #: A logarithmic axis cannot show zero, so the lower end of an interval is at least this fraction of
 #: its mean.
@@ -35,7 +36,18 @@ def choose(
     window: str,
     fixed: Mapping[Condition, Value],
 ) -> pd.DataFrame:
-    """The rows of a summary at fixed values of conditions.
+    """Return the rows of a summary with these schemes, this window and these condition values.
+
+    Parameters
+    ----------
+    summary
+        The table summary.csv of a run.
+    schemes
+        Names of the schemes to keep.
+    window
+        The window to keep, e.g. "full".
+    fixed
+        Condition -> the value to keep; other conditions keep all their values.
 
     Raises
     ------
@@ -73,28 +85,29 @@ def draw(
     coinciding: Sequence[Sequence[str]] = (),
     notes: Sequence[str] = (),
 ) -> Figure:
-    """Draw measures of all schemes over a condition, one panel per measure.
+    """Draw measures of all schemes against a condition, one panel per measure, side by side.
 
     Parameters
     ----------
     shown
-        Rows of a summary with one value of every condition except `along`, as `choose` returns
-        them.
+        Rows of a run's table summary.csv with one value of every condition except `along`, as
+        `choose` returns them.
     schemes
         Schemes to draw, in the order of the legend.
     along
-        The condition; its `scale` makes the axis linear or logarithmic.
+        The condition on the horizontal axis; its `scale` makes this axis linear or logarithmic.
     panels
-        Measure -> label of its axis, which is logarithmic.
+        Measure -> label of the vertical axis, which is logarithmic.
     title
-        Of the figure.
+        Title of the figure.
     points
-        Points from other sources, e.g. published ones, drawn hollow. Columns scheme, measure, the
-        name of the condition, value; may be empty.
+        Points from other sources, e.g. published ones, drawn hollow. Columns scheme, measure,
+        value, and one named like the condition. The table may be empty.
     points_label
         The legend's entry for the points; "" for none.
     coinciding
-        Groups of schemes with the same numbers (`best_scheme.find_coinciding`), for the footnote.
+        Groups of schemes with equal results (`results.best_scheme.find_coinciding`), for the
+        footnote.
     notes
         Sentences at the end of the footnote.
     """
@@ -120,7 +133,10 @@ def draw(
 
 
 def _place(column: pd.Series[Any], levels: Sequence[Value]) -> Any:
-    """Positions of values on the axis: numbers as they are, texts at 0, 1, 2, ..."""
+    """Return the positions of a column's values on the axis: numbers as they are, texts by index.
+
+    The index of a text is its place in `levels`, from 0.
+    """
     if isinstance(levels[0], str):
         return column.map(levels.index).to_numpy()
     return column.to_numpy()
@@ -164,7 +180,8 @@ def _make_legend(shown: pd.DataFrame, schemes: Sequence[str], points_label: str)
     handles: list[Any] = []
     for name in schemes:
         look = style_of(name, schemes)
-        line: dict[str, Any] = {"linestyle": look.line, "marker": look.marker, "label": name}
+        line: dict[str, Any] = {"linestyle": look.line, "marker": look.marker}
+        line["label"] = style.label_of(name)
         handles.append(Line2D([], [], color=look.color, **line))
     if shown["ci_low"].notna().any():
         handles.append(Patch(facecolor="0.6", alpha=0.5, label="95 % interval\nof the mean"))

@@ -1,9 +1,10 @@
-"""Draws the figures of a run: all for which it has data, or one by name."""
+"""Draw the figures of a run: all for which the run has data, or one by name."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,7 @@ Drawing = Callable[[Path, str], list[Path]]
 
 
 def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) -> Drawing:
-    """Make a drawing that saves a figure in the package's style, with its metadata."""
+    """Make a function that draws a figure in the package's style and saves it with the metadata."""
 
     def drawing(folder: Path, name: str) -> list[Path]:
         from owtsweep.figures import style
@@ -30,8 +31,18 @@ def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) 
     return drawing
 
 
-def draw_each(drawings: Mapping[str, Drawing], folder: Path, only: str | None) -> list[Path]:
+def draw_each(
+    drawings: Mapping[str, Drawing],
+    folder: Path,
+    only: str | None,
+    guard: Callable[[], AbstractContextManager[None]] = nullcontext,
+) -> list[Path]:
     """Draw all figures for which the run has data, or only the one called `only`.
+
+    Parameters
+    ----------
+    guard
+        The context in which each is drawn; it may turn errors into `InputError`.
 
     Raises
     ------
@@ -45,7 +56,8 @@ def draw_each(drawings: Mapping[str, Drawing], folder: Path, only: str | None) -
         if only not in (None, name):
             continue
         try:
-            files += draw(folder, name)
+            with guard():
+                files += draw(folder, name)
         except InputError as error:
             if only is not None:
                 raise

@@ -1,4 +1,4 @@
-"""Lines over time, reduced to a moderate number of points; gaps are kept."""
+"""Reduce time series to lines with a moderate number of points; gaps are kept."""
 
 from __future__ import annotations
 
@@ -6,24 +6,25 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
-#: Points of a series that is alone over the width of a figure: more than the figure's pixels.
+#: Points of the only line in a panel as wide as the figure: more than the figure has pixels.
 WIDE = 4000
-#: Points of one line. With this number, four lines in two panels make an SVG of about 400 KiB.
+#: Points of one line of several. With this number, four lines in two panels make an SVG of about
+#: 400 KiB.
 POINTS = 1200
 
-#: A line as pieces without a gap: times (s) and values, (n,) each.
+#: A line: its pieces without a gap. Each piece has times in s and values, shape (n,) each.
 Line = list[tuple[Array, Array]]
-#: The lines of x and y.
+#: A line for x and a line for y.
 Pair = tuple[Line, Line]
 
 
 def make_line(time: Array, values: Array) -> Line:
-    """Make a line of about `POINTS` points, divided into pieces at its gaps.
+    """Make a line of about `POINTS` points, divided into pieces at the gaps.
 
     Parameters
     ----------
     time, values
-        (n,) each; values that are not finite make a gap.
+        Times in s and values, shape (n,) each. Values that are not finite make a gap.
     """
     present = np.isfinite(values)
     if np.all(present):
@@ -37,33 +38,36 @@ def make_line(time: Array, values: Array) -> Line:
 
 
 def make_pair(time: Array, values: Array) -> Pair:
-    """Make lines of the two columns of (n, 2) values."""
+    """Make one line of each column of `values`, shape (n, 2); columns x and y."""
     return make_line(time, values[:, 0]), make_line(time, values[:, 1])
 
 
 def clip(time: Array, values: Array, view: tuple[float, float]) -> tuple[Array, Array]:
-    """The part of a series that lies in a view (first and last time, s)."""
+    """Return the times and values of a series from view[0] to view[1], both in s and included.
+
+    `time` has shape (n,); the first axis of `values` has length n.
+    """
     inside = (time >= view[0]) & (time <= view[1])
     return time[inside], values[inside]
 
 
 def decimate(time: Array, values: Array, points: int = WIDE) -> tuple[Array, Array]:
-    """Keep the least and the greatest value in each of points / 2 equal spans, in order of time.
+    """Reduce a series to about `points` samples and keep its visible envelope.
 
-    So all extremes and the visible envelope of the series are kept. The first and the last sample
-    are kept too.
+    The series is divided into points / 2 equal spans. Kept are the least and the greatest value of
+    each span, and the first and the last sample of the series, in order of time.
 
     Parameters
     ----------
     time, values
-        (n,) each, finite.
+        Shape (n,) each, finite.
     points
-        A series of no more than that many samples is returned as it is.
+        A series of at most this many samples is returned as it is.
 
     Returns
     -------
     time, values
-        (at most `points` + 2,) each.
+        The samples kept, at most `points` + 2.
     """
     n = len(values)
     if n <= points:

@@ -1,4 +1,4 @@
-"""The look of each scheme, the same in every figure, table and terminal.
+"""The look of each scheme: colour, marker and line style, the same in all figures and tables.
 
 Colours are those of Okabe and Ito (2008), which colour-blind readers can distinguish. A marker and
 a line style distinguish schemes in black and white.
@@ -18,14 +18,14 @@ LineStyle = Literal["-"] | tuple[int, tuple[int, ...]]
 
 @dataclass(frozen=True)
 class SchemeStyle:
-    """How a scheme is drawn.
+    """The look of one scheme.
 
     Attributes
     ----------
     color
-        "#RRGGBB".
+        The colour as "#RRGGBB".
     marker, line
-        As matplotlib takes them.
+        Marker and line style, in matplotlib's notation.
     """
 
     color: str
@@ -34,7 +34,7 @@ class SchemeStyle:
 
     @property
     def text_color(self) -> str:
-        """Black or white, whichever is easier to read on `color` (contrast ratio of WCAG 2)."""
+        """The colour of text on `color`: black or white, by the greater contrast ratio (WCAG 2)."""
         luminance = relative_luminance(self.color)
         return "#000000" if (luminance + 0.05) ** 2 > 0.05 * 1.05 else "#ffffff"
 
@@ -53,25 +53,24 @@ SPARE_LINES: tuple[LineStyle, ...] = (
 
 
 def reserve(looks: Mapping[str, SchemeStyle]) -> None:
-    """Give schemes their looks; a study does so once, where it is defined.
+    """Reserve looks for schemes by name; a study calls this once, where the study is defined.
 
-    A name that already has a look keeps it, so a name has the same look in the figures of all
-    studies.
+    A name that already has a look keeps it, so a scheme looks the same in all studies.
     """
     for name, look in looks.items():
         _reserved.setdefault(name, look)
 
 
 def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
-    """The style of scheme `name` in a study of `all_names`.
+    """Return the look of the scheme `name` in a study whose schemes are `all_names`.
 
-    Schemes with a reserved look always have it; others get the next free style in the order of
-    `all_names`.
+    A scheme with a reserved look always gets this look. The other schemes get the spare looks in
+    the order of `all_names`.
 
     Raises
     ------
     InputError
-        If `name` is not one of `all_names`.
+        If `name` has no reserved look and is not one of `all_names`.
     """
     if name in _reserved:
         return _reserved[name]
@@ -87,7 +86,7 @@ def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
 
 
 def relative_luminance(color: str) -> float:
-    """Relative luminance of "#RRGGBB", 0 (black) to 1 (white), after WCAG 2."""
+    """Compute the relative luminance of "#RRGGBB", from 0 (black) to 1 (white), after WCAG 2."""
     channels = [int(color[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

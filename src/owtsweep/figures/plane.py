@@ -1,4 +1,4 @@
-"""Two conditions as the axes of a map of cells, one across and one upwards."""
+"""The axes of a map of cells: one condition horizontal, one vertical."""
 
 from __future__ import annotations
 
@@ -22,14 +22,18 @@ EDGE = 0.5
 
 @dataclass(frozen=True)
 class Plane:
-    """The cells of a map: cell (i, j) has its centre at x = i (column) and y = j (line).
+    """The axes of a map of cells: the cell in column i and line j has its centre at x = i, y = j.
 
     Attributes
     ----------
-    across, upwards
-        The conditions of the two axes; with a single condition the map has one line.
-    columns, lines
-        Their values, in order.
+    across
+        The condition on the horizontal axis.
+    columns
+        The values of `across`, in order from left to right.
+    upwards
+        The condition on the vertical axis; None if the map has a single line.
+    lines
+        The values of `upwards`, in order from bottom to top; a single "" if `upwards` is None.
     """
 
     across: Condition
@@ -39,16 +43,23 @@ class Plane:
 
     @classmethod
     def of(cls, table: pd.DataFrame, conditions: Sequence[Condition]) -> Plane:
-        """The plane of a table with a column per condition; raises the same errors as `over`."""
+        """Make the plane of all values in a table, which has a column named like each condition.
+
+        Raises
+        ------
+        InputError
+            If more than two conditions have several values.
+        """
         columns = {condition.name: table[condition.name] for condition in conditions}
         grid = {name: order_values(column, column.unique()) for name, column in columns.items()}
         return cls.over(conditions, grid)
 
     @classmethod
     def over(cls, conditions: Sequence[Condition], grid: Grid) -> Plane:
-        """The plane of conditions with these values.
+        """Make the plane of conditions with the values in `grid`.
 
-        Among more than two conditions, those with a single value have no axis.
+        Of more than two conditions, the axes show those with several values; if these are fewer
+        than two, the first of the others fill the axes.
 
         Raises
         ------
@@ -74,14 +85,15 @@ class Plane:
         return len(self.columns) * len(self.lines)
 
     def place(self, row: Mapping[Any, Any]) -> tuple[int, int]:
-        """Column and line number of a row of a table."""
+        """Return the column and the line (from 0) of the cell to which a table's row belongs."""
         line = self.lines.index(row[self.upwards.name]) if self.upwards else 0
         return self.columns.index(row[self.across.name]), line
 
     def height_of(self, values: Array) -> Array:
-        """Heights of values of `upwards` on the map; values beyond the map are put at its edge.
+        """Return the heights (vertical coordinates) on the map of values of the vertical condition.
 
-        Heights between two lines are interpolated on the condition's scale, linear or logarithmic.
+        Between two lines, heights are interpolated on the condition's scale, linear or logarithmic.
+        A value beyond the map is put at the map's edge. NaN stays NaN.
         """
         lines = np.asarray(self.lines, dtype=float)
         numbers = np.arange(len(lines), dtype=float)
@@ -96,7 +108,7 @@ class Plane:
         return np.asarray(np.interp(values, padded, heights))
 
     def label_axes(self, axes: Axes) -> None:
-        """Set limits, ticks and labels of the axes."""
+        """Set limits, ticks and labels of both axes."""
         axes.set_xlim(-0.5, len(self.columns) - 0.5)
         axes.set_ylim(-0.5, len(self.lines) - 0.5)
         axes.set_xticks(range(len(self.columns)), [show_value(value) for value in self.columns])

@@ -1,4 +1,4 @@
-"""The best scheme as a smooth function of two conditions, where it is known without records."""
+"""Draw a fine map of the best scheme over two conditions, from expected values of the MSE."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from owtsweep.figures.best_scheme_map import HATCH
 from owtsweep.figures.palette import style_of
 from owtsweep.results.conditions import Condition
 
-#: Contour levels: by how many per cent the runner-up is worse.
+#: Contour levels: by how many per cent the runner-up's MSE is larger than the best scheme's.
 MARGINS = (10, 50, 200, 1000)
 #: A region smaller than this fraction of the map has no room for its name.
 LEAST_REGION = 0.008
@@ -27,24 +27,25 @@ LEAST_REGION = 0.008
 
 @dataclass(frozen=True)
 class Field:
-    """The data of a smooth map; arrays are (columns, lines).
+    """The data of a smooth map.
 
     Attributes
     ----------
     across, upwards
-        The two conditions.
+        The conditions on the horizontal and on the vertical axis.
     columns, lines
-        Their values, increasing, at least two of each.
+        The values of `across` and of `upwards`, increasing, at least two of each.
     values
-        (schemes, columns, lines): the expected MSE.
+        The expected MSE, shape (schemes, columns, lines).
     best
-        The number of the scheme of least value.
+        Index of the scheme of least expected MSE, shape (columns, lines).
     excess
-        By how many per cent the runner-up's value is larger; NaN without a runner-up.
+        By how many per cent the runner-up's MSE is larger, shape (columns, lines); NaN without a
+        runner-up.
     distinguishable
-        Whether best and runner-up differ by more than `resolution` (relative).
+        Whether best and runner-up differ by more than `resolution`, shape (columns, lines).
     resolution
-        The relative accuracy of the values.
+        The relative accuracy of `values`.
     """
 
     across: Condition
@@ -66,20 +67,20 @@ def draw(
     origin: str,
     coinciding: Sequence[Sequence[str]] = (),
 ) -> Figure:
-    """Draw the map.
+    """Draw the regions of the best schemes, with lines between them and contours of the margin.
 
     Parameters
     ----------
     field
         The data.
     schemes
-        The schemes compared.
+        Names of the schemes, in the order of `field.values`.
     title
-        Of the figure.
+        Title of the figure.
     origin
-        A sentence for the footnote on the origin of the values.
+        A sentence for the footnote that says where the values come from.
     coinciding
-        Groups of schemes with the same values; the map shows the last name of each.
+        Groups of schemes with equal values. The map shows each group under the last of its names.
     """
     figure = style.new_figure(7.6, 5.8)
     axes = figure.add_subplot()
@@ -122,7 +123,11 @@ def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
 
 
 def _draw_boundaries(axes: Axes, field: Field) -> None:
-    """Draw lines where a scheme equals the best of the schemes that do not coincide with it."""
+    """Draw for each scheme the line where the scheme's MSE equals the least MSE of the others.
+
+    The others are those whose MSE differs, somewhere on the map, by more than the field's
+    resolution.
+    """
     look: dict[str, Any] = {"levels": [0.0], "colors": "black", "linewidths": 1.4}
     for number, values in enumerate(field.values):
         others = np.delete(field.values, number, axis=0)
@@ -134,7 +139,7 @@ def _draw_boundaries(axes: Axes, field: Field) -> None:
 
 
 def _draw_margins(axes: Axes, field: Field) -> None:
-    """Draw contours of how much worse the runner-up is."""
+    """Draw contours of how many per cent larger the runner-up's MSE is than the best scheme's."""
     excess = field.excess
     if not np.all(np.isfinite(excess)):
         return
@@ -146,7 +151,10 @@ def _draw_margins(axes: Axes, field: Field) -> None:
 
 
 def _find_middle(region: Array) -> tuple[int, int]:
-    """The cell of a region that is farthest from its edge."""
+    """Return column and line of the cell of a region that is farthest from the region's edge.
+
+    `region` is a mask of shape (columns, lines).
+    """
     from scipy.ndimage import distance_transform_edt
 
     depth = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
@@ -163,7 +171,7 @@ def _make_legend(
         if name not in hidden:
             share = _describe_share(float(np.mean(field.best == number)))
             color = style_of(name, schemes).color
-            handles.append(Patch(color=color, label=f"{name}: {share}"))
+            handles.append(Patch(color=color, label=style.label_of(f"{name}: {share}")))
     return handles
 
 

@@ -1,16 +1,22 @@
-"""The style and the saving of figures: the same figure gives the same bytes."""
+"""Set the style of figures and save them; figures drawn alike are saved as equal bytes."""
 
 from __future__ import annotations
 
 import json
+import re
 import textwrap
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from owtsweep.io.files import write_all
 
 RESOLUTION = 160  # dots per inch of PNG files
 SVG_LIMIT = 500 * 1024  # bytes
@@ -30,12 +36,16 @@ RC: Any = {
     "hatch.linewidth": 1.0,
     "svg.hashsalt": "owtsweep",  # ids of an SVG are random without it
 }
+#: The TeX of our own labels. Any other TeX is somebody's name, and is drawn as it was typed.
+OWN_TEX = re.compile(r"\$_[2xy]\$")
+#: Has no width. Put before a label that begins with `_`, which matplotlib leaves out of legends.
+JOINER = "\N{WORD JOINER}"
 WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 
 @contextmanager
 def context() -> Iterator[None]:
-    """Draw with the package's settings; the user's settings are restored afterwards."""
+    """Set matplotlib to the package's settings inside a `with` block, then restore the user's."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(RC)
@@ -43,18 +53,23 @@ def context() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """An empty figure (size in inches) outside pyplot: it opens no window."""
+    """Make an empty figure of a width and height in inches, outside pyplot, so no window opens."""
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def footnote(figure: Figure, text: str) -> None:
-    """Put a paragraph below everything else, with lines broken to the width of the figure."""
+    """Write a paragraph below everything else, with lines broken to the width of the figure."""
     letters = int(13 * figure.get_figwidth())
     figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
 
 
+def label_of(name: str) -> str:
+    """The label of a line that stands for somebody's name, so that it is in the legend."""
+    return JOINER + name if name.startswith("_") else name
+
+
 def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns: int) -> None:
-    """Put a legend in columns above everything else, its title as the title of the figure."""
+    """Put a legend above everything else; the legend's `title` serves as the figure's title."""
     figure.legend(
         handles=handles,
         title=title,
@@ -67,7 +82,7 @@ def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns
 
 
 def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
-    """A sentence per group of schemes that a map shows under the last of their names."""
+    """Write a sentence on each group of schemes that a map shows under the last of its names."""
     return [
         f"{' and '.join(group)} give the same numbers and are shown as {group[-1]}."
         for group in groups
@@ -75,7 +90,7 @@ def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
 
 
 def describe_window(window: str) -> str:
-    """Describe a window in words."""
+    """Describe a window in words, e.g. "full record"; an unknown window is named as it is."""
     return WINDOWS.get(window, window)
 
 
@@ -100,16 +115,38 @@ def save(
     -------
     list of Path
         The PNG and the SVG.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses; older files stay as they were.
     """
     notes = dict(metadata or {})
     folder.mkdir(parents=True, exist_ok=True)
     png, svg = folder / f"{stem}.png", folder / f"{stem}.svg"
     described = {"Date": None, "Description": json.dumps(notes, sort_keys=True)}
-    with context():
-        figure.savefig(png, dpi=RESOLUTION, metadata=notes)
-        figure.savefig(svg, metadata=described)
-        if svg.stat().st_size > SVG_LIMIT:
+    _draw_names_as_typed(figure)
+    with context(), warnings.catch_warnings():
+        # of a letter that the font lacks, or a name as long as the figure: both are drawn
+        warnings.simplefilter("ignore", UserWarning)
+        raster = _render(figure, "png", dpi=RESOLUTION, metadata=notes)
+        vector = _render(figure, "svg", metadata=described)
+        if len(vector) > SVG_LIMIT:
             # letters as text instead of outlines: smaller, but in the viewer's font
             with mpl.rc_context({"svg.fonttype": "none"}):
-                figure.savefig(svg, metadata=described)
+                vector = _render(figure, "svg", metadata=described)
+    write_all({png: raster, svg: vector})
     return [png, svg]
+
+
+def _draw_names_as_typed(figure: Figure) -> None:
+    # The numbers of logarithmic axes are TeX too; their texts are made later, while it is drawn.
+    for text in figure.findobj(Text):
+        if isinstance(text, Text) and "$" in OWN_TEX.sub("", text.get_text()):
+            text.set_parse_math(False)
+
+
+def _render(figure: Figure, kind: str, **options: Any) -> bytes:
+    buffer = BytesIO()
+    figure.savefig(buffer, format=kind, **options)
+    return buffer.getvalue()

@@ -1,4 +1,4 @@
-"""The best-scheme map in the terminal, shown at the end of `sweep`."""
+"""Show the best-scheme map in the terminal, at the end of the command `sweep`."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
 from owtsweep.results.conditions import Condition
 
-#: Mark after a name where the data do not distinguish the best scheme from the next.
+#: Mark after a scheme's name in cells where the data do not distinguish it from the next best.
 MARK = "~"
 NO_RESULT = "-"
-#: Width of one table in characters; a wider grid continues below.
+#: Width of one table in characters; the columns of a wider map continue in a table below.
 WIDTH = 64
 
 
@@ -30,19 +30,20 @@ def grid(
     criterion: str,
     window: str,
 ) -> RenderableType:
-    """The map as a coloured grid: the first condition across, the second upwards.
+    """Make the map as a coloured grid: first condition horizontal, second vertical.
 
     Parameters
     ----------
     best
-        Columns of best_scheme.csv.
+        The table best_scheme.csv of a run.
     schemes
         All schemes compared.
     conditions
-        The study's conditions. With more than two, there is one grid for each combination of the
-        values of the others.
+        The study's conditions. There is one grid for each combination of values of the third and
+        any further condition.
     criterion, window
-        The rows to show.
+        Measure and window of the rows to show. If there are no such rows, a sentence that says so
+        is returned.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -73,7 +74,15 @@ def _make_tables(best: pd.DataFrame, schemes: Sequence[str], plane: Plane) -> li
 def _make_table(
     cells: Mapping[tuple[int, int], Text], plane: Plane, columns: Sequence[int]
 ) -> Table:
-    """The table of some columns; `cells` are by column and line number."""
+    """Make the table of some columns of the map.
+
+    Parameters
+    ----------
+    cells
+        (column, line) of a cell -> its text.
+    columns
+        The columns to show.
+    """
     table = Table(box=box.SIMPLE, padding=(0, 1), header_style="")
     upwards = plane.upwards
     table.add_column(upwards.word if upwards else "", justify="right", no_wrap=True)

@@ -1,7 +1,7 @@
-"""Quantities of a record over time: one panel per axis, and below them a panel of errors.
+"""Draw quantities of a record over time: one panel for x, one for y, and a panel of errors below.
 
-The errors are those of one axis, or the accumulated errors of all axes. A study defines what each
-panel shows (`Panel`). This module defines layout, legend and looks.
+The lowest panel usually shows the errors of x, or the accumulated errors of x and y. A study
+defines what each panel shows (`Panel`). This module defines layout, legend and looks.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Curve:
     look: Mapping[str, Any]
 
     def draw(self, axes: Axes) -> None:
-        """Draw its pieces; only the first carries the label."""
+        """Draw the pieces of the line; only the first piece carries the label."""
         look = dict(self.look)
         for time, values in self.line:
             axes.plot(time, values, **look)
@@ -46,20 +46,20 @@ class Curve:
 
 @dataclass(frozen=True)
 class Level:
-    """A horizontal line at a value, dotted if it is a bound."""
+    """A horizontal line at `value`, dotted if `bound` is true."""
 
     value: float
     bound: bool = False
 
     def draw(self, axes: Axes) -> None:
-        """Draw it."""
+        """Draw the line over the whole width of the axes."""
         width, dashes = (1.0, ":") if self.bound else (0.8, "-")
         axes.axhline(self.value, color="0.3", linewidth=width, linestyle=dashes)
 
 
 @dataclass(frozen=True)
 class Band:
-    """The area between two series, (n,) each."""
+    """The area between the series `low` and `high`; all arrays have shape (n,), time is in s."""
 
     time: Array
     low: Array
@@ -67,28 +67,28 @@ class Band:
     color: str
 
     def draw(self, axes: Axes) -> None:
-        """Draw it."""
+        """Fill the area between both series."""
         axes.fill_between(self.time, self.low, self.high, color=self.color, alpha=0.15, linewidth=0)
 
 
 @dataclass(frozen=True)
 class Panel:
-    """One panel of a column of panels.
+    """The contents of one panel.
 
     Attributes
     ----------
     label
-        Of the vertical axis.
+        Label of the vertical axis.
     marks
         The things to draw, in this order.
     view
-        First and last time shown, s.
+        First and last time shown, in s.
     limits
-        Limits of the vertical axis; None for an end that follows from the values.
+        Lower and upper limit of the vertical axis; None for a limit that follows from the values.
     note
-        The text above the panel.
+        Text above the panel; "" for none.
     note_color
-        The note's colour.
+        Colour of the note.
     """
 
     label: str
@@ -107,14 +107,18 @@ def draw(
     time_label: str = "time (s)",
     shared: bool = False,
 ) -> Figure:
-    """Draw two or three panels below each other; the first one makes the legend.
+    """Draw two or three panels below each other; the legend lists the marks of the uppermost panel.
 
     Parameters
     ----------
+    panels
+        The panels from top to bottom.
+    title, footnote
+        Texts above and below the panels.
     time_label
         Label of the lowest panel's horizontal axis.
     shared
-        Whether all panels show the same span of time; then the axis is labelled once.
+        Whether all panels show the same span of time; then only the lowest has tick labels.
     """
     count = len(panels)
     figure = style.new_figure(WIDTH, HEIGHT[count])
@@ -141,41 +145,50 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
 
 
 def describe(quantity: str) -> str:
-    """The name of a quantity as the beginning of a title."""
+    """Return the name of a quantity, such as "bias", as the beginning of a title."""
     return NAMES.get(quantity, quantity.capitalize())
 
 
 def show_truth(line: Line, label: str = "truth") -> Curve:
-    """The true values of a quantity."""
+    """Make the curve of the true values of a quantity."""
     return Curve(line, {"color": "black", "linewidth": 1.4, "label": label})
 
 
 def show_measurement(line: Line) -> Curve:
-    """The IMU's measurements at every step."""
+    """Make the curve of the IMU's measurements."""
     return Curve(line, {"color": "0.75", "linewidth": 0.6, "label": "IMU"})
 
 
 def show_fixes(time: Array, values: Array, *, label: str, size: float) -> Curve:
-    """The fixes of a slow sensor at the times at which they arrived; (n,) each."""
+    """Make the marks of a slow sensor's position fixes at the times at which they arrived.
+
+    `time` in s and `values` have shape (n,); `size` is the size of a mark in points.
+    """
     look = {"color": "0.45", "marker": "+", "linestyle": "none", "markersize": size}
     return Curve([(time, values)], {**look, "label": label, "zorder": 3})
 
 
 def show_scheme(name: str, names: Sequence[str], line: Line, **look: Any) -> Curve:
-    """A scheme's line in its own colour and dashes.
+    """Make a curve in the colour and line style of the scheme `name`.
 
     Parameters
     ----------
+    name
+        Name of the scheme.
     names
         All schemes of the study, which determine the look of schemes without a reserved look.
+    line
+        The line to draw.
+    **look
+        Further matplotlib properties.
     """
     scheme = style_of(name, names)
     return Curve(line, {"color": scheme.color, "linestyle": scheme.line, **look})
 
 
 def show_estimate(name: str, names: Sequence[str], line: Line) -> Curve:
-    """A scheme's estimate, above the truth."""
-    return show_scheme(name, names, line, linewidth=1.2, label=name, zorder=2.5)
+    """Make the curve of a scheme's estimate, drawn above the truth; arguments as `show_scheme`."""
+    return show_scheme(name, names, line, linewidth=1.2, label=style.label_of(name), zorder=2.5)
 
 
 def show_errors(
@@ -187,7 +200,7 @@ def show_errors(
     bound: float | None = None,
     note: str = "",
 ) -> Panel:
-    """A panel with the errors of x during a view (a span of time).
+    """Make a panel of the schemes' errors in x.
 
     Parameters
     ----------
@@ -196,11 +209,13 @@ def show_errors(
     names
         All schemes of the study, which determine the looks.
     quantity
-        One of `UNITS`.
+        The quantity to which the errors belong, a key of `UNITS`.
     view
-        First and last time shown, s.
+        First and last time shown, in s.
     bound
-        A bound on the error, marked on both sides of zero.
+        A bound on the error, marked on both sides of zero; None for none.
+    note
+        Text above the panel.
     """
     marks: list[Curve | Level] = [
         show_estimate(name, names, make_line(*clip(time, error[:, 0], view)))
@@ -214,7 +229,7 @@ def show_errors(
 def show_accumulated(
     errors: Mapping[str, Errors], names: Sequence[str], quantity: str, end: float
 ) -> Panel:
-    """A panel with the absolute error of all axes, integrated over time from the record's start.
+    """Make a panel of the schemes' absolute errors, integrated over time and summed over x and y.
 
     Parameters
     ----------
@@ -223,9 +238,9 @@ def show_accumulated(
     names
         All schemes of the study, which determine the looks.
     quantity
-        One of `UNITS`.
+        The quantity to which the errors belong, a key of `UNITS`.
     end
-        End of the record, s.
+        End of the record in s.
     """
     marks, ends = [], []
     for name, (time, error) in errors.items():

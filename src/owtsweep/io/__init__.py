@@ -1,1 +1,1 @@
-"""Writes files whole or not at all, and tables whose numbers are read back exactly."""
+"""Write files whole or not at all, and tables whose numbers are read back exactly."""

@@ -8,27 +8,32 @@ import re
 import secrets
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from owtsweep.errors import InputError
 
 #: Age in seconds from which a temporary file counts as abandoned: writing takes far less.
 STALE = 3600.0
+#: Characters that must remain, below a folder, for the names of files in it; and most folders that
+#: are made for one: the standard library makes them by recursion.
+ROOM = 120
+MOST_NEW = 100
 _TEMPORARY = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
 
 
 def write_atomically(path: Path, content: bytes | str) -> None:
-    """Write a file so that a reader at any moment sees either the old file or the new one.
+    """Write a file so that a reader at any moment sees either the old content or the new one.
 
-    The content goes to a temporary name in the same folder, is flushed to the disk and renamed. An
-    error leaves the old file as it was and no temporary file; a killed process may leave one
-    (`.<name>.<random>.tmp`), which nothing reads. Text is written as UTF-8.
+    The content is written to a temporary file in the same folder, flushed to the disk, and the file
+    is renamed. After an error, the old file is unchanged and the temporary file is gone. A killed
+    process may leave a temporary file (`.<name>.<random>.tmp`), which nothing reads. Text is
+    written as UTF-8.
 
     Raises
     ------
     OSError
-        If the file system refuses.
+        If the file cannot be written.
     """
     write_all({path: content})
 
@@ -39,7 +44,7 @@ def write_all(contents: Mapping[Path, bytes | str]) -> None:
     Raises
     ------
     OSError
-        If the file system refuses.
+        If the file system refuses; its first note names the file.
     """
     temporaries: dict[Path, Path] = {}
     try:
@@ -50,7 +55,9 @@ def write_all(contents: Mapping[Path, bytes | str]) -> None:
             _write_through(temporary, content.encode() if isinstance(content, str) else content)
         for path, temporary in temporaries.items():
             os.replace(temporary, path)
-    except BaseException:
+    except BaseException as error:
+        if isinstance(error, OSError):
+            error.add_note(str(path))  # the error itself has the temporary name, or none
         for temporary in temporaries.values():
             with contextlib.suppress(OSError):
                 temporary.unlink()
@@ -67,9 +74,9 @@ def _write_through(path: Path, data: bytes) -> None:
 
 
 def remove_stale(folder: Path) -> None:
-    """Delete temporary files left in a folder by killed processes.
+    """Delete temporary files older than an hour, which killed processes have left in a folder.
 
-    Younger files stay: another process may be writing them.
+    Younger temporary files stay, because another process may be writing them.
     """
     now = time.time()
     for path in folder.glob(".*.tmp"):
@@ -80,7 +87,10 @@ def remove_stale(folder: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Make a rename survive a power cut, if the file system supports that."""
+    """Flush a folder to the disk, so that renamed files in it survive a power cut.
+
+    If the file system does not support this, nothing happens.
+    """
     # The file itself is whole already, so an error here is ignored.
     with contextlib.suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
@@ -90,30 +100,63 @@ def _sync_folder(folder: Path) -> None:
             os.close(descriptor)
 
 
-def check_writable(folder: Path) -> None:
-    """Check that files can be written to a folder, which need not exist; leaves no files there.
+#: What a user does about a results folder that cannot be written.
+ELSEWHERE = "name another folder by results=FOLDER"
+
+
+def check_writable(folder: Path, argument: str = "results", remedy: str = ELSEWHERE) -> None:
+    """Check that a file can be created in a folder, and leave no file there.
+
+    If the folder does not exist, the nearest existing folder above it is checked.
 
     Raises
     ------
     InputError
-        If the folder, or the nearest folder above it that exists, refuses a file.
+        If no file can be created.
     """
     # Not `exists`: a dangling link prevents the creation of a folder too.
-    nearest = folder.absolute()
+    nearest, missing = folder.absolute(), 0
     while not os.path.lexists(nearest) and nearest != nearest.parent:
-        nearest = nearest.parent
+        nearest, missing = nearest.parent, missing + 1
     try:
+        if missing > MOST_NEW:
+            raise OSError(f"{missing} folders, one in the other, would have to be made")
         if not nearest.is_dir():
             raise NotADirectoryError(f"{nearest} is no folder")
+        with contextlib.suppress(FileNotFoundError):
+            os.lstat(folder.absolute() / ("x" * ROOM))  # refused if it is too long
         with tempfile.TemporaryFile(dir=nearest, prefix=".owtsweep-") as stream:
             stream.write(b"\0")
     except OSError as error:
-        raise unwritable(folder, error) from error
+        raise unwritable(folder, error, argument, remedy) from error
 
 
-def unwritable(folder: Path, error: OSError) -> InputError:
-    """The one-line error for a results folder that cannot be written."""
+@contextlib.contextmanager
+def refuse_in_one_line(folder: Path) -> Iterator[None]:
+    """Turn an error of the file system, while files are written to a folder, into one line.
+
+    Raises
+    ------
+    InputError
+        Instead of any OSError inside the context; it names the file.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{name_refusal(error, folder)}; see to that, then try again") from error
+
+
+def name_refusal(error: OSError, folder: Path) -> str:
+    """The file that the file system refused (else the folder), and why."""
+    notes = getattr(error, "__notes__", [])
+    refused = notes[0] if notes else error.filename or folder
+    return f"{refused}: cannot be written ({error.strerror or error})"
+
+
+def unwritable(
+    folder: Path, error: OSError, argument: str = "results", remedy: str = ELSEWHERE
+) -> InputError:
+    """The one-line error for a folder that cannot be written."""
     reason = error.strerror or str(error)
-    return InputError(
-        f"results: {folder} cannot be written ({reason}); name another folder by results=FOLDER"
-    )
+    shown = str(folder) if len(str(folder)) <= 200 else f"{str(folder)[:200]}..."
+    return InputError(f"{argument}: {shown} cannot be written ({reason}); {remedy}")

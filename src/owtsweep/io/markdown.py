@@ -1,27 +1,34 @@
-"""Tables in Markdown."""
+"""Write tables in Markdown."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Sequence
 
 
 def table(
     columns: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: Collection[str] = ()
 ) -> str:
-    """A table in Markdown, without a line break after its last row.
+    """Write a table in Markdown, without a line break after the last row.
 
     Parameters
     ----------
     columns
-        Headings.
+        Headings of the columns.
     rows
-        Text, one cell per column.
+        Rows of texts, one text per column.
     numbers
-        Columns that are aligned to the right.
+        Headings of the columns to align to the right.
     """
     rule = ["---:" if column in numbers else "---" for column in columns]
     return "\n".join(_line(cells) for cells in (columns, rule, *rows))
 
 
+def escape(text: str) -> str:
+    """A text that is one line of Markdown, in which names make no HTML, no link and no picture."""
+    line = re.sub(r"[\r\n\v\f\x1c-\x1e\x85\u2028\u2029]+", " ", text)
+    return re.sub(r"<(?=[A-Za-z/!?])", "&lt;", line).replace("](", "]\\(")
+
+
 def _line(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+    return "| " + " | ".join(escape(cell).replace("|", "\\|") for cell in cells) + " |"

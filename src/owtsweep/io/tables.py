@@ -1,20 +1,28 @@
-"""The tables of a run: CSV files whose numbers are read back exactly."""
+"""Write and read the tables of a run: CSV files whose numbers are read back exactly."""
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from owtsweep.errors import InputError
 from owtsweep.io.files import write_all
+from owtsweep.io.reading import read_bytes
 
 if TYPE_CHECKING:
     import pandas as pd
 
+#: Most bytes of a table.
+MOST_BYTES = 1_000_000_000
+_QUOTED = re.compile(rb'"[^"]*"')
+
 
 def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
-    """Write each table as `<name>.csv`: all of them, or none if the disk is full."""
+    """Write each table as `<name>.csv`, without the index: all, or none if the disk is full."""
     # pandas writes a float as `repr` does: the shortest text that reads back as the same number.
     contents = {}
     for name, table in tables.items():
@@ -23,34 +31,57 @@ def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
 
 
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
-    """Write `<name>.csv`, whole or not at all; the index is not kept."""
+    """Write a table as `<name>.csv`, whole or not at all, without the index; return the file."""
     write_tables(folder, {name: table})
     return folder / f"{name}.csv"
 
 
 def read_table(folder: Path, name: str) -> pd.DataFrame:
-    """Read `<name>.csv`.
+    """Read the table `<name>.csv` of a run's folder.
 
-    An empty field is NaN in a column of numbers, and empty text in a column of text. A column of
-    empty fields only is read as numbers.
+    An empty field becomes NaN in a column of numbers, and "" in a column of text. A column whose
+    fields are all empty is read as numbers.
 
     Raises
     ------
     InputError
         If the run has no such table, or the file is damaged.
     """
-    import pandas as pd
-
     path = folder / f"{name}.csv"
-    if not path.is_file():
+    if not os.path.lexists(path):
         names = sorted(other.stem for other in folder.glob("*.csv"))
         hint = f"it has {', '.join(names)}" if names else "it has none yet: finish its sweep"
         raise InputError(f"{name}: the run {folder} has no such table; {hint}")
+    data = read_bytes(path, MOST_BYTES)
     try:
-        # The Arrow engine reads numbers exactly; the default engine does so only from pandas
-        # 3.1 on. A scheme may be named "NA", so only an empty field is a missing value.
-        table = pd.read_csv(path, engine="pyarrow", keep_default_na=False, na_values=[""])
-    except (ValueError, UnicodeDecodeError) as error:  # errors of pandas are ValueErrors
+        table = _parse(data)
+    except ValueError as error:  # errors of pandas are ValueErrors
         raise InputError(f"{path}: this is no table; run its sweep again") from error
     text = table.select_dtypes(exclude=["number", "bool"]).columns
     return table.fillna(dict.fromkeys(text, ""))
+
+
+def _parse(data: bytes) -> pd.DataFrame:
+    import pandas as pd
+
+    # Not the Arrow engine: it takes half a table for one field if a quote never ends, and guesses
+    # dates. A scheme may be named "NA", so only an empty field is a missing value.
+    exact: Any = {} if _is_exact(pd.__version__) else {"float_precision": "round_trip"}
+    table: pd.DataFrame = pd.read_csv(
+        BytesIO(data), low_memory=False, keep_default_na=False, na_values=[""], **exact
+    )
+    # pandas fills up short lines, takes a field too many for a row's name, and renames columns.
+    commas = _QUOTED.sub(b"", data).count(b",")
+    header = BytesIO(data).readline()
+    names = pd.read_csv(BytesIO(header), header=None, dtype=str, keep_default_na=False).iloc[0]
+    if commas != (len(table) + 1) * (len(names) - 1) or list(names) != list(table.columns):
+        raise ValueError("its lines differ in length, or two columns have one name")
+    if b"\0" in data:
+        raise ValueError("it holds null bytes")
+    return table if len(table) else table.astype(float)
+
+
+def _is_exact(version: str) -> bool:
+    """Whether this version of pandas reads numbers exactly without being told."""
+    major, minor = version.split(".")[:2]
+    return (int(major), int(minor)) >= (3, 1)

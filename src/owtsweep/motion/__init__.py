@@ -3,5 +3,6 @@
 This package imports neither sensors nor estimators.
 """
 
-#: Raised whenever a change of this package alters a number that a study stores.
+#: Version of this package's numbers. Raise it whenever a change alters a number that a study
+#: stores.
 NUMERICS_VERSION = 0

@@ -1,4 +1,4 @@
-"""Where motion comes from: a spectrum, a recorded file, or anything else that gives `Motion`."""
+"""The interface of sources of motion: spectra, recorded files, anything that gives a `Motion`."""
 
 from __future__ import annotations
 
@@ -15,16 +15,15 @@ from owtsweep.arrays import Array
 class Motion:
     """One realisation of a motion, with the past positions that delayed measurements report.
 
-    Along one direction all series are (steps,); along several axes (steps, axes).
-
     Attributes
     ----------
     step
         Sampling interval, s.
     position, velocity, acceleration
-        (steps,) or (steps, axes) in m, m/s, m/s^2, from t = 0.
+        Series from t = 0 on, in m, m/s, m/s^2: shape (steps,) for a motion along one direction,
+        (steps, axes) for a motion along several axes.
     before
-        (history,) or (history, axes) positions before t = 0, oldest first, m.
+        Positions before t = 0, oldest first, m; shape (history,) or (history, axes).
     """
 
     step: float
@@ -34,35 +33,39 @@ class Motion:
     before: Array
 
     def position_at(self, first: int, stride: int, count: int) -> Array:
-        """The `count` positions at steps first, first + stride, ...; `first` may be negative.
+        """Return `count` positions, at the steps first, first + stride, first + 2 stride, ...
+
+        Steps are counted from t = 0. `first` may be negative.
 
         Raises
         ------
         ValueError
-            If the record does not reach that far back.
+            If the record begins after the step `first`.
         """
         if first < -len(self.before):
             raise ValueError(
                 f"the record holds {len(self.before)} steps before t = 0, not {-first}"
             )
-        earlier = min(max(-(first // stride), 0), count)  # how many of them are before t = 0
+        earlier = min(max(-(first // stride), 0), count)  # number of positions before t = 0
         past = self.before[first + len(self.before) :: stride][:earlier]
         return np.concatenate([past, self.position[first + earlier * stride :: stride]])[:count]
 
 
 @runtime_checkable
 class Source(Protocol):
-    """A source of motion: the interface that studies use.
+    """The interface of a source of motion, such as a spectrum or a recorded file.
 
-    All randomness in a realisation comes from the named streams that `realise` takes. So two
-    realisations with the same streams are equal bit by bit.
+    All randomness of a realisation comes from the named streams that `realise` takes. Therefore,
+    two realisations with the same streams are equal bit by bit.
 
     Attributes
     ----------
     streams
-        Names of the random streams that it draws from. Without any, all realisations are equal.
+        Names of the random streams that the source draws from. Without any, all realisations are
+        equal.
     duration
-        Longest record that it can give, s, together with its history; None if there is no bound.
+        Duration of the longest record that the source can give, including the time before t = 0, s;
+        None if there is no bound.
     """
 
     @property
@@ -79,20 +82,21 @@ class Source(Protocol):
         step: float,
         history: int = 0,
     ) -> Motion:
-        """Give one realisation.
+        """Return one realisation of the motion.
 
         Parameters
         ----------
         stream
-            Gives a fresh random generator for a name.
+            Function that returns a new random generator for a name of a stream.
         steps, step
-            Number of samples and sampling interval (s), those of the fastest sensor.
+            Number of samples and sampling interval (s) of the fastest sensor.
         history
-            For how many steps before t = 0 positions are needed: the longest delay of a sensor.
+            Number of steps before t = 0 for which positions are needed: the longest delay of a
+            sensor.
 
         Raises
         ------
         InputError
-            If it cannot give such a record; the message says what would work.
+            If the source cannot give such a record; the message says what would work.
         """
         ...

@@ -1,7 +1,7 @@
 """Motion spectra S(f) = a f / (f^2 + b f + c), Eq. (1) of Ren et al. (2019).
 
-The peak lies at f* = sqrt(c), Eq. (2). The denominator must be positive for every f > 0. It is if,
-and only if, its value at the peak divided by f*, 2 sqrt(c) + b, is positive.
+The peak lies at f* = sqrt(c), Eq. (2). The denominator must be positive for every f > 0. This holds
+if, and only if, 2 sqrt(c) + b > 0. (At the peak, the denominator is f* (2 sqrt(c) + b).)
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from owtsweep.errors import InputError
 #: values of b and c.
 TABLE_4_BANDWIDTH = 2.4e-4
 
-#: a / T, the mean of Table 4.
+#: Coefficient a divided by the natural period T, s^-1: the mean over Table 4.
 AMPLITUDE_PER_PERIOD = 0.4611e-6
 
 #: Table 4 of the paper: natural period (s) -> a, b, c.
@@ -33,12 +33,14 @@ TABLE_4 = {
 
 @dataclass(frozen=True)
 class Spectrum:
-    """One-sided spectrum of Eq. (1); only its shape matters once a record is normalised.
+    """The one-sided spectrum S(f) = a f / (f^2 + b f + c), Eq. (1) of Ren et al. (2019).
+
+    Only the spectrum's shape matters for a record that is normalised.
 
     Attributes
     ----------
     a, b, c
-        Coefficients; frequencies in Hz, S in m^2/Hz.
+        Coefficients, for frequencies f in Hz and S in m^2/Hz.
     """
 
     a: float
@@ -47,28 +49,30 @@ class Spectrum:
 
     @property
     def peak_frequency(self) -> float:
-        """f* = sqrt(c) in Hz, from Eq. (2)."""
+        """The frequency of the peak, f* = sqrt(c), in Hz; Eq. (2) of Ren et al. (2019)."""
         return float(np.sqrt(self.c))
 
     @property
     def peak_margin(self) -> float:
-        """2 sqrt(c) + b: the denominator at the peak divided by f*. If > 0, the peak is finite.
+        """The value 2 sqrt(c) + b in Hz; the peak is finite if it is positive.
 
-        The text below Eq. (2) prints the peak as a / (2 sqrt(c + b)). It should read
-        a / (2 sqrt(c) + b).
+        The height of the peak is a / (2 sqrt(c) + b). The text below Eq. (2) of Ren et al. (2019)
+        prints a / (2 sqrt(c + b)) by mistake.
         """
         return 2.0 * self.peak_frequency + self.b
 
     def density(self, frequency: Array) -> Array:
-        """S(f) in m^2/Hz at frequencies in Hz, Eq. (1)."""
+        """Compute the spectral density S(f) in m^2/Hz at frequencies in Hz, Eq. (1)."""
         return self.a * frequency / (frequency**2 + self.b * frequency + self.c)
 
 
 def translated(natural_period: float, bandwidth: float = TABLE_4_BANDWIDTH) -> Spectrum:
-    """One peak shifted along the frequency axis, as the paper's section 2.2 describes Table 4.
+    """Return a spectrum of fixed half-bandwidth with its peak at 1 / natural_period.
 
-    With a = 0.4611e-6 T, b = -2/T + k T and c = 1/T^2 the denominator is (f - 1/T)^2 + k T f. The
-    peak is at 1/T, and its half-bandwidth is sqrt(k) for every T.
+    Section 2.2 of Ren et al. (2019) describes the spectra of Table 4 in this way: as one peak that
+    is shifted along the frequency axis. With a = 0.4611e-6 T, b = -2/T + k T and c = 1/T^2 the
+    denominator of Eq. (1) is (f - 1/T)^2 + k T f. The peak is at 1/T, and its half-bandwidth is
+    sqrt(k) for every T.
 
     Parameters
     ----------
@@ -82,13 +86,13 @@ def translated(natural_period: float, bandwidth: float = TABLE_4_BANDWIDTH) -> S
 
 
 def printed(natural_period: float) -> Spectrum:
-    """The spectrum with the coefficients that Table 4 prints.
+    """Return the spectrum with the coefficients that Table 4 of Ren et al. (2019) prints.
 
     Raises
     ------
     InputError
-        For a period that is not in the table. Also for 3, 4 and 5 s: b and c are printed with two
-        digits, and at these periods the denominator at the peak is then not positive.
+        For a natural period (s) that is not in the table. Also for 3, 4 and 5 s: with b and c
+        rounded to two digits as printed, the spectrum has no finite peak at these periods.
     """
     row = TABLE_4.get(float(natural_period))
     if row is None:
@@ -111,7 +115,13 @@ KINDS = ("translated", "printed")
 
 
 def spectrum(kind: str, natural_period: float, bandwidth: float) -> Spectrum:
-    """The spectrum of that kind, `translated` or `printed`."""
+    """Return the spectrum of a kind, "translated" or "printed" (see the functions of these names).
+
+    Raises
+    ------
+    InputError
+        If `kind` is neither, or the printed spectrum does not exist for the natural period (s).
+    """
     if kind == "translated":
         return translated(natural_period, bandwidth)
     if kind == "printed":

@@ -1,4 +1,4 @@
-"""Random-phase realisations of a motion spectrum, with consistent derivatives; as a source too."""
+"""Draws records of a motion spectrum by random phases; position and derivatives are consistent."""
 
 from __future__ import annotations
 
@@ -19,22 +19,37 @@ NORMALISATIONS = ("peak", "rms")
 
 
 def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], Array]:
-    """Numbers m and frequencies m / period (Hz) of the lines inside the band, edges included.
+    """Return numbers m and frequencies m / period (Hz) of the spectral lines inside a band.
+
+    `band` is the lower and the upper edge, Hz; lines at the edges are inside. `period` is in s.
 
     Raises
     ------
     InputError
-        If there are no lines in it.
+        If there are no lines in the band.
+    """
+    inside = line_numbers(band, period)
+    numbers = np.arange(inside.start, inside.stop)
+    return numbers, numbers / period
+
+
+def line_numbers(band: tuple[float, float], period: float) -> range:
+    """The numbers that `lines` gives, as a range: it takes no memory, however many there are.
+
+    Raises
+    ------
+    InputError
+        If there are none.
     """
     first = int(np.ceil(band[0] * period - 1e-9))
     last = int(np.floor(band[1] * period + 1e-9))
-    numbers = np.arange(max(first, 1), last + 1)
-    if len(numbers) == 0:
+    numbers = range(max(first, 1), last + 1)
+    if not numbers:
         raise InputError(
             f"band: [{band[0]:g}, {band[1]:g}] Hz holds no line of a record that is "
             f"{period / 2:g} s long; widen it or lengthen record.duration"
         )
-    return numbers, numbers / period
+    return numbers
 
 
 def synthesise(
@@ -49,26 +64,33 @@ def synthesise(
 ) -> Motion:
     """Draw one record of a spectrum.
 
-    Lines at f_m = m / (2 duration) inside the band carry the amplitude sqrt(2 S(f_m) df) and a
-    uniform random phase; position, velocity and acceleration are one inverse Fourier transform
-    each (`transform.interleaved`). The first half of the transform's period is the record, so
-    nothing repeats inside it. The time before t = 0 is the end of the second half.
+    Spectral lines at f_m = m df, df = 1 / (2 duration), inside the band have the amplitude
+    sqrt(2 S(f_m) df) and a uniform random phase. Position, velocity and acceleration are one
+    inverse Fourier transform each (`transform.interleaved`). The first half of the transform's
+    period is the record, so nothing repeats inside the record. The time before t = 0 is the end of
+    the second half.
 
     Parameters
     ----------
     spectrum
         Shape of the spectrum.
     phase
-        Stream of the phases. Line m always takes the m-th number, so moving a band edge leaves
-        the phases of the lines that stay.
+        Random generator of the phases. Line m always takes the m-th number. So moving an edge of
+        the band does not change the phases of lines that stay inside.
     steps, step
         Number of samples and sampling interval (s); the duration is their product.
     band
         Lower and upper edge, Hz.
     normalise
-        "peak": the largest |d| of the record is 1 m; "rms": its standard deviation is 1 m.
+        "peak": the largest displacement in the record is 1 m, up to its sign. "rms": the standard
+        deviation of the displacement is 1 m.
     history
-        How many steps before t = 0 to keep.
+        Number of steps before t = 0 to keep.
+
+    Raises
+    ------
+    InputError
+        If no line lies in the band, or `normalise` is neither of the two.
     """
     numbers, frequency, line = _drawn_lines(spectrum, phase, steps, step, band)
     result = np.empty((3, steps))
@@ -99,7 +121,7 @@ def displacement(
     step: float,
     band: tuple[float, float],
 ) -> Array:
-    """The displacement, (steps,) in m, that `synthesise` draws, before it is scaled."""
+    """Draw the displacement that `synthesise` draws, without scaling it; shape (steps,), in m."""
     numbers, _, line = _drawn_lines(spectrum, phase, steps, step, band)
     return _first_half(_sampled(numbers, line, steps)).T.reshape(-1)
 
@@ -111,7 +133,7 @@ def _drawn_lines(
     step: float,
     band: tuple[float, float],
 ) -> tuple[NDArray[np.int64], Array, NDArray[np.complex128]]:
-    """Numbers, frequencies (Hz) and complex amplitudes (m) of a record's lines."""
+    """Draw a record's spectral lines: numbers, frequencies (Hz) and complex amplitudes (m)."""
     period = 2 * steps * step
     numbers, frequency = lines(band, period)
     amplitude = np.sqrt(2.0 * spectrum.density(frequency) / period)
@@ -120,41 +142,48 @@ def _drawn_lines(
 
 
 def _sampled(numbers: NDArray[np.int64], line: NDArray[np.complex128], steps: int) -> Array:
-    """Samples of a whole period, 2 * steps, in the form of `transform.interleaved`."""
+    """Compute the 2 * steps samples of a whole period, arranged as by `transform.interleaved`."""
     bins = np.zeros(numbers[-1] + 1, dtype=complex)
     bins[numbers] = line
     return interleaved(bins, 2 * steps)
 
 
 def _first_half(whole: Array) -> Array:
-    """The columns of an interleaved period that hold the record."""
+    """Return the first half of a period that is arranged as by `transform.interleaved`."""
     return whole[:, : whole.shape[1] // 2]
 
 
 def _newest(whole: Array, count: int) -> Array:
-    """The last `count` samples of an interleaved period."""
+    """Return the last `count` samples of a period, in order of time.
+
+    The period is arranged as by `transform.interleaved`: successive samples are in a column.
+    """
     columns = -(-count // len(whole))
     some = whole[:, whole.shape[1] - columns :].T.reshape(-1)
     return some[len(some) - count :]
 
 
 def _put(rows: Array, scale: float, out: Array) -> None:
-    """Write the samples of interleaved columns, times `scale`, to `out` in order of time."""
+    """Write samples times `scale` to `out`, in order of time.
+
+    `rows` are samples arranged as by `transform.interleaved`: successive samples are in a column.
+    """
     np.multiply(rows.T, scale, out=out.reshape(rows.T.shape))
 
 
 @dataclass(frozen=True)
 class SpectralSource:
-    """Random-phase realisations of a spectrum, along one direction and of any length.
+    """A source of motion along one direction: records of a spectrum with random phases.
 
     Attributes
     ----------
     spectrum
         Shape of the spectrum.
     band
-        Lower and upper edge of the lines that are drawn, Hz.
+        Lower and upper edge of the band in which spectral lines are drawn, Hz.
     normalise
-        "peak" or "rms": the property of the displacement that is 1 m (`synthesise`).
+        "peak" or "rms": whether the largest displacement of a record or the displacement's standard
+        deviation is 1 m (`synthesise`).
     """
 
     spectrum: Spectrum
@@ -171,7 +200,7 @@ class SpectralSource:
         step: float,
         history: int = 0,
     ) -> Motion:
-        """Draw one record."""
+        """Draw one record of any length, as `synthesise` does."""
         return synthesise(
             self.spectrum,
             stream("phase"),

@@ -1,4 +1,4 @@
-"""Inverse Fourier transforms in which most bins are zero: few lines, many samples."""
+"""Computes inverse Fourier transforms in which most bins are zero: few lines, many samples."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from owtsweep.arrays import Array
 SHORT = 8
 #: Least length of a short transform, samples: for a shorter one the call takes most of the time.
 LEAST = 1024
-#: Number of transforms in one call: SIDE_BY_SIDE, but at most a quarter of all, to limit memory; or
-#: as many short ones as have TOGETHER samples in total.
+#: Number of transforms in one call: SIDE_BY_SIDE, but at most a quarter of all, to limit memory. If
+#: transforms are short, more are made in one call, with TOGETHER samples in total.
 SIDE_BY_SIDE, TOGETHER = 4, 2**16
 #: Longer transforms are made by NumPy: for a length with large prime factors, SciPy keeps some
 #: hundred bytes per sample until the process ends.
@@ -26,22 +26,23 @@ LONG = 2**19
 def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
     """Compute Re sum_m bins[m] exp(2 pi i m n / samples) for all samples n.
 
-    Sorensen and Burrus (1993), "Efficient computation of the DFT with only a subset of input or
-    output points", IEEE Trans. Signal Process. 41(3), for few inputs: the samples n = r, r + L,
-    r + 2 L, ... are a transform of length samples / L of the bins times
-    exp(2 pi i m r / samples). These L short transforms fit the caches, run side by side in the
-    processor, and add few zeros.
+    One long Fourier transform is split into L short ones. The samples n = r, r + L, r + 2 L, ...
+    are a transform of length samples / L of bins[m] exp(2 pi i m r / samples). Short transforms fit
+    into the processor's caches, run side by side, and need few zeros as padding. Source: Sorensen
+    and Burrus (1993), "Efficient computation of the DFT with only a subset of input or output
+    points", IEEE Trans. Signal Process. 41(3).
 
     Parameters
     ----------
     bins
-        (last + 1,) with bins[0] = 0 and 2 last < samples.
+        Complex amplitudes, shape (last + 1,), with bins[0] = 0 and 2 last < samples.
     samples
         Number of samples, even.
 
     Returns
     -------
-    (L, samples / L), where samples / L is even; sample L j + r is in row r, column j.
+    array
+        Shape (L, samples / L), where samples / L is even. Sample L j + r is in row r, column j.
     """
     from scipy.fft import irfft
 
@@ -62,7 +63,10 @@ def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
 
 @lru_cache
 def _short_length(last: int, samples: int) -> int:
-    """The length of the short transforms: an even divisor of `samples`."""
+    """Choose the length of the short transforms: an even divisor of `samples`.
+
+    `last` is the number of the last spectral line.
+    """
     for count in range(samples // max(SHORT * last, LEAST), 1, -1):
         if samples % (2 * count) == 0:
             return samples // count
@@ -71,7 +75,10 @@ def _short_length(last: int, samples: int) -> int:
 
 @lru_cache(maxsize=2)
 def _turns(bins: int, samples: int, length: int) -> NDArray[np.complex128]:
-    """(samples / length, bins): factor that rotates each bin to the first sample of each row."""
+    """Compute the factor of each bin in each short transform, shape (samples / length, bins).
+
+    The factor for bin m and row r is exp(2 pi i m r / samples) times length / 2.
+    """
     numbers, first = np.arange(bins), np.arange(samples // length)
     # the exact product modulo a whole turn: a large angle would lose its last digits
     angle = 2.0 * np.pi / samples * (first[:, None] * numbers % samples)

@@ -1,11 +1,11 @@
 """Fits Eq. (1) of Ren et al. (2019) to a record by Whittle's likelihood.
 
-The likelihood takes the periodogram's ordinates I_j as independent and exponentially distributed
-with the mean S(f_j). Minus its logarithm is the sum of log S(f_j) + I_j / S(f_j) over the lines
-inside a band (Whittle, 1953). S is written with its peak frequency f* and its half-bandwidth
-sqrt(k) (see `spectra.translated`): S = a f / ((f - f*)^2 + (k / f*) f), so c = f*^2 and
-b = -2 f* + k / f*. For given f* and k the best a is the mean of I_j / (S(f_j) / a), so only f* and
-k are searched.
+A line is one frequency f_j of the record's periodogram; its height is I_j. Whittle's likelihood
+(Whittle, 1953) takes the heights as independent and exponentially distributed with the mean S(f_j).
+Minus the logarithm of the likelihood is the sum of log S(f_j) + I_j / S(f_j) over the lines inside
+a band. S is written with its peak frequency f* and its half-bandwidth sqrt(k) (see
+`spectra.translated`): S = a f / ((f - f*)^2 + (k / f*) f), so c = f*^2 and b = -2 f* + k / f*. For
+given f* and k the best a is the mean of I_j / (S(f_j) / a), so only f* and k are searched.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum
 
-#: The band of waves and of the first bending mode of a support structure, Hz.
+#: The default band, Hz: that of waves and of the first bending mode of a support structure.
 BAND = (0.05, 0.6)
 #: Three parameters are fitted to at least this many lines of the periodogram.
 FEWEST_LINES = 12
-#: Below this probability the fit warns that the shape is doubtful.
+#: The fit warns that the shape is doubtful if `Fit.probability` is below this.
 DOUBTFUL = 0.01
 #: Records with more samples are transformed axis by axis, in place, and cut to a length that suits
 #: the FFT. With an unsuitable length the FFT can need ten times the memory.
@@ -33,32 +33,35 @@ LONG = 1 << 22
 
 @dataclass(frozen=True)
 class Fit:
-    """Eq. (1) fitted to a record, and how well it fits.
+    """A spectrum fitted to a record, and measures of how well the spectrum fits.
+
+    The spectrum S(f) is Eq. (1) of Ren et al. (2019). Lines are the frequencies f_j of the record's
+    periodogram; I_j is the periodogram's value there.
 
     Attributes
     ----------
     spectrum
-        The fitted a, b, c; one-sided density in m^2/Hz.
+        The fitted coefficients a, b, c of the one-sided density, m^2/Hz.
     natural_period
-        1 / f*, s.
+        Natural period, 1 divided by the frequency of the peak, s.
     bandwidth
-        k, s^-2.
+        Square of the half-bandwidth, s^-2.
     errors
         Standard errors of a, b, c, natural_period, bandwidth and half_bandwidth, from the expected
-        Hessian of the likelihood (the Fisher information). They are valid if the shape is right.
+        Hessian of the likelihood (the Fisher information); valid if the spectrum's shape is right.
     band, lines
-        The band of the fit, Hz, and the number of lines inside it.
+        Lower and upper edge of the fitted band, Hz, and the number of lines inside the band.
     band_share
         Share of the record's variance (mean and trend removed) that lies inside the band.
     explained
-        Share of the band's variance that the curve accounts for. Periodogram and curve are both
-        smoothed over 9 lines; this is the area under both, divided by the area under the
-        periodogram. (The two areas are always equal.) A spectrum that is right reaches about 0.87,
-        because the periodogram scatters.
+        Share of the band's variance that the fitted curve accounts for. Periodogram and curve are
+        smoothed over 9 lines. The share is the area that lies under both, divided by the area under
+        the periodogram. (The areas under the two curves are equal.) A curve of the right shape
+        reaches about 0.87, because the periodogram scatters.
     probability
-        Probability of a departure from the shape at least this large if the shape were right, by
-        Bartlett's test on the accumulated I_j / S(f_j). It is cautious, because the shape was
-        fitted to the same record.
+        Probability of a departure from the shape at least as large as observed, if the shape were
+        right, by Bartlett's test on the accumulated I_j / S(f_j). The probability tends to be too
+        large, because the shape was fitted to the record itself.
     warnings
         What is wrong with the fit, in words; empty for a good fit.
     """
@@ -76,24 +79,26 @@ class Fit:
 
     @property
     def half_bandwidth(self) -> float:
-        """Half-bandwidth sqrt(k), Hz."""
+        """The half-bandwidth, the square root of `bandwidth`, Hz."""
         return float(np.sqrt(self.bandwidth))
 
 
 def periodogram(position: Array, step: float) -> tuple[Array, Array]:
-    """Frequencies (Hz) and one-sided periodogram (m^2/Hz); mean and linear trend are removed.
+    """Compute the one-sided periodogram of a record without its mean and linear trend.
 
     Parameters
     ----------
     position
-        (n,) m, or (axes, n): the periodograms of the axes are added.
+        Positions in m, shape (n,), or (axes, n): the periodograms of the axes are added.
     step
         Sampling interval, s.
 
     Returns
     -------
     frequency, density
-        (n // 2,) each, without the line at zero. The sum of density / (n step) is the variance.
+        Hz and m^2/Hz, shape (n // 2,) each, without the line at zero. The sum of
+        density / (n step) is the variance. Of a record with more than `LONG` samples, up to 4 in
+        1000 samples at the end may be left out.
     """
     from scipy.fft import rfft
 
@@ -108,9 +113,10 @@ def periodogram(position: Array, step: float) -> tuple[Array, Array]:
 
 
 def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
-    """`periodogram` of long series. It leaves out the last samples, at most 4 in 1000.
+    """Compute what `periodogram` returns for long series (axes, n), in little memory.
 
-    A straight line over [-1, 1] has the mean zero, so mean and slope can be removed one by one.
+    The last samples, at most 4 in 1000, are left out. Mean and trend are removed one after the
+    other, since a straight line over [-1, 1] has the mean zero.
     """
     from scipy.fft import next_fast_len, rfft
 
@@ -133,7 +139,10 @@ def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
 
 
 def _make_one_sided(power: Array, n: int, step: float) -> tuple[Array, Array]:
-    """Frequencies (Hz) and density (m^2/Hz) of n samples from their lines' squares, in place."""
+    """Scale the squares of n samples' Fourier coefficients, in place, to a one-sided density.
+
+    Return frequencies (Hz) and density (m^2/Hz), without the line at zero.
+    """
     power *= 2.0 * step / n
     if n % 2 == 0:
         power[-1] *= 0.5
@@ -142,27 +151,28 @@ def _make_one_sided(power: Array, n: int, step: float) -> tuple[Array, Array]:
 
 
 def fit(position: Array, step: float, *, band: tuple[float, float] = BAND) -> Fit:
-    """Fit Eq. (1) to a record.
+    """Fit the spectrum of Eq. (1) of Ren et al. (2019) to a record.
 
     Parameters
     ----------
     position
-        (n,) m, or (axes, n): the sum of the axes' spectra is fitted.
+        Positions in m, shape (n,), or (axes, n): the sum of the axes' spectra is fitted.
     step
         Sampling interval, s.
     band
-        Hz, edges included.
+        Lower and upper edge of the band to fit, Hz; lines at the edges are inside.
 
     Raises
     ------
     InputError
-        If fewer than `FEWEST_LINES` lines lie in the band, or the record has no motion in it.
+        If fewer than `FEWEST_LINES` lines of the periodogram lie in the band, if the record has no
+        motion in the band, or if positions are missing.
     """
     return fit_lines(*periodogram(position, step), band=band)
 
 
 def fit_lines(frequency: Array, power: Array, *, band: tuple[float, float] = BAND) -> Fit:
-    """`fit` for a record whose `periodogram` has been computed already."""
+    """Fit as `fit` does, given what `periodogram` returns: frequencies (Hz) and power (m^2/Hz)."""
     df = float(frequency[0])
     inside = (frequency >= band[0] * (1 - 1e-9)) & (frequency <= band[1] * (1 + 1e-9))
     f, observed = frequency[inside], power[inside]
@@ -200,7 +210,11 @@ def _shape(f: Array, peak: float, k: float) -> Array:
 
 
 def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> tuple[float, float]:
-    """The best peak (Hz) and k (s^-2): by a coarse grid, then Nelder and Mead's simplex method."""
+    """Search the peak frequency (Hz) and squared half-bandwidth (s^-2) of greatest likelihood.
+
+    The search begins on a coarse grid and ends with Nelder and Mead's simplex method. `f` and
+    `observed` are the periodogram in the band, `df` is the distance of its lines, Hz.
+    """
     from scipy.optimize import minimize
 
     lowest, highest = np.log(band[0] / 3.0), np.log(band[1] * 3.0)
@@ -223,7 +237,11 @@ def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> 
 
 
 def _estimate_errors(f: Array, a: float, peak: float, k: float) -> dict[str, float]:
-    """Standard errors. The Fisher information is the sum of the outer products of d log S."""
+    """Compute the standard errors of the fitted numbers, by name.
+
+    Standard errors are computed from the Fisher information: the sum, over the lines f (Hz), of the
+    outer products of the derivatives of log S with respect to the parameters.
+    """
     below = (f - peak) ** 2 + (k / peak) * f
     slopes = np.array(
         [
@@ -249,14 +267,21 @@ def _estimate_errors(f: Array, a: float, peak: float, k: float) -> dict[str, flo
 
 
 def _measure_overlap(observed: Array, fitted: Array, lines: int = 9) -> float:
-    """Area under both curves over the area under the observed one; both smoothed over `lines`."""
+    """Return the area that lies under both curves, divided by the area under the observed curve.
+
+    Both curves are first smoothed over `lines` lines.
+    """
     window = np.ones(lines) / lines
     smooth, curve = (np.convolve(series, window, "valid") for series in (observed, fitted))
     return float(np.minimum(smooth, curve).sum() / smooth.sum())
 
 
 def _test_shape(ratio: Array) -> float:
-    """Probability that the accumulated ratios depart this far, or farther, from a straight line."""
+    """Return the probability that accumulated ratios depart this far, or farther, from a line.
+
+    The ratios are those of periodogram and fitted spectrum. If the shape is right, their running
+    sum is a straight line up to scatter (Bartlett's test).
+    """
     from scipy.special import kolmogorov
 
     n = len(ratio)

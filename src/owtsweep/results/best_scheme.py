@@ -1,7 +1,7 @@
-"""The table best_scheme.csv: the best scheme of every cell, and whether the data show it.
+"""Makes the table best_scheme.csv: the best scheme of every cell, and whether the data show it.
 
-A cell is one value of each condition. Schemes are compared in pairs, replicate by replicate:
-all of them saw the same motion and the same noise.
+A cell is one combination of values of the conditions. Schemes are compared replicate by replicate,
+because in each replicate all schemes saw the same motion and the same noise.
 """
 
 from __future__ import annotations
@@ -28,35 +28,37 @@ VERDICT_COLUMNS = (
 
 
 def name_columns(conditions: Sequence[str]) -> list[str]:
-    """The columns of a best-scheme table over these conditions."""
+    """Return the columns of a best-scheme table, given the names of the conditions."""
     return [*conditions, *VERDICT_COLUMNS]
 
 
 def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.DataFrame:
-    """Find the scheme of least mean in every cell, and whether it is distinguishable from the next.
+    """Find the scheme of least mean in every cell, and whether the next scheme is distinguishable.
 
-    Means are over the replicates that all schemes finished; a scheme that finished none in a cell
-    takes no part there, and a cell without a common replicate has no row. Schemes that agree to
-    `statistics.contest.COINCIDENCE` in every replicate count as one, under the name listed last in
-    `cube.schemes`; the runner-up is the best scheme that does not coincide with the best one.
+    A cell is one combination of conditions. Means are over the replicates that all schemes of the
+    cell finished. A scheme that finished no replicate of a cell takes no part there. A cell without
+    a common replicate has no row. Schemes that agree to `statistics.contest.COINCIDENCE` in every
+    replicate count as one scheme; of their names, the last in `cube.schemes` is used. The runner-up
+    is the best scheme that does not coincide with the best one.
 
     Parameters
     ----------
     cube
         The values of the run.
     window
-        E.g. "full" or "settled".
+        The part of the records to judge, e.g. "full" or "settled".
     criteria
         Measures to judge by, each on its own.
 
     Returns
     -------
     DataFrame
-        `name_columns`, sorted by conditions and criterion. `ci_low` and `ci_high` are the 95 %
-        paired t interval of `difference` in that cell alone; `distinguishable` applies Holm's
-        step-down correction over all cells of the criterion at 5 %. With one scheme `runner_up` is
-        empty and the numbers that need it are NaN; with one replicate the interval is NaN. Neither
-        is distinguishable. If a scheme was unable to work in any cell, `status` and `reason` too.
+        The columns of `name_columns`, sorted by conditions and criterion. `ci_low` and `ci_high`
+        are the 95 % confidence interval of `difference` by the paired t-test in that cell alone.
+        `distinguishable` applies Holm's step-down correction at 5 % to all cells of the criterion.
+        With one scheme, `runner_up` is empty and the numbers that need a runner-up are NaN. With
+        one replicate, the interval is NaN. In both cases `distinguishable` is false. If a scheme
+        was unable to work in any cell, there are also `status` and `reason`.
 
     Raises
     ------
@@ -93,13 +95,13 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
 def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]]:
     """Find groups of schemes that coincide by all criteria in every cell and replicate.
 
-    Each group is in the order of the schemes, so its last member is the name that
-    `find_best_schemes` uses.
+    The members of a group are in the order of `cube.schemes`. The last member is the name that
+    `find_best_schemes` uses for the group.
     """
     judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
 
     def coincide(i: int, j: int) -> bool:
-        """Whether two schemes have common values and agree in all of them."""
+        """Return whether two schemes have common values and agree in all of them."""
         compared = False
         for place in cube.outer_places():
             one, other = cube.values(i, place, judged), cube.values(j, place, judged)

@@ -1,9 +1,10 @@
-"""The boundary of two schemes: where, along the condition that expands, they are equally good.
+"""Finds the boundary of two schemes: the amplitude at which they are equally good.
 
-Per record MSE(N) = N^2 motion + 2 N cross + noise (`superposition`), so the mean difference of two
-schemes is a parabola in the amplitude N, and the boundary is its root. So it does not depend on a
-grid of amplitudes. Intervals are percentiles of a bootstrap over the records. Both schemes saw the
-same records, so the three products of a record are drawn together.
+In each record MSE(N) = N^2 motion + 2 N cross + noise (`superposition`). The mean difference of two
+schemes is therefore a parabola in the amplitude N, and the boundary is the parabola's root. So the
+boundary does not depend on a grid of amplitudes. Confidence intervals are percentiles of a
+bootstrap: records are resampled. Both schemes saw the same records, so the products motion, cross
+and noise of both schemes in a record are drawn together.
 """
 
 from __future__ import annotations
@@ -37,29 +38,33 @@ def find_boundary(
     measure: str,
     window: str,
 ) -> pd.DataFrame:
-    """Find where the second scheme becomes better than the first, per cell of other conditions.
+    """Find the amplitude above which the second scheme is better than the first, in each cell.
+
+    A cell is one combination of all conditions but the last, which is the amplitude.
 
     Parameters
     ----------
     rows
-        The rows of a run's cases; only superposed ones are used.
+        The rows of a run's cases. Only superposed rows are used, which hold for all amplitudes.
     conditions
-        The study's; the last expands.
+        The study's conditions; the last expands.
     schemes
-        The one that is expected to win below the boundary, and the one above it.
+        The scheme that is expected to win below the boundary, and the one that is above it.
     measure, window
         The measure and the window to compare.
 
     Returns
     -------
     DataFrame
-        The other conditions and `COLUMNS`, sorted by condition. `boundary` (in the unit of the
-        condition that expands) and its 95 % interval; `n`, the records that both schemes finished.
-        Without a boundary it is NaN and `wins` names the scheme that is better at every amplitude;
-        where the means cross the other way round, or twice, it is NaN and `wins` is "neither".
-        Otherwise `wins` is empty. An end of an interval is 0 (infinite) if it falls on a resample
-        in which the second (first) scheme is better throughout. The interval is NaN for one record,
-        for means without a boundary, and where resamples cannot be ordered.
+        One row per cell: the other conditions and `COLUMNS`, sorted by condition. `boundary` is in
+        the unit of the last condition, and `ci_low` and `ci_high` are its 95 % confidence interval.
+        `n` is the number of records that both schemes finished. `wins` is empty if there is a
+        boundary. Without one, `boundary` is NaN and `wins` names the scheme that is better at every
+        amplitude; `wins` is "neither" if the means cross the other way round, or twice. `ci_low`
+        and `ci_high` are NaN without a boundary and for a single record. Otherwise, `ci_low` (or
+        `ci_high`) is 0 if it falls on a resample in which the second scheme is better at every
+        amplitude, and infinite if the first scheme is. If it falls on a resample in which neither
+        is, `ci_low` is NaN and `ci_high` is infinite.
 
     Raises
     ------
@@ -89,20 +94,28 @@ def find_boundary_ratio(
     measure: str,
     window: str,
 ) -> tuple[float, float, float]:
-    """The boundary in the first cell divided by that in the second, with its 95 % interval.
+    """Compute the ratio of the boundaries in two cells, with its confidence interval.
 
-    The records of two cells are independent, so they are resampled independently. Other parameters
-    are those of `find_boundary`.
+    A boundary is the amplitude above which the second scheme is better than the first. A cell is
+    one combination of all conditions but the last, the amplitude. The records of two cells are
+    independent, so they are resampled independently.
+
+    Parameters
+    ----------
+    cells
+        The cells of the numerator and of the denominator.
+    rows, conditions, schemes, measure, window
+        As for `find_boundary`.
 
     Returns
     -------
     tuple of float
-        As `divide_crossings` returns it.
+        The ratio and the ends of its 95 % interval, as `divide_crossings` returns them.
 
     Raises
     ------
     InputError
-        As `find_boundary`, and if a cell is not among the rows.
+        If a scheme, the measure, the window or a cell is not among superposed rows.
     """
     by_cell = split_cells(subtract_schemes(rows, conditions, schemes, measure, window))
     products = []
@@ -127,10 +140,11 @@ def subtract_schemes(
     measure: str,
     window: str,
 ) -> pd.DataFrame:
-    """Products of the first scheme minus those of the second, of records that both finished.
+    """Subtract the second scheme's products from the first's, in records that both finished.
 
-    Parameters and errors are those of `find_boundary`. The columns are `PRODUCTS`; the index is the
-    other conditions and the replicate, sorted.
+    The products are the columns motion, cross and noise of superposed rows. The table returned has
+    these columns; its index, sorted, is all conditions but the last, and the replicate. Parameters
+    and errors are the same as for `find_boundary`.
     """
     *outer, last = [condition.name for condition in conditions]
     used = rows[(rows["status"] == OK) & rows[last].isna()]
@@ -149,7 +163,10 @@ def subtract_schemes(
 
 
 def split_cells(difference: pd.DataFrame) -> dict[Cell, Array]:
-    """Cell -> (records, 3), from what `subtract_schemes` returns."""
+    """Split what `subtract_schemes` returns into cells: cell -> array (records, 3).
+
+    A cell is a tuple of the values of all conditions but the last.
+    """
     products = difference.to_numpy(dtype=float)
     outer = difference.index.names[:-1]
     cells: dict[Cell, list[int]] = {}
@@ -162,21 +179,27 @@ def split_cells(difference: pd.DataFrame) -> dict[Cell, Array]:
 def divide_crossings(
     above: tuple[Cell, Array], below: tuple[Cell, Array], *, apart: bool = False
 ) -> tuple[float, float, float]:
-    """The boundary in one cell divided by that in another, with its 95 % interval.
+    """Compute the ratio of the boundaries in two cells, with its confidence interval.
+
+    A boundary is the amplitude at which two schemes are equally good.
 
     Parameters
     ----------
     above, below
-        Each a cell and its (records, 3) differences of products. Equal cells draw the same records.
+        Numerator and denominator: each a cell (values of the conditions) and its differences
+        between the products of two schemes, shape (records, 3). If the two cells are equal, the
+        same records are drawn for both.
     apart
-        Draw different records for the cell `above` even if the two cells are equal.
+        Whether to draw different records for the cell `above` even if the two cells are equal.
 
     Returns
     -------
     tuple of float
-        Ratio and the ends of its interval; NaN where one of the two has no boundary. An end is 0 or
-        infinite as in `find_boundary`. Resamples with 0 / 0 or inf / inf are NaN and count beyond
-        both ends.
+        The ratio and the ends of its 95 % interval. All three are NaN if a cell has no boundary;
+        the ends are NaN if a cell has a single record. Each resample gives a ratio of two
+        boundaries, which may be 0 or infinite as in `find_boundary`. An undefined ratio, such as
+        0 / 0, counts as lying below the lower end and above the upper end. An end that falls on an
+        undefined ratio is NaN (lower end) or infinite (upper end).
     """
     a, b = _find_mean_crossing(above[1]), _find_mean_crossing(below[1])
     if not (0.0 < a < np.inf and 0.0 < b < np.inf):
@@ -190,12 +213,15 @@ def divide_crossings(
 
 
 def _find_mean_crossing(products: Array) -> float:
-    """The root of the mean of (records, 3) differences."""
+    """Return the amplitude at which the mean of differences of products (records, 3) is zero.
+
+    Where there is no single such amplitude, return what `find_crossing` returns.
+    """
     return float(find_crossing(products.mean(axis=0)[None])[0])
 
 
 def _resample_crossings(cell: Cell, products: Array, *, apart: bool = False) -> Array:
-    """Roots of the means of resampled records."""
+    """Draw resamples of a cell's records; return the boundary of each resample's mean."""
     key = [encode_value(value) for value in cell] or [0]
     if apart:  # a different key draws different records: the first condition is shifted by 1e4
         key[0] += 10**10

@@ -21,22 +21,22 @@ Grid = Mapping[str, Sequence[Value]]
 
 @dataclass(frozen=True)
 class Condition:
-    """One axis of a study's grid.
+    """The description of a condition: one axis of a study's grid.
 
     Attributes
     ----------
     name
         The column of tables and the key below `grid`.
     label, unit
-        Its name and unit in figures, e.g. "motion amplitude" and "m"; "" if it has no unit.
+        Name and unit in figures, e.g. "motion amplitude" and "m"; "" if there is no unit.
     scale
-        How its numbers are spaced: "linear" or "log".
+        How the condition's numbers are spaced: "linear" or "log".
     in_streams
-        Whether its value is part of the keys of random streams, so that each value has different
-        draws.
+        Whether the condition's value is part of the keys of random streams, so that each value has
+        different random numbers.
     expands
-        Whether results are expanded over it without running: a row whose value of it is NaN
-        stands for all values (`results.superposition`). Only the last condition may.
+        Whether one computed result serves all values of the condition (`results.superposition`). In
+        such a row the condition is NaN. Only the last condition may expand.
     plural
         The plural used in sentences; by default the label with an s.
     """
@@ -56,32 +56,32 @@ class Condition:
 
     @property
     def word(self) -> str:
-        """The name as used in a sentence."""
+        """The name as used in a sentence: with spaces instead of underscores."""
         return self.name.replace("_", " ")
 
     @property
     def values_word(self) -> str:
-        """The plural as used in a sentence."""
+        """The plural as used in a sentence, e.g. "amplitudes"."""
         return self.plural or f"{self.label}s"
 
     def show(self, value: Value) -> str:
-        """A value with its unit, e.g. "0.2 m"."""
+        """Return a value with its unit as text, e.g. "0.2 m"; a value that is text has no unit."""
         shown = show_value(value)
         return f"{shown} {self.unit}" if self.unit and not isinstance(value, str) else shown
 
 
 def show_value(value: Value) -> str:
-    """A value without its unit."""
+    """Return a value as text, without its unit."""
     return value if isinstance(value, str) else f"{value:g}"
 
 
 def require_usable(conditions: Sequence[Condition]) -> None:
-    """Raise an error for conditions from which no table can be made.
+    """Check that tables can be made with these conditions.
 
     Raises
     ------
     InputError
-        If there is none, if two have the same name, or if one that is not the last expands.
+        If there is no condition, if two have the same name, or if one that is not the last expands.
     """
     names = [condition.name for condition in conditions]
     if not names or len(set(names)) < len(names):
@@ -95,7 +95,10 @@ def require_usable(conditions: Sequence[Condition]) -> None:
 
 
 def order_values(column: Any, listed: Iterable[Value] = ()) -> list[Value]:
-    """The distinct values of a column: numbers by size, texts as listed, others alphabetically."""
+    """Return the distinct values of a column: numbers by size, texts in the order of `listed`.
+
+    Texts that are not listed come last, alphabetically.
+    """
     distinct: list[Value] = np.unique(np.asarray(column)).tolist()
     place = {value: number for number, value in enumerate(listed)}
     if distinct and isinstance(distinct[0], str):
@@ -104,7 +107,7 @@ def order_values(column: Any, listed: Iterable[Value] = ()) -> list[Value]:
 
 
 def sort_lines(table: pd.DataFrame, order: Mapping[str, Sequence[Any]]) -> pd.DataFrame:
-    """A table sorted by columns, each in the given order of its values."""
+    """Sort a table by the columns in `order`, each of which has its values in the order given."""
     return table.sort_values(
         list(order), kind="stable", ignore_index=True,
         key=lambda column: column.map({v: i for i, v in enumerate(order[str(column.name)])}),

@@ -1,7 +1,8 @@
-"""Values of a run as arrays over schemes, conditions, measures, windows and replicates."""
+"""The values of a run as arrays: axes are schemes, conditions, measures, windows, replicates."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -19,13 +20,19 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
+#: Largest number that is used: sums of squares of larger ones overflow.
+LARGEST = 1e140
+#: Most values of a cube per row, beside those of an ordinary one that lacks most of its rows.
+_SPARSEST, _ORDINARY = 1000, 10_000_000
+
 
 @dataclass(frozen=True)
 class Cube:
-    """The values of a run as arrays over all combinations of labels, NaN where there is no value.
+    """The values of a run as arrays, with one axis each for scheme, conditions, measure and so on.
 
-    Below, `outer` means all conditions except the last, one axis each. Superposed values are
-    computed on request, because for all amplitudes of a large study they would not fit into memory.
+    An element is NaN where there is no value. Below, "outer conditions" are all but the last; each
+    of them has an axis. A superposed row serves all amplitudes, the values of the last condition.
+    The values at each amplitude are computed on request, because they would not fit into memory.
 
     Attributes
     ----------
@@ -34,12 +41,13 @@ class Cube:
     conditions, levels
         The study's conditions, and the values of each.
     products
-        (3, scheme, *outer, measure, window, replicate): `PRODUCTS`; None without superposed rows.
+        `PRODUCTS` of superposed rows, shape (3, scheme, *outer, measure, window, replicate); None
+        without superposed rows.
     direct
-        (scheme, *conditions, measure, window, replicate): values of rows that have a value of the
-        last condition; None without such rows.
+        Values of rows that have a value of the last condition, shape
+        (scheme, *conditions, measure, window, replicate); None without such rows.
     unable
-        Schemes that were unable to work in a cell: scheme, conditions, reason.
+        One line per scheme and cell in which it was unable to work: scheme, conditions, reason.
     """
 
     schemes: tuple[str, ...]
@@ -54,7 +62,7 @@ class Cube:
 
     @property
     def empty(self) -> bool:
-        """Whether there is no value at all."""
+        """True if the cube has no value at all, else False."""
         return self.products is None and self.direct is None
 
     @property
@@ -63,29 +71,39 @@ class Cube:
         return [condition.name for condition in self.conditions]
 
     def outer_places(self) -> Iterator[tuple[int, ...]]:
-        """Every combination of the outer conditions as indices; the last index changes fastest.
+        """Yield every combination of the outer conditions as indices; the last changes fastest.
 
-        None if the cube is empty.
+        The outer conditions are all but the last. Nothing is yielded if the cube is empty.
         """
         if not self.empty:
             yield from np.ndindex(*(len(levels) for levels in self.levels[:-1]))
 
     def name_outer(self, place: tuple[int, ...]) -> dict[str, Value]:
-        """The values of the outer conditions at these indices."""
+        """Return name -> value of all conditions but the last, given their indices."""
         outer = zip(self.names, self.levels, place, strict=False)  # the last condition has no index
         return {name: levels[index] for name, levels, index in outer}
 
     def values(self, scheme: int, place: tuple[int, ...], measures: Any = slice(None)) -> Array:
-        """(last condition, measure, window, replicate): values of one scheme at one place.
+        """Return the values of one scheme at one place of the outer conditions.
 
         Parameters
         ----------
         scheme
-            Its index.
+            Index of the scheme.
         place
-            Indices of the outer conditions.
+            Indices of all conditions but the last.
         measures
             The measures as a slice or a list of indices.
+
+        Returns
+        -------
+        array
+            Axes: value of the last condition, measure, window, replicate. NaN without a value.
+
+        Raises
+        ------
+        ValueError
+            If the cube is empty.
         """
         here: Any = (scheme, *place)
         result: Array | None = None
@@ -102,9 +120,10 @@ class Cube:
     def label(
         self, scheme: int, place: tuple[int, ...], indices: Sequence[NDArray[np.intp]]
     ) -> dict[str, Any]:
-        """The labels of some of `values(scheme, place)` as columns, given their indices per axis.
+        """Return the labels of some elements of `values(scheme, place)` as columns: name -> labels.
 
-        Without indices of the replicates there is no column for them.
+        `indices` has one array of indices for each axis of `values`. Without an array for the
+        replicates there is no column of replicates.
         """
         import pandas as pd
 
@@ -116,7 +135,10 @@ class Cube:
         return columns
 
     def to_table(self) -> pd.DataFrame:
-        """One line per value: scheme, conditions, measure, window, replicate, value."""
+        """Make a table of one line per value.
+
+        Columns: scheme, conditions, measure, window, replicate, value.
+        """
         import pandas as pd
 
         columns = ["scheme", *self.names, "measure", "window", "replicate", "value"]
@@ -144,8 +166,8 @@ class Cube:
         Parameters
         ----------
         rows
-            The rows of a run's cases. Those that failed or have no finite number are left out, and
-            so is a scheme in a cell that it is unable to work in.
+            The rows of a run's cases. Those that failed, lack a label, or have no number up to
+            `LARGEST` are left out, and so is a scheme in a cell that it is unable to work in.
         schemes
             The schemes that take part.
         conditions
@@ -158,7 +180,7 @@ class Cube:
         require_usable(conditions)
         unable = list_unable(rows[rows["scheme"].isin(list(schemes))], conditions, grid)
         rows = without_unable(rows, conditions)
-        superposed, direct = _choose(rows, schemes, conditions[-1], grid)
+        superposed, direct = _choose(rows, schemes, conditions, grid)
         used = superposed | direct
         names = [condition.name for condition in conditions]
         *outer, last = names
@@ -191,7 +213,7 @@ class Cube:
 
 
 def join_lines(parts: Sequence[pd.DataFrame], columns: Sequence[str]) -> pd.DataFrame:
-    """The lines of some tables with these columns as one table."""
+    """Join tables with these columns, one below the other."""
     import pandas as pd
 
     filled = [part for part in parts if len(part)]
@@ -199,25 +221,43 @@ def join_lines(parts: Sequence[pd.DataFrame], columns: Sequence[str]) -> pd.Data
 
 
 def _choose(
-    rows: pd.DataFrame, schemes: Sequence[str], last: Condition, grid: Grid
+    rows: pd.DataFrame, schemes: Sequence[str], conditions: Sequence[Condition], grid: Grid
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Masks of the rows to use: superposed rows, and rows with a value of the last condition."""
+    """Choose the rows to use; return two masks.
+
+    The first mask marks superposed rows, which serve all values of the last condition. The second
+    marks rows that have one value of the last condition.
+    """
+    *outer, last = conditions
     finished = ((rows["status"] == OK) & rows["scheme"].isin(list(schemes))).to_numpy()
-    direct = finished & np.isfinite(rows["value"].to_numpy(dtype=float))
+    for name in ("measure", "window", "replicate", *(c.name for c in outer)):
+        finished = finished & _there(rows[name])
+    direct = finished & _usable(rows["value"])
     if not last.expands:
         return np.zeros(len(rows), dtype=bool), direct
     at_one = rows[last.name].notna().to_numpy()
     superposed = finished & ~at_one
     for name in PRODUCTS:
-        superposed &= np.isfinite(rows[name].to_numpy(dtype=float))
+        superposed &= _usable(rows[name])
     return superposed, direct & at_one & rows[last.name].isin(list(grid[last.name])).to_numpy()
 
 
-def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
-    """(amplitude, measure, window, replicate) from products (3, measure, window, replicate).
+def _usable(column: Any) -> NDArray[np.bool_]:
+    """Which values are numbers up to `LARGEST`."""
+    return np.asarray(np.abs(column.to_numpy(dtype=float)) <= LARGEST)
 
-    The longer of the axes amplitude and replicate is innermost in memory, where loops and sums are
-    fastest.
+
+def _there(column: Any) -> NDArray[np.bool_]:
+    """Which values are neither missing nor infinite."""
+    there: NDArray[np.bool_] = column.notna().to_numpy()
+    return there & np.isfinite(column.to_numpy()) if column.dtype.kind == "f" else there
+
+
+def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
+    """Compute values at all amplitudes from products (3, measure, window, replicate).
+
+    The axes of the result are amplitude, measure, window, replicate. The longer of the axes
+    amplitude and replicate is innermost in memory, where loops and sums are fastest.
     """
     N = np.asarray(amplitudes)
     if len(N) <= products.shape[-1]:
@@ -235,7 +275,15 @@ def _arrange(
     axes: Sequence[str],
     columns: Sequence[str],
 ) -> Array:
-    """(columns, *axes): columns of the chosen rows, NaN where there is no row."""
+    """Arrange columns of the chosen rows as an array with the axes (columns, *axes).
+
+    `labels` gives the labels of each axis. An element is NaN where there is no row.
+
+    Raises
+    ------
+    InputError
+        If two rows belong to the same element.
+    """
     import pandas as pd
 
     place = np.zeros(int(chosen.sum()), dtype=np.intp)
@@ -248,6 +296,11 @@ def _arrange(
             codes = pd.Index(labels[name]).get_indexer(texts.categories)[texts.codes]
         place *= len(labels[name])
         place += codes
+    size = math.prod(len(labels[name]) for name in axes)
+    require(
+        size <= max(_SPARSEST * place.size, _ORDINARY),
+        f"rows: {place.size} values for {size} cases; the labels of their rows do not fit together",
+    )
     arrays = np.full((len(columns), *(len(labels[name]) for name in axes)), np.nan)
     for flat, name in zip(arrays.reshape(len(columns), -1), columns, strict=True):
         flat[place] = _of(rows, name, chosen)
@@ -256,7 +309,7 @@ def _arrange(
 
 
 def _of(rows: pd.DataFrame, name: str, chosen: NDArray[np.bool_]) -> Any:
-    """A column of the chosen rows, without a copy if all rows are chosen."""
+    """Return a column of the chosen rows, without a copy if all rows are chosen."""
     column = rows[name].array
     return column if chosen.all() else column[chosen]
 

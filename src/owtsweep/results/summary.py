@@ -1,4 +1,4 @@
-"""The table summary.csv: means over the replicates with their intervals."""
+"""Makes the table summary.csv: means over the replicates with their confidence intervals."""
 
 from __future__ import annotations
 
@@ -18,19 +18,20 @@ if TYPE_CHECKING:
 
 
 def name_columns(conditions: Sequence[str]) -> list[str]:
-    """The columns of a summary over these conditions."""
+    """Return the columns of a summary, given the names of the conditions."""
     return ["scheme", *conditions, "measure", "window", "mean", "ci_low", "ci_high", "n"]
 
 
 def summarise(cube: Cube) -> pd.DataFrame:
-    """Mean over the replicates with its 95 % Student-t interval (NaN for a single replicate).
+    """Compute means over the replicates with 95 % confidence intervals by Student's t.
 
     Returns
     -------
     DataFrame
-        `name_columns`, sorted by scheme, conditions, measure, window; `n` is the number of
-        replicates that the scheme finished. If a scheme was unable to work in a cell, there are
-        also `status` and `reason`, and a line without measure for that scheme and cell.
+        The columns of `name_columns`, sorted by scheme, conditions, measure, window. The ends of
+        the interval are NaN for a single replicate. `n` is the number of replicates that the scheme
+        finished. If a scheme was unable to work in a cell, there are also the columns `status` and
+        `reason`, and a line without measure for that scheme and cell.
     """
     import pandas as pd
 

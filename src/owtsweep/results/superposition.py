@@ -1,7 +1,7 @@
 """Computes results of a linear scheme at any amplitude from runs with only motion or only noise.
 
-The error of a linear scheme at amplitude N is N times the error from motion of amplitude 1, plus
-the error from noise. So its mean square is a parabola in N.
+The error of a linear scheme at amplitude N is N times the error due to motion of amplitude 1, plus
+the error due to noise. The mean square of this error is therefore a parabola in N.
 """
 
 from __future__ import annotations
@@ -12,37 +12,40 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
-#: Mean squares of motion and noise and the mean of their product: the columns of a superposed row.
+#: The columns of a superposed row: mean square of the error due to motion, mean product of the
+#: errors due to motion and noise, mean square of the error due to noise.
 PRODUCTS = ("motion", "cross", "noise")
 
 
 def superpose(motion: Any, cross: Any, noise: Any, amplitude: Any) -> Any:
-    """The mean square error at an amplitude N: N^2 motion + 2 N cross + noise.
+    """Compute the mean square error at an amplitude N: N^2 motion + 2 N cross + noise.
 
     Parameters
     ----------
     motion, cross, noise
-        Numbers, arrays or columns, at amplitude 1: mean square of the error from motion, mean
-        product of the errors from motion and noise, mean square of the error from noise.
+        Numbers, arrays or columns, at amplitude 1: mean square of the error due to motion, mean
+        product of the errors due to motion and to noise, mean square of the error due to noise.
     amplitude
-        A number, or an array that can be broadcast against them.
+        N: a number, or an array that can be broadcast against the other arguments.
     """
     return amplitude**2 * motion + 2.0 * amplitude * cross + noise
 
 
 def find_crossing(products: Array) -> Array:
-    """Find the amplitude at which a superposed difference turns from negative to positive.
+    """Find the amplitude N > 0 at which the parabola N^2 a + 2 N c + f turns positive.
 
     Parameters
     ----------
     products
-        (n, 3) differences of `PRODUCTS`.
+        One row (a, c, f) per parabola, shape (n, 3): differences of the products motion, cross and
+        noise of two schemes.
 
     Returns
     -------
     array
-        (n,). 0 where it is positive throughout, infinite where it is negative throughout, NaN where
-        it changes from positive to negative or changes twice.
+        Shape (n,). The result is 0 for a parabola that is positive at every N > 0, infinite for one
+        that is negative at every N > 0, and NaN for one that changes from positive to negative or
+        changes its sign twice.
     """
     a, c, f = np.asarray(products, dtype=float).T
     discriminant = c * c - a * f

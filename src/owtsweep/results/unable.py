@@ -1,4 +1,7 @@
-"""Schemes that cannot work in a cell (they leave it), and how tables show this."""
+"""Lists schemes that were unable to work in a cell, and shows them in tables.
+
+A cell is one combination of conditions.
+"""
 
 from __future__ import annotations
 
@@ -13,9 +16,10 @@ if TYPE_CHECKING:
 
 
 def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid) -> pd.DataFrame:
-    """One line per scheme and cell that it left: scheme, conditions, reason.
+    """List the cells in which schemes were unable to work: scheme, conditions, reason.
 
-    A row without a value of a condition that expands stands for all values of the grid.
+    A cell is one combination of conditions. A row in which the last condition expands and is NaN
+    stands for all values that the grid has for this condition.
     """
     import pandas as pd
 
@@ -33,7 +37,11 @@ def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid)
 
 
 def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.DataFrame:
-    """The rows, except those of a scheme in a cell that it left in any replicate."""
+    """Return the rows except those of schemes in cells in which they were unable to work.
+
+    A cell is one combination of conditions. If a scheme was unable to work in one replicate of a
+    cell, all its rows of this cell are left out.
+    """
     import pandas as pd
 
     unable = rows["status"] == UNABLE
@@ -45,9 +53,10 @@ def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.Da
 
 
 def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
-    """A summary with `status` and `reason`, and a line for each scheme and cell that it left.
+    """Add to a summary the columns `status` and `reason`, and a line for each line of `unable`.
 
-    Such a line has neither measure nor mean. Lines are in no order.
+    The lines of schemes that were unable to work have neither measure nor mean. Lines are not
+    sorted.
     """
     import pandas as pd
 
@@ -59,7 +68,11 @@ def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
 def tell_in_best_scheme(
     table: pd.DataFrame, unable: pd.DataFrame, names: Sequence[str]
 ) -> pd.DataFrame:
-    """A best-scheme table; with `status` and `reason` if a scheme left any cell."""
+    """Add `status` and `reason` to a best-scheme table if a scheme was unable to work in any cell.
+
+    If there is no such scheme, return the table as it is. `unable` is what `list_unable` returns;
+    `names` are the names of the conditions.
+    """
     if unable.empty:
         return table
     who = unable["scheme"] + ": " + unable["reason"]

@@ -1,4 +1,4 @@
-"""A sensor with a wrong clock: its time stamps differ from the true times of measurement."""
+"""Models a sensor's wrong clock: time stamps differ from the true times of measurement."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class Clock:
     Attributes
     ----------
     offset
-        At t = 0, s; negative if samples are older than their time stamps.
+        Offset at t = 0, s; negative if samples are older than their time stamps.
     drift
-        Seconds per second.
+        Growth of the offset, in seconds per second.
 
     Raises
     ------
@@ -37,29 +37,30 @@ class Clock:
             raise InputError(f"drift: {self.drift:g} s/s stops the clock; give more than -1")
 
     def read(self, values: Array, *, start: float, step: float, stamped: Array) -> Array:
-        """The values that the sensor reports at given times on its clock.
+        """Return the values that the sensor reports at given times on its clock.
 
-        Values between samples come from a spline of degree 5. Its error falls with the sixth power
-        of the step: it is below 1e-9 of an oscillation that has 100 samples per period.
+        Values between samples come from a spline of degree 5. The spline's error falls with the
+        sixth power of the step. For an oscillation with 100 samples per period the error is below
+        1e-9 of the oscillation's amplitude.
 
         Parameters
         ----------
         values
-            (samples,) or (samples, axes): the truth at start, start + step, ...
+            True values at the times start, start + step, ..., shape (samples,) or (samples, axes).
         start, step
-            In s, on the true clock.
+            True time of the first sample, and sampling interval, s.
         stamped
-            (n,) times on the sensor's clock, s.
+            Times on the sensor's clock, s, shape (n,).
 
         Returns
         -------
         Array
-            (n,) or (n, axes).
+            Shape (n,) or (n, axes).
 
         Raises
         ------
         InputError
-            If an instant lies outside the samples. The message says by how much.
+            If a true time of measurement lies outside the samples. The message says by how much.
         """
         from scipy.interpolate import make_interp_spline
 

@@ -1,4 +1,4 @@
-"""Samples that are lost: one by one, or in outages of a given length."""
+"""Models the loss of samples: one by one, or in outages of a given length."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from owtsweep.errors import InputError
 
 @dataclass
 class Losses:
-    """Which samples of a sensor are lost, drawn piece by piece.
+    """The losses of a sensor's samples, drawn piece by piece.
 
-    At each sample an outage begins with the same probability, independently of all others, also
-    inside another outage. With a length of 1 the losses are independent. No outage begins before
-    the first sample. In the long run the share 1 - (1 - probability)^length of samples is lost.
-    With the same stream and a higher probability or a greater length, all samples that were lost
-    before are lost again, and more.
+    An outage may begin at any sample, also inside another outage. Its probability is equal for all
+    samples and independent of the others. With a length of 1 the losses are independent. No outage
+    begins before the first sample. In the long run the share 1 - (1 - probability)^length of
+    samples is lost. With a higher probability or a greater length, and the same random stream, all
+    samples that were lost with the lower values are lost again, and more.
 
     Attributes
     ----------
     generator
-        The stream: one uniform number per sample.
+        The random stream, from which one uniform number per sample is drawn.
     probability
         Probability that an outage begins at a sample.
     length
@@ -49,7 +49,7 @@ class Losses:
             raise InputError(f"length: an outage of {self.length} samples; give 1 or more")
 
     def draw(self, count: int) -> NDArray[np.bool_]:
-        """The next samples, (count,): True where one is lost."""
+        """Draw which of the next `count` samples are lost: True where one is, shape (count,)."""
         begins = self.generator.random(count) < self.probability
         sample = np.arange(count)
         last = np.maximum.accumulate(np.where(begins, sample, -self.length))

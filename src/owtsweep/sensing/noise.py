@@ -1,8 +1,8 @@
 """White noise and a wandering bias, drawn piece by piece.
 
-Both take unit normals from a stream in order and scale them afterwards. So drawing in pieces gives
-the same numbers, bit for bit, as a single draw, and the same stream gives the same noise for every
-intensity, up to its scale.
+Both take unit normals from a stream in order and scale them afterwards. Therefore, drawing in
+pieces gives the same numbers, bit for bit, as a single draw. With the same stream, noises of
+different intensity differ only in scale.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from owtsweep.errors import InputError
 
 @dataclass
 class WhiteNoise:
-    """Independent normal errors of one channel.
+    """The white noise of one channel: independent, normally distributed errors.
 
     Attributes
     ----------
     generator
-        The stream of the unit normals.
+        The random stream from which unit normals are drawn.
     sigma
         Standard deviation of each sample, in the unit of the measured quantity.
 
@@ -40,7 +40,7 @@ class WhiteNoise:
             raise InputError(f"sigma: {self.sigma:g} is no standard deviation; give 0 or more")
 
     def draw(self, *shape: int) -> Array:
-        """The next samples."""
+        """Draw the next samples, as an array of the given shape."""
         noise = self.generator.standard_normal(shape)
         noise *= self.sigma
         return noise
@@ -50,15 +50,15 @@ class WhiteNoise:
 class WienerBias:
     """A bias that starts at a given value and wanders: a sampled Wiener process.
 
-    Its variance after the time t is walk^2 t.
+    The variance of the bias after the time t is walk^2 t.
 
     Attributes
     ----------
     generator
-        The stream of the unit normals. The first normal is drawn but not used, so that each step
-        has the same normal regardless of the initial value.
+        The random stream from which unit normals are drawn. The first normal is drawn but not used,
+        so that each step has the same normal regardless of the initial value.
     walk
-        Intensity, in the unit of the measured quantity per sqrt(s).
+        Intensity of the Wiener process, in the unit of the measured quantity per sqrt(s).
     step
         Sampling interval, s.
     initial
@@ -86,11 +86,11 @@ class WienerBias:
 
     @property
     def deviation(self) -> float:
-        """Standard deviation of the change from one sample to the next."""
+        """The standard deviation of the change from one sample to the next."""
         return float(self.walk * np.sqrt(self.step))
 
     def draw(self, steps: int) -> Array:
-        """The next samples, (steps,)."""
+        """Draw the next `steps` samples of the bias, shape (steps,)."""
         bias = self.generator.standard_normal(steps)
         if steps == 0:
             return bias

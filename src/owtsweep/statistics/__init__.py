@@ -1,1 +1,1 @@
-"""Statistics over replicates: means, intervals, paired differences, tests, the best scheme."""
+"""Statistics of replicates: means, confidence intervals, differences, tests, the best scheme."""

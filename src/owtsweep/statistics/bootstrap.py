@@ -1,4 +1,4 @@
-"""Bootstrap intervals: from records resampled with replacement.
+"""Confidence intervals by the bootstrap: records are resampled with replacement.
 
 Source: Efron and Tibshirani (1993), An introduction to the bootstrap, chapters 10 and 13.
 """
@@ -18,14 +18,20 @@ SEED = 20190601
 
 
 def resample_means(records: Array, key: Sequence[int]) -> Array:
-    """(`RESAMPLES`, quantities): means over records resampled with replacement.
+    """Draw resamples of records with replacement; return the mean of each resample.
 
     Parameters
     ----------
     records
-        (records, quantities). With fewer than two records there is no resample.
+        One row per record, shape (records, quantities).
     key
-        Not negative. Different keys give different draws, for independent sets of records.
+        Integers that are not negative. Different keys give different draws, for independent sets of
+        records.
+
+    Returns
+    -------
+    array
+        Shape (`RESAMPLES`, quantities); (0, quantities) if there are fewer than two records.
     """
     n = len(records)
     if n < 2:
@@ -36,10 +42,10 @@ def resample_means(records: Array, key: Sequence[int]) -> Array:
 
 
 def percentile_interval(samples: Array) -> tuple[float, float]:
-    """The central 95 % of the samples.
+    """Return the lower and the upper end of the central 95 % of the samples.
 
-    A NaN sample counts below the lower end and above the upper end. An end that falls on such a
-    sample is NaN.
+    A NaN sample counts as -infinity for the lower end and as infinity for the upper end. A lower
+    end of -infinity is returned as NaN.
     """
     tail = 0.5 * (1.0 - CONFIDENCE)
     worst_low = np.sort(np.where(np.isnan(samples), -np.inf, samples))

@@ -1,6 +1,7 @@
-"""Finds the best scheme, those that coincide with it, the next one, and whether that is worse.
+"""Finds the best scheme in each cell, and whether the next best scheme is significantly worse.
 
-All users share these rules: tables of records and of expectations, advice, published statements.
+A cell is one combination of conditions. Two schemes coincide if their values are equal up to
+rounding. Tables of results, advice and statements about the paper all use these rules.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from owtsweep.arrays import Array
 from owtsweep.statistics.student import p_value, t_quantile
 from owtsweep.statistics.sums import mean_and_error, ordered_sum
 
-#: Schemes whose values differ by less than this (relative) count as the same estimator.
+#: Schemes coincide if the relative difference of their values is at most this.
 COINCIDENCE = 1e-9
 
 Flags = NDArray[np.bool_]
@@ -23,18 +24,18 @@ Places = NDArray[np.intp]
 
 
 class Ranking(NamedTuple):
-    """The order of the schemes in each cell.
+    """The best scheme and the runner-up in each cell. A cell is one combination of conditions.
 
     Attributes
     ----------
     best, runner_up
-        (cells,) indices of schemes. Of schemes that coincide, the last is named. The runner-up is
-        the best scheme that does not coincide with the winner. Where all coincide it is one of
-        them; where only one took part it is -1.
+        Indices of schemes, shape (cells,). Of schemes that coincide, the last is named. The
+        runner-up is the best scheme that does not coincide with the winner. If all schemes of a
+        cell coincide, the runner-up is one of them. If only one took part, `runner_up` is -1.
     like_best
-        (schemes, cells): whether a scheme coincides with the best; true for the best itself.
+        Shape (schemes, cells): whether a scheme coincides with the best; true for the best itself.
     told_apart
-        (cells,) whether any other scheme does not coincide with the best.
+        Shape (cells,): whether some scheme does not coincide with the best.
     """
 
     best: Places
@@ -44,18 +45,24 @@ class Ranking(NamedTuple):
 
 
 class Contest(NamedTuple):
-    """The outcome in each cell, (cells,) each; without meaning in cells that are not judged.
+    """The comparison of the schemes in each cell (combination of conditions), shape (cells,) each.
+
+    In cells that are not judged, only `judged` has a meaning.
 
     Attributes
     ----------
     judged
-        Whether all schemes that took part have finished a common replicate.
+        Whether there is a replicate that all schemes of the cell have finished.
     best, runner_up
-        As in `Ranking`.
-    mse_best, mse_runner_up, difference, ci_low, ci_high
-        Means, their paired difference and its 95 % t interval; NaN without a runner-up.
+        Indices of the scheme of least mean and of the next; see `Ranking`.
+    mse_best, mse_runner_up
+        Mean of the best scheme, and mean of the runner-up, which is NaN without a runner-up.
+    difference, ci_low, ci_high
+        `mse_runner_up` minus `mse_best`, and its 95 % confidence interval by the paired t-test; NaN
+        without a runner-up.
     p
-        Two-sided paired t-test of the difference; 1 where nothing can be tested or told apart.
+        Two-sided p-value of the paired t-test of the difference; 1 if there are too few replicates
+        for a test, or all schemes of the cell coincide.
     """
 
     judged: Flags
@@ -75,9 +82,9 @@ def contest(values: Array) -> Contest:
     Parameters
     ----------
     values
-        (schemes, cells, replicates), NaN where a case has no value. A scheme without any value in
-        a cell takes no part there. Schemes coincide if they agree to `COINCIDENCE` in every
-        replicate.
+        Shape (schemes, cells, replicates), NaN where a case has no value. The least mean is the
+        best. A scheme without any value in a cell takes no part in this cell. Schemes coincide in a
+        cell if their values agree to `COINCIDENCE` in every common replicate.
     """
     finite = np.isfinite(values)
     took_part: Flags = np.asarray(finite.any(axis=-1))
@@ -108,16 +115,16 @@ def contest(values: Array) -> Contest:
 
 
 def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
-    """The best scheme of each cell and the next.
+    """Find the best scheme and the runner-up in each cell, a combination of conditions.
 
     Parameters
     ----------
     means
-        (schemes, cells): the values to compare; the least is the best.
+        The values to compare, shape (schemes, cells); the least is the best.
     alike
-        (schemes, schemes, cells): whether two coincide, from `find_alike`.
+        Whether two schemes coincide, shape (schemes, schemes, cells), as `find_alike` returns it.
     took_part
-        (schemes, cells).
+        Whether a scheme takes part in a cell, shape (schemes, cells).
     """
     best, like_best = find_least(means, took_part, alike)
     others = took_part & ~like_best
@@ -128,9 +135,20 @@ def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
 
 
 def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, Flags]:
-    """Find the contender of least mean (the last of those that coincide), and all that coincide.
+    """Find the contender of least mean in each cell, and all contenders that coincide with it.
 
-    Parameters are those of `rank`; returns (cells,) and (schemes, cells).
+    Parameters
+    ----------
+    means, alike
+        As for `rank`.
+    contenders
+        Whether a scheme takes part in a cell, shape (schemes, cells).
+
+    Returns
+    -------
+    tuple of array
+        Index of the best contender, shape (cells,); of contenders that coincide, the last. And
+        whether a contender coincides with the best, shape (schemes, cells).
     """
     least = np.argmin(np.where(contenders, means, np.inf), axis=0)
     same = alike[least, :, np.arange(means.shape[1])].T & contenders
@@ -139,21 +157,21 @@ def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, F
 
 
 def find_alike(values: Array, took_part: Flags, common: Flags) -> Flags:
-    """Find which schemes coincide in a cell, that is, in every common replicate.
+    """Find which schemes coincide in a cell, that is, agree in every replicate that counts.
 
     Parameters
     ----------
     values
-        (schemes, cells, replicates).
+        Shape (schemes, cells, replicates).
     took_part
-        (schemes, cells).
+        Whether a scheme takes part in a cell, shape (schemes, cells).
     common
-        (cells, replicates): whether a replicate counts.
+        Whether a replicate counts, shape (cells, replicates).
 
     Returns
     -------
     array
-        (schemes, schemes, cells), symmetric in the schemes.
+        Whether two schemes coincide, shape (schemes, schemes, cells), symmetric in the schemes.
     """
     schemes = len(values)
     alike = np.zeros((schemes, *took_part.shape), dtype=bool)
@@ -167,10 +185,10 @@ def find_alike(values: Array, took_part: Flags, common: Flags) -> Flags:
 def group_coinciding(
     names: Sequence[str], coincide: Callable[[int, int], bool]
 ) -> list[tuple[str, ...]]:
-    """Groups of two or more schemes that coincide, each in the order of `names`.
+    """Group schemes that coincide; return the groups of two or more, each in the order of `names`.
 
     `coincide` says whether two schemes coincide, given their indices. A scheme joins the first
-    group whose first member coincides with it.
+    group whose first member coincides with the scheme.
     """
     groups: list[list[int]] = []
     for place in range(len(names)):
@@ -184,6 +202,6 @@ def group_coinciding(
 
 
 def agree(one: Array, other: Array) -> Flags:
-    """Whether two values are equal up to rounding, elementwise."""
+    """Return, elementwise, whether two arrays are equal up to rounding."""
     scale = np.maximum(np.abs(one), np.abs(other))
     return np.asarray(np.abs(one - other) <= COINCIDENCE * scale)

@@ -1,7 +1,7 @@
 """Differences and ratios of two runs' MSE: paired by replicate, or unpaired by Welch's method.
 
-Sources: Welch (1947), The generalization of 'Student's' problem; the ratio's interval is the delta
-method on its logarithm: log(b/a) has the influence b_r/mean(b) - a_r/mean(a) of replicate r.
+Source: Welch (1947), The generalization of 'Student's' problem. The interval of a ratio comes from
+the delta method for its logarithm: replicate r influences log(b/a) by b_r/mean(b) - a_r/mean(a).
 """
 
 from __future__ import annotations
@@ -16,7 +16,18 @@ from owtsweep.statistics.sums import mean_and_error
 
 
 class Contrast(NamedTuple):
-    """An estimate with its 95 % interval, two-sided p-value (1 where untestable) and counts."""
+    """An estimated difference or ratio with its uncertainty.
+
+    Attributes
+    ----------
+    value, low, high
+        The estimate and the ends of its 95 % confidence interval; the ends are NaN where there is
+        too little data.
+    p
+        Two-sided p-value; 1 where there is too little data.
+    n_first, n_second
+        Numbers of replicates of the first and of the second sample.
+    """
 
     value: Array
     low: Array
@@ -27,16 +38,17 @@ class Contrast(NamedTuple):
 
 
 def gap(samples: Array) -> Contrast:
-    """Compare the mean over the last axis with zero."""
+    """Compare the mean over the last axis with zero, ignoring NaN, by the t-test."""
     with np.errstate(divide="ignore", invalid="ignore"):
         mean, error, n = mean_and_error(samples)
     return _student(mean, error, n - 1.0, n, n)
 
 
 def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
-    """Mean of `second` minus mean of `first` over the replicates, the last axis.
+    """Compute the difference of means over the replicates, the last axis: `second` minus `first`.
 
-    NaN marks replicates that did not finish. If `paired`, only replicates that both have count.
+    A replicate that did not finish is NaN. If `paired`, only replicates that both samples have are
+    used.
     """
     if paired:
         return gap(second - first)
@@ -47,7 +59,11 @@ def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
 
 
 def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
-    """Mean of `second` divided by mean of `first`, else as `difference`; both must be positive."""
+    """Compute the ratio of means over the replicates, the last axis: `second` divided by `first`.
+
+    Both means must be positive. A replicate that did not finish is NaN. If `paired`, only
+    replicates that both samples have are used.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         if paired:
             both = np.isfinite(first) & np.isfinite(second)
@@ -64,7 +80,10 @@ def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
 
 
 def _welch(error_a: Array, n_a: Any, error_b: Array, n_b: Any) -> tuple[Array, Array]:
-    """Standard error of a difference and its degrees of freedom (Welch-Satterthwaite)."""
+    """Compute the standard error of a difference and its degrees of freedom (Welch-Satterthwaite).
+
+    The arguments are the standard errors of two means and the numbers of samples.
+    """
     error = np.sqrt(error_a**2 + error_b**2)
     share_a, share_b = error_a**4 / (n_a - 1.0), error_b**4 / (n_b - 1.0)
     exact = (error == 0.0) & (n_a > 1) & (n_b > 1)

@@ -1,4 +1,4 @@
-"""The interval of a ratio of two means.
+"""The confidence interval of a ratio of two means.
 
 Source: Fieller (1954), Some problems in interval estimation.
 """
@@ -11,20 +11,22 @@ from owtsweep.arrays import Array
 
 
 def fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
-    """The thresholds r that the paired t test of mean(a) = r mean(b) does not reject.
+    """Compute the confidence interval of mean(a) / mean(b) by Fieller's theorem.
+
+    The interval holds the ratios r for which the paired t-test does not reject mean(a) = r mean(b).
 
     Parameters
     ----------
     a, b
-        (n,) paired samples, not negative.
+        Paired samples, not negative, shape (n,).
     quantile
         Quantile of Student's t with n - 1 degrees of freedom.
 
     Returns
     -------
     tuple of float
-        The ends of the interval, the lower one at least 0; NaN where `b` scatters so much that
-        the interval has no end.
+        The lower end, at least 0, and the upper end; both NaN if `b` scatters so much that the
+        interval has no end.
     """
     n = len(a)
     A, B = np.mean(a), np.mean(b)

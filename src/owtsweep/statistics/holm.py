@@ -1,4 +1,4 @@
-"""Many tests at once: Holm's correction."""
+"""Corrects for many tests at once by Holm's method."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from owtsweep.statistics.student import CONFIDENCE
 
 
 def holm(p_values: ArrayLike) -> NDArray[np.bool_]:
-    """Holm's step-down test: which hypotheses are rejected at a family-wise error of 5 %.
+    """Return which hypotheses Holm's step-down test rejects at a family-wise error of 5 %.
 
     Source: Holm (1979), A simple sequentially rejective multiple test procedure.
     """

@@ -1,4 +1,4 @@
-"""Student's t: quantiles of its intervals, and its test.
+"""Student's t: quantiles for confidence intervals, and the t-test.
 
 Source: Student (1908), The probable error of a mean.
 """
@@ -16,7 +16,7 @@ CONFIDENCE = 0.95
 
 
 def t_quantile(freedom: Any) -> Array:
-    """Half-width of the 95 % interval in standard errors.
+    """Return the half-width of the 95 % confidence interval, in standard errors.
 
     Parameters
     ----------
@@ -32,14 +32,15 @@ def t_quantile(freedom: Any) -> Array:
 
 
 def p_value(value: Any, error: Any, freedom: Any) -> Array:
-    """Two-sided test that a quantity is zero; 1 where there is too little data to test it.
+    """Return the two-sided p-value of the t-test that a quantity is zero.
 
     Parameters
     ----------
     value, error
-        The estimate and its standard error. Without any error, p is 0 unless the value is 0.
+        The estimate and its standard error. If the error is 0, p is 1 for the value 0 and 0 for
+        any other value.
     freedom
-        Degrees of freedom; with fewer than 1 there is no test.
+        Degrees of freedom. Where they are not positive, or value or error is not finite, p is 1.
     """
     from scipy.special import stdtr
 

@@ -1,4 +1,4 @@
-"""Sums and means that are equal bit for bit for the same terms in the same order."""
+"""Computes sums and means that depend, bit for bit, only on the terms and their order."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from owtsweep.arrays import Array
 
 
 def ordered_sum(samples: Array) -> Array:
-    """Sum over the last axis strictly in order.
+    """Sum over the last axis, adding the terms strictly in their order.
 
-    `np.sum` groups its terms by the shape of the array; a running sum does not.
+    `np.sum` adds terms in groups that depend on the shape of the array, and so does its rounding.
     """
     if samples.ndim > 1 and samples.strides[-1] > min(samples.strides[:-1]):
         # The sums of all cells at once, in the same order of terms.
@@ -23,7 +23,10 @@ def ordered_sum(samples: Array) -> Array:
 
 
 def mean_and_error(samples: Array) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Mean, its standard error (NaN for one sample) and count over the last axis, ignoring NaN."""
+    """Compute means over the last axis, ignoring NaN, their standard errors, and counts of samples.
+
+    The standard error of a single sample is NaN.
+    """
     present = np.isfinite(samples)
     n = present.sum(axis=-1)
     whole = bool(present.all())

@@ -1,6 +1,6 @@
 """The studies: each is a package that implements `owtsweep.sweep.study.Study`."""
 
-from owtsweep.studies.composing import compose, from_mapping, load_config, locate
+from owtsweep.studies.composing import compose, from_mapping, locate
 from owtsweep.studies.registry import get_study, names
 
-__all__ = ["compose", "from_mapping", "get_study", "load_config", "locate", "names"]
+__all__ = ["compose", "from_mapping", "get_study", "locate", "names"]

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from owtsweep.config import Config, Tree, checked, compose_plain, require
-from owtsweep.config.stored import read, resolved
+from owtsweep.config.stored import resolved
 from owtsweep.errors import InputError
 from owtsweep.studies import registry
 
@@ -101,28 +100,6 @@ def from_mapping(mapping: Any, study: str | None = None) -> Config:
         values.
     """
     return _checked(resolved(mapping), study)
-
-
-def load_config(path: Path) -> Config:
-    """Read a run's config.yaml.
-
-    Raises
-    ------
-    InputError
-        If it is missing, is not a configuration of this program, or belongs to a study that is not
-        installed.
-    """
-    plain = read(path)
-    try:
-        return _checked(plain)
-    except InputError as error:
-        study = str(plain.get("study", registry.DEFAULT))
-        if study not in registry.names():
-            raise InputError(
-                f"{path}: the study {study!r} of this run is not installed; install its package "
-                f"(there are {', '.join(registry.names())})"
-            ) from error
-        raise InputError(f"{path}: {error}") from error
 
 
 def _checked(plain: dict[str, Any], study: str | None = None) -> Config:

@@ -32,6 +32,9 @@ An *axis* is a list whose entries are numbers, `{log: [first, last, count]}` or
 of the shell) gives 100 amplitudes from 0.05 m to 10 m, each the same factor above the one before,
 and 20 m. Numbers between the ends are rounded to 12 digits. `config.yaml` stores the numbers.
 
+The magnitude of a number other than 0 lies between 1e-30 and 1e30: beyond them, squares of squares
+cannot be computed with. Grids, windows and horizons that would need more than 4 GB are refused.
+
 This page is written by `python -m owtsweep.studies.reference docs/configuration.md`."""
 
 COLUMNS = ("key", "type", "unit", "default", "bounds", "meaning")

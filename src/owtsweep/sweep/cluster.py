@@ -9,17 +9,19 @@ import asyncio
 import logging
 import time
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from distributed import Client
+from distributed import Client, Security
+from distributed.core import connect
 
 # A private module, but the only way to extend this backend. pyproject.toml bounds the version of
 # joblib, and tests/sweep/test_cluster.py fails if a new version has changed what is extended here.
 from joblib._dask import DaskDistributedBackend
 
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, require
 from owtsweep.sweep.study import Study
 from owtsweep.sweep.versions import tell_other_versions
 from owtsweep.sweep.worker import one_line
@@ -52,9 +54,14 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
     InputError
         If the scheduler does not answer or has no workers, or if a worker cannot do the work.
     """
+    _require_certificates(address)
     try:
+        # First without a `Client`: one that fails half-way lives on, and ends with a traceback. In
+        # a thread, because a notebook has a loop of its own.
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(asyncio.run, _greet(address)).result()
         client = Client(address, timeout=PATIENCE_AT_START, set_as_default=False)
-    except (OSError, ValueError) as error:
+    except Exception as error:  # whatever listens there may send anything
         raise InputError(
             f"compute.scheduler: no scheduler answers at {address} ({type(error).__name__}); "
             "start one with `dask scheduler`, or use compute.backend=auto"
@@ -71,6 +78,21 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
         finally:
             for logger in loud:
                 logger.disabled = False
+
+
+async def _greet(address: str) -> None:
+    arguments = Security().get_connection_args("client")
+    (await connect(address, timeout=PATIENCE_AT_START, **arguments)).abort()
+
+
+def _require_certificates(address: str) -> None:
+    """Refuse tls:// without certificates: dask notices too late to clean up."""
+    if address.startswith("tls:"):
+        require(
+            Security().get_connection_args("client")["ssl_context"] is not None,
+            "compute.scheduler: tls:// needs certificates, and dask's configuration names none "
+            "(distributed.comm.tls); name them there, or use tcp://",
+        )
 
 
 def _loggers() -> list[logging.Logger]:

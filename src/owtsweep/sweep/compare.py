@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,9 +18,10 @@ from owtsweep.comparing.comparison import (
     show,
 )
 from owtsweep.config import as_mapping, require
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
 from owtsweep.io import markdown
 from owtsweep.io.files import check_writable, write_atomically
+from owtsweep.io.reading import require_folder
 from owtsweep.io.tables import write_table
 from owtsweep.sweep.multirun_record import read_record
 from owtsweep.sweep.runs import Run
@@ -80,11 +82,12 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     comparison = _arrange(loaded, preferred)
     hashes = " ".join(candidate.hash for candidate in comparison.runs)
     folder = _folder(paths, [run for run, _ in loaded])
-    check_writable(folder)
+    check_writable(folder, "compare", "move away what is there, or get the right to write")
     findings = study.compare(comparison, folder, metadata={"runs": hashes, "folder": folder.name})
-    every_note = (*notes, *findings.notes)
+    every_note = tuple(map(printable, (*notes, *findings.notes)))
     swept = pd.DataFrame([run.shown for run in comparison.runs], columns=list(comparison.keys))
     overview = pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
+    overview = overview.rename(columns=printable).map(printable)
     folder.mkdir(parents=True, exist_ok=True)
     for name, table in findings.tables.items():
         if len(table.columns):  # a file without columns could not be read back
@@ -102,9 +105,8 @@ def _open(
     notes: list[str] = []
     seen: set[Path] = set()
     for path in map(Path, paths):
-        require(path.exists(), f"{path}: there is no such folder; name a multirun or runs")
-        require(path.is_dir(), f"{path}: this is a file; name the folder of a multirun or of runs")
-        multirun = not (path / "config.yaml").is_file()
+        require_folder(path)
+        multirun = not os.path.lexists(path / "config.yaml")
         folders, swept = _members(path, notes) if multirun else ([path], [])
         require(bool(folders), f"{path}: there is no run in it; name a multirun or several runs")
         preferred += swept
@@ -162,14 +164,14 @@ def _arrange(loaded: Sequence[tuple[Run, pd.DataFrame]], preferred: Sequence[str
         names = [run.folder.name for run, _ in loaded]
         unique = len(set(names)) == len(names)
         for of_run, (run, _) in zip(values, loaded, strict=True):
-            of_run[RUN] = run.folder.name if unique else str(run.folder)
+            of_run[RUN] = printable(run.folder.name if unique else str(run.folder))
         keys = [*keys, RUN]
     places = list(
         zip(*(rank_values([of_run[key] for of_run in values]) for key in keys), strict=True)
     )
     order = sorted(range(len(loaded)), key=lambda i: places[i])
     runs = tuple(
-        Candidate(run.folder.name, run.hash, run.config, rows, values[i])
+        Candidate(printable(run.folder.name), run.hash, run.config, rows, values[i])
         for i in order
         for run, rows in [loaded[i]]
     )
@@ -203,5 +205,5 @@ def _report(
         keys = ", ".join(f"`{key}`" for key in comparison.following)
         parts.append(f"Changing along with these keys: {keys}.")
     if notes:
-        parts.append("Notes:\n\n" + "\n".join(f"- {note}" for note in notes))
+        parts.append("Notes:\n\n" + "\n".join(f"- {markdown.escape(note)}" for note in notes))
     return "\n\n".join([*parts, findings.report]).rstrip() + "\n"

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.rows import Setback
+from owtsweep.sweep.schema import WrongRows
 from owtsweep.sweep.shard import DamagedShard, decode
 from owtsweep.sweep.worker import (
     NOT_COMPUTED,
@@ -180,12 +181,12 @@ class Executor:
             options = {"backend": Backend(self.client), "pre_dispatch": self.workers or "2*n_jobs"}
         else:
             workers = min(self.workers, tasks)
-            # With one job joblib would run it in this process, and a block may kill its process.
-            least = 2 if self.work.backend == "loky" else 1
+            # With one job joblib would run it in this thread: it could kill this process, and
+            # neither would Ctrl-C end it nor could its own KeyboardInterrupt be told from Ctrl-C.
             options = {
-                "n_jobs": max(workers, least),
+                "n_jobs": max(workers, 2),
                 "backend": self.work.backend,
-                "pre_dispatch": workers if workers < least else "2*n_jobs",
+                "pre_dispatch": 1 if workers == 1 else "2*n_jobs",
             }
         return Parallel(return_as="generator_unordered", batch_size=1, **options)
 
@@ -193,9 +194,9 @@ class Executor:
         """Store the shards that a worker has handed back."""
         for shard in result.returned:
             try:
-                decode(shard.data, shard.key)
+                decode(shard.data, shard.key, self.work.store.needed)
                 self.work.store.write(shard.key, shard.data)
-            except (DamagedShard, OSError) as error:
+            except (DamagedShard, WrongRows, OSError) as error:
                 result.computed -= shard.succeeded
                 result.disk_full = result.disk_full or is_disk_full(error)
                 result.failures.append(Setback(shard.label, one_line(error), shard.succeeded))
@@ -239,15 +240,16 @@ def shared_token(folder: Path) -> Iterator[str | None]:
 
 @contextmanager
 def _hold_interrupts(hold: bool) -> Iterator[None]:
-    """Delay Ctrl-C while processes are started.
+    """Delay Ctrl-C and the end of the terminal while processes are started.
 
-    The processes inherit the blocked signal, so a process that is still loading its libraries does
-    not die of Ctrl-C with a traceback.
+    The processes inherit the blocked signals. Both reach the whole group: a process that is still
+    loading its libraries would die of Ctrl-C with a traceback, and joblib's own process that
+    tidies up would die of the other, with one traceback for each thing that it knew.
     """
     if not hold or threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT, signal.SIGHUP])
     try:
         yield
     finally:

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pyarrow as pa
 
+from owtsweep.errors import InputError
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -34,6 +36,11 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
     DataFrame
         Text columns are categorical, with sorted categories; `as_text` makes them plain text. If a
         table lacks a column, its rows are empty in that column.
+
+    Raises
+    ------
+    InputError
+        If whole numbers of one table are too large for a column that has fractions in another.
     """
     import pandas as pd
 
@@ -69,7 +76,13 @@ def as_text(frame: pd.DataFrame) -> pd.DataFrame:
 
 def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
     """The joined columns of some tables, copied out of Arrow's memory."""
-    joined = pa.concat_tables(tables, promote_options="default").combine_chunks()
+    # Permissive: a column of whole numbers may be of fractions in another shard.
+    try:
+        joined = pa.concat_tables(tables, promote_options="permissive").combine_chunks()
+    except pa.ArrowInvalid as error:
+        raise InputError(
+            f"cases: the numbers of these shards do not fit together ({error})"
+        ) from error
     columns = {}
     for name, column in zip(joined.column_names, joined.columns, strict=True):
         if pa.types.is_large_string(column.type) or pa.types.is_string(column.type):

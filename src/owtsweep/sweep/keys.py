@@ -17,6 +17,8 @@ from owtsweep.sweep.study import Block, Study
 KEY_BYTES = 16
 #: Bytes of a run's hash: few, so that it can be typed.
 HASH_BYTES = 5
+#: Bytes of a folder's name that every file system takes.
+LONGEST_NAME = 255
 #: Top-level keys of a configuration that may change without making it another run. They say what is
 #: swept over, how it is computed and where results are stored.
 NOT_IDENTIFYING = frozenset({"grid", "schemes", "compute", "results", "name"})
@@ -57,16 +59,25 @@ def run_folder(config: Config) -> Path:
     Raises
     ------
     InputError
-        If `experiment` cannot be part of a folder's name.
+        If `experiment` cannot be part of a folder's name, or the name is too long.
     """
     if config.name is not None:
-        return Path(config.results) / config.name
+        return _folder(config, "name", config.name)
     require(
         re.fullmatch(r"[\w.+=,-]+", config.experiment) is not None,
         f"experiment: {config.experiment!r} cannot be part of a folder's name; "
         "use letters, digits, . _ - + = ,",
     )
-    return Path(config.results) / f"{config.experiment}-{run_hash(config)}"
+    return _folder(config, "experiment", f"{config.experiment}-{run_hash(config)}")
+
+
+def _folder(config: Config, key: str, name: str) -> Path:
+    require(
+        len(name.encode()) <= LONGEST_NAME,
+        f"{key}: the run folder's name would have {len(name)} characters; use a shorter one, of at "
+        f"most {LONGEST_NAME}",
+    )
+    return Path(config.results) / name
 
 
 def _digest(identity: Mapping[str, Any], size: int, *, what: str) -> str:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from owtsweep.io.files import unwritable
+from owtsweep.io.log_lines import Lines, read_message
 
 #: Most entries of a task that are sent to the coordinator; a scheme may warn at every step.
 MOST_ENTRIES = 50
@@ -145,16 +146,14 @@ def _wanted(record: logging.LogRecord) -> bool:
 
 
 def _text(record: logging.LogRecord) -> str:
-    label, text = getattr(_here, "label", ""), record.getMessage()
+    label, text = getattr(_here, "label", ""), read_message(record)
     if record.name == "py.warnings":
         text = " ".join(text.split())
     return f"{label}: {text}" if label else text
 
 
-class _Labelled(logging.Formatter):
+class _Labelled(Lines):
     """Adds the label of the block that the thread runs."""
 
-    def formatMessage(self, record: logging.LogRecord) -> str:
-        if not getattr(record, "from_worker", False):
-            record.message = _text(record)
-        return super().formatMessage(record)
+    def text(self, record: logging.LogRecord) -> str:
+        return read_message(record) if hasattr(record, "from_worker") else _text(record)

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from owtsweep.errors import InputError
 from owtsweep.io.files import write_atomically
+from owtsweep.io.reading import read_json
 
 RECORD = "multirun.json"
 VERSION = 1
+#: Most bytes of a record: that of a hundred thousand runs.
+MOST_BYTES = 100_000_000
 
 
 @dataclass(frozen=True)
@@ -50,11 +54,27 @@ def read_record(folder: Path) -> Planned | None:
         If the file is not a record of a multirun.
     """
     path = folder / RECORD
-    if not path.is_file():
+    if not os.path.lexists(path):
         return None
-    try:
-        runs = json.loads(path.read_text())["runs"]
-        keys = [str(key) for run in runs for key in run["values"]]
-        return Planned([str(run["folder"]) for run in runs], keys)
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{path}: this is no record of a multirun ({error})") from error
+    match read_json(path, MOST_BYTES):
+        case {"runs": list(runs)}:
+            pass
+        case _:
+            raise InputError(f"{path}: this is no record of a multirun (it lists no runs)")
+    folders: list[str] = []
+    keys: list[str] = []
+    for run in runs:
+        match run:
+            case {"folder": str(name), "values": dict(values)} if _is_name(name):
+                folders.append(name)
+                keys += values
+            case _:
+                raise InputError(
+                    f"{path}: this is no record of a multirun (run {len(folders)} has no name of a "
+                    "folder beside it)"
+                )
+    return Planned(folders, keys)
+
+
+def _is_name(text: str) -> bool:
+    return Path(text).name == text and text not in ("", ".", "..")

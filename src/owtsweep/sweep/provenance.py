@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import platform
 import subprocess
@@ -11,12 +10,15 @@ from datetime import UTC, datetime
 from functools import cache
 from hashlib import blake2b
 from importlib.metadata import PackageNotFoundError, version
+from math import isfinite
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from owtsweep import __version__
-from owtsweep.config import Config, as_mapping
+from owtsweep.config import Config, as_mapping, require
+from owtsweep.errors import InputError
+from owtsweep.io.reading import read_json
 from owtsweep.sweep.versions import shard_metadata
 
 if TYPE_CHECKING:
@@ -30,6 +32,9 @@ CLUSTER_PACKAGES = ("dask", "distributed")
 #: With more blocks than this the manifest holds a summary of their seconds, not each value.
 MOST_BLOCKS = 1000
 SLOWEST = 10
+MANIFEST = "manifest.json"
+#: Most bytes of a manifest: a configuration and the seconds of `MOST_BLOCKS` fit several times.
+MOST_BYTES = 50_000_000
 
 
 def start_manifest(
@@ -127,22 +132,34 @@ def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
 def read_earlier_seconds(folder: Path) -> dict[str, float]:
     """The seconds of blocks from earlier sweeps of this run, as far as the manifest lists them."""
     try:
-        each = _read_manifest(folder)["blocks"]["each"]
-        return {str(label): float(seconds) for label, seconds in each.items()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        each = read_manifest(folder)["blocks"]["each"].items()
+        read = {str(label): float(seconds) for label, seconds in each}
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
         return {}
+    return {label: seconds for label, seconds in read.items() if isfinite(seconds)}
 
 
 def was_running(folder: Path) -> bool:
     """Whether the state is `running`: a sweep of this run is under way, or was killed."""
     try:
-        return bool(_read_manifest(folder)["state"] == "running")
-    except (OSError, ValueError, KeyError, TypeError):
+        return bool(read_manifest(folder).get("state") == "running")
+    except InputError:
         return False
 
 
-def _read_manifest(folder: Path) -> Any:
-    return json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """The manifest of a run, whose values may be anything.
+
+    Raises
+    ------
+    InputError
+        If there is none, or it is no mapping.
+    """
+    path = folder / MANIFEST
+    require(os.path.lexists(path), f"{folder}: there is no {MANIFEST} in it; run its sweep")
+    manifest = read_json(path, MOST_BYTES)
+    require(isinstance(manifest, dict), f"{path}: this is no manifest; run its sweep again")
+    return dict(manifest)
 
 
 def git_state(package: Path) -> dict[str, str | bool] | None:

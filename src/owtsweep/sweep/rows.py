@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.sweep.study import FAILED, OK, UNABLE, Block, Study
+from owtsweep.errors import printable
+from owtsweep.sweep.schema import STATUSES, needed_columns
+from owtsweep.sweep.study import Block, Study
 
 if TYPE_CHECKING:
     import pandas as pd
-
-STATUSES = (OK, FAILED, UNABLE)
 
 
 @dataclass(frozen=True)
@@ -30,16 +30,16 @@ def require_rows(study: Study, config: Any, rows: pd.DataFrame) -> None:
     TypeError
         If they are not a DataFrame.
     ValueError
-        If a column is missing, or if a status is unknown.
+        If there is no row, a column is missing, or a status is unknown.
     """
     columns = getattr(rows, "columns", None)
     if columns is None:
         raise TypeError(f"the study's rows are a {type(rows).__name__}, not a DataFrame")
-    conditions = [c.name for c in study.conditions(config) if not c.expands]
-    needed = ["status", "reason", *study.engine(config).sort_columns(), *conditions]
-    missing = [name for name in dict.fromkeys(needed) if name not in columns]
+    missing = [name for name in needed_columns(study, config) if name not in columns]
     if missing:
         raise ValueError(f"the study's rows have no column {', '.join(missing)}")
+    if not len(rows):
+        raise ValueError("the study gave no row")
     unknown = sorted(map(repr, set(rows["status"]) - set(STATUSES)))
     if unknown:
         raise ValueError(f"status {', '.join(unknown)} is none of {', '.join(STATUSES)}")
@@ -51,4 +51,6 @@ def collect_setbacks(block: Block, rows: pd.DataFrame, status: str) -> list[Setb
         return []  # saves time: counting nothing with pandas takes longer than writing a shard
     reasons = rows.loc[rows["status"] == status, "reason"].fillna("no reason given").value_counts()
     each = block.cases_per_row
-    return [Setback(block.label, str(reason), each * int(n)) for reason, n in reasons.items()]
+    return [
+        Setback(block.label, printable(str(reason)), each * int(n)) for reason, n in reasons.items()
+    ]

@@ -5,15 +5,16 @@ from __future__ import annotations
 import json
 import logging
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from typing import Any
 
-from owtsweep.config import Config, dump, require
-from owtsweep.config.stored import load, read
-from owtsweep.io.files import check_writable, remove_stale, unwritable, write_atomically
+from owtsweep.config import Config, dump, require, typed
+from owtsweep.config.stored import read_stored
+from owtsweep.errors import InputError
+from owtsweep.io.files import check_writable, remove_stale, unwritable, write_all, write_atomically
 from owtsweep.io.tables import write_tables
 from owtsweep.sweep.execute import BACKENDS, Executor
 from owtsweep.sweep.keys import run_folder, run_hash
@@ -28,8 +29,9 @@ from owtsweep.sweep.provenance import (
 )
 from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Results, Run
-from owtsweep.sweep.store import Store
-from owtsweep.sweep.study import OK, UNABLE, Study
+from owtsweep.sweep.stored_plan import NAME as PLAN
+from owtsweep.sweep.stored_plan import dump_plan
+from owtsweep.sweep.study import OK, UNABLE, Study, blame
 from owtsweep.sweep.versions import all_versions, count_outdated
 from owtsweep.sweep.worker import TaskResult, Work, one_line
 
@@ -105,27 +107,31 @@ def sweep(
         sweep continues from there.
     """
     plan = make_plan(study, config)
-    run = Run(run_folder(config), config, study)
+    run = Run(run_folder(config), config, study, plan)
     with _executor(run) as executor:
         text = dump(config)
-        _prepare(run, text, fresh=fresh)
+        _prepare(run, {"config.yaml": text, PLAN: dump_plan(plan, config, text)}, fresh=fresh)
         with run_log(run.folder):
             return _Sweep(run, plan, executor, progress or Progress(), argv)(text)
 
 
-def _prepare(run: Run, text: str, *, fresh: bool) -> None:
+def _prepare(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
     for folder in (run.folder, run.store.cases):
         check_writable(folder)
-    for name in ("config.yaml", "manifest.json", "run.log"):
+    for name in (*texts, "manifest.json", "run.log"):
         path = run.folder / name
-        require(not path.is_dir(), f"{path}: this is a folder where a file belongs; move it away")
+        kind = "folder" if path.is_dir() else "pipe or a device"
+        require(
+            path.is_file() or not path.exists(),
+            f"{path}: this is a {kind} where a file belongs; move it away",
+        )
     if run.config.name is not None and not fresh:
         _require_same_run(run)
     try:
         run.store.cases.mkdir(parents=True, exist_ok=True)
         if fresh:
             run.store.clear()
-        write_atomically(run.folder / "config.yaml", text)
+        write_all({run.folder / name: text for name, text in texts.items()})
     except OSError as error:
         raise unwritable(run.folder, error) from error
     for folder in (run.folder, run.store.cases):
@@ -136,10 +142,12 @@ def _require_same_run(run: Run) -> None:
     """Refuse a folder named by the user that holds another run: tables must not be mixed."""
     path = run.folder / "config.yaml"
     if path.is_file():
+        plain, _ = read_stored(path)
         # another study's keys would not be known
-        same_study = read(path).get("study") == run.config.study
+        same_study = plain.get("study") == run.config.study
+        model = type(run.config)
         require(
-            same_study and run_hash(load(path, type(run.config))) == run.hash,
+            same_study and run_hash(typed(model, model.hide_code(plain, None))) == run.hash,
             f"name: {run.folder} holds a run with other settings; choose another name, or add "
             "--fresh to replace it",
         )
@@ -260,7 +268,12 @@ class _Sweep:
         if rows is None or not (rows["status"] == OK).any():
             logger.warning("no case has succeeded: there are no tables")
             return None
-        results = Results(rows, run.engine.tables(run.config, rows))
+        try:
+            with blame(run.study):
+                results = Results(rows, run.engine.tables(run.config, rows))
+        except InputError as error:  # the cases are stored; nothing of them is lost
+            self._fail([Setback("no tables were made", str(error), 0)])
+            return None
         try:
             write_tables(run.folder, results.tables)
         except OSError as error:
@@ -287,7 +300,7 @@ def _executor(run: Run) -> Iterator[Executor]:
         f"study {run.study.name}: its backend is {backend!r}; a study says threading or loky",
     )
     # Absolute: workers outlive a sweep and keep their first working directory.
-    store = Store(run.folder.absolute())
+    store = replace(run.store, folder=run.folder.absolute())
     work = Work(run.study, run.config, store, all_versions(run.study), backend)
     if backend != "dask":
         # joblib's count respects the affinity mask and the quota of a container.

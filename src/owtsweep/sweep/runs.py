@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import Config, require
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
 from owtsweep.figures.drawings import draw_each
 from owtsweep.io.tables import read_table
 from owtsweep.sweep.gather import as_text, sort_rows
 from owtsweep.sweep.keys import run_hash
-from owtsweep.sweep.plan import make_plan
+from owtsweep.sweep.plan import Plan, make_plan
 from owtsweep.sweep.rows import Setback, collect_setbacks
+from owtsweep.sweep.schema import needed_columns
 from owtsweep.sweep.store import Store
-from owtsweep.sweep.study import OK, UNABLE, Engine, Study
+from owtsweep.sweep.study import OK, UNABLE, Engine, Study, blame
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,11 +46,14 @@ class Run:
         The resolved configuration; it says which cases belong to the run.
     study
         The study that the configuration belongs to.
+    stored_plan
+        The plan that the folder holds beside the configuration; None if it holds none.
     """
 
     folder: Path
     config: Config
     study: Study
+    stored_plan: Plan | None = None
 
     @property
     def hash(self) -> str:
@@ -58,12 +63,25 @@ class Run:
     @property
     def store(self) -> Store:
         """The shards."""
-        return Store(self.folder)
+        with blame(self.study):
+            return Store(self.folder, needed_columns(self.study, self.config))
 
     @property
     def engine(self) -> Engine:
         """The engine that plans, runs and draws this configuration."""
         return self.study.engine(self.config)
+
+    def plan(self) -> Plan:
+        """The blocks that the run consists of, by key: as stored, or else planned anew.
+
+        Raises
+        ------
+        InputError
+            If no plan is stored, and planning would need a user's scheme of the stored run.
+        """
+        if self.stored_plan is None:
+            return make_plan(self.study, self.config)
+        return self.stored_plan
 
     def cases(self) -> pd.DataFrame:
         """The rows of all stored cases of the plan, failed ones included, sorted by case.
@@ -98,17 +116,20 @@ class Run:
         that sums over them do not depend on the order of the grid. Text columns are categorical, so
         that millions of rows fit into memory.
         """
-        rows, missing = self.store.read_all(make_plan(self.study, self.config))
+        rows, missing = self.store.read_all(self.plan())
         if rows is not None:
-            rows = sort_rows(rows, self.engine.sort_columns())
+            with blame(self.study):
+                columns = self.engine.sort_columns()
+            rows = sort_rows(rows, columns)
         return rows, len(missing)
 
     def unable(self) -> list[Setback]:
         """Stored cases that their scheme cannot compute, by block and reason; reads all shards."""
         setbacks = []
-        for key, block in make_plan(self.study, self.config).items():
-            if UNABLE in (self.store.statuses(key) or ()):
-                rows = self.store.read(key)
+        store = self.store
+        for key, block in self.plan().items():
+            if UNABLE in (store.statuses(key) or ()):
+                rows = store.read(key)
                 setbacks += [] if rows is None else collect_setbacks(block, rows, UNABLE)
         return setbacks
 
@@ -148,7 +169,10 @@ class Run:
         Raises
         ------
         InputError
-            If the run has no finished case or no figure of that name.
+            If the run has no finished case or no figure of that name, or its study is another
+            package's and does not work.
+        OSError
+            If the file system refuses a file; figures that were there stay whole.
         """
         folder = self.folder / "figures"
         rows = results.rows if results else self._finished()
@@ -157,14 +181,15 @@ class Run:
             f"{self.folder}: no case has succeeded, so there is nothing to draw; see its run.log",
         )
         # made of these rows, not read from files
-        tables = results.tables if results else self.engine.tables(self.config, rows)
+        with blame(self.study):
+            tables = results.tables if results else self.engine.tables(self.config, rows)
+            drawings = self.engine.drawings(self.config, tables, rows, self.metadata())
         folder.mkdir(exist_ok=True)
-        drawings = self.engine.drawings(self.config, tables, rows, self.metadata())
-        return draw_each(drawings, folder, only)
+        return draw_each(drawings, folder, only, partial(blame, self.study))
 
     def metadata(self) -> dict[str, str]:
         """Facts about the run that its figures store."""
-        return {"run": self.hash, "folder": self.folder.name}
+        return {"run": self.hash, "folder": printable(self.folder.name)}
 
     def summary(self) -> pd.DataFrame:
         """Means and intervals over the replicates: `summary.csv`."""

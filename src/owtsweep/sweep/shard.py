@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from owtsweep.sweep.schema import Needed, WrongRows, check_columns, check_statuses, check_table
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -25,6 +27,8 @@ PREFIX = "owtsweep."
 _SEAL = b"blake2b:"
 _SEAL_BYTES = 16
 _BLANK = b"0" * (2 * _SEAL_BYTES)
+#: Most values per byte of a shard: rows differ, so a file of constants is no shard. Some have 1.4.
+_MOST_VALUES = 20
 
 
 class DamagedShard(Exception):
@@ -42,9 +46,15 @@ def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
         The rows; their index is not kept.
     metadata
         Further entries for the file's metadata, e.g. versions; stored under `owtsweep.<name>`.
+
+    Raises
+    ------
+    WrongRows
+        If a column is of a type that `decode` would refuse.
     """
     # Column by column: `Table.from_pandas` takes longer than the rest of this function.
     table = pa.table({str(name): pa.array(rows[name].array, from_pandas=True) for name in rows})
+    check_columns(table.schema, {})
     entries = {**metadata, "key": key}
     buffer = io.BytesIO()
     # Uncompressed: pages of a hundred rows would not get smaller, and reading takes half the time.
@@ -61,40 +71,60 @@ def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
     return data[:place] + _digest(data) + data[place + len(_BLANK) :]
 
 
-def decode(data: bytes, key: str) -> Any:
+def decode(data: bytes, key: str, needed: Needed) -> Any:
     """The rows of a sealed file as a `pyarrow.Table`.
+
+    Parameters
+    ----------
+    data
+        The content of the file.
+    key
+        The key of the block.
+    needed
+        The columns that must be there (`schema.needed_columns`).
 
     Raises
     ------
     DamagedShard
         If any byte differs from what was written, or if it is the shard of another block.
+    WrongRows
+        If it was sealed so, but these are not a study's rows.
     """
     with _refusal():
         # Shards are small: Arrow's threads cost more than they save.
-        return _opened(data, key).read(use_threads=False)
+        table = _opened(data, key, needed).read(use_threads=False)
+        table.validate(full=True)  # text that is no UTF-8 could not be made Python's
+        check_table(table, needed)
+        return table
 
 
-def distinct(data: bytes, key: str, column: str) -> frozenset[str]:
-    """The distinct values of a text column of a sealed file; reads no page if all are the same.
+def read_statuses(data: bytes, key: str, needed: Needed) -> frozenset[str]:
+    """The distinct statuses of a sealed file; reads no page if all are the same.
 
     Raises
     ------
-    DamagedShard
+    DamagedShard, WrongRows
         As `decode`: all bytes are verified here too.
     """
     with _refusal():
-        file = _opened(data, key)
-        place = file.schema_arrow.get_field_index(column)
-        values: set[str] = set()
-        for group in range(file.metadata.num_row_groups):
-            limits = file.metadata.row_group(group).column(place).statistics
-            if limits is None or not limits.has_min_max or limits.min != limits.max:
-                return frozenset(file.read([column]).column(0).unique().to_pylist())
-            values.add(limits.min)
-        return frozenset(values)
+        file = _opened(data, key, {"status": str, **needed})
+        statuses = _distinct(file, "status")
+        check_statuses(statuses)
+        return statuses
 
 
-def _opened(data: bytes, key: str) -> Any:
+def _distinct(file: Any, column: str) -> frozenset[Any]:
+    place = file.schema_arrow.get_field_index(column)
+    values: set[Any] = set()
+    for group in range(file.metadata.num_row_groups):
+        limits = file.metadata.row_group(group).column(place).statistics
+        if limits is None or not limits.has_min_max or limits.min != limits.max:
+            return frozenset(file.read([column]).column(0).unique().to_pylist())
+        values.add(limits.min)
+    return frozenset(values)
+
+
+def _opened(data: bytes, key: str, needed: Needed) -> Any:
     # The seal is checked first, so the parser never sees damaged bytes.
     place = data.rfind(_SEAL) + len(_SEAL)
     end = place + len(_BLANK)
@@ -103,9 +133,14 @@ def _opened(data: bytes, key: str) -> Any:
     if data[place:end] != _digest(data[:place] + _BLANK + data[end:]):
         raise DamagedShard("its bytes are not those that were written")
     file = pq.ParquetFile(pa.BufferReader(data), page_checksum_verification=True)
-    stored = (file.metadata.metadata or {}).get(f"{PREFIX}key".encode(), b"").decode()
-    if stored != key:
-        raise DamagedShard(f"it is the shard of another block ({stored or 'no key'})")
+    stored = (file.metadata.metadata or {}).get(f"{PREFIX}key".encode(), b"")
+    if stored != key.encode():
+        name = stored.decode(errors="backslashreplace") or "no key"
+        raise DamagedShard(f"it is the shard of another block ({name})")
+    values = file.metadata.num_rows * file.metadata.num_columns
+    if values > _MOST_VALUES * len(data):
+        raise WrongRows(f"it claims {values} values in {len(data)} bytes")
+    check_columns(file.schema_arrow, needed)
     return file
 
 
@@ -113,7 +148,7 @@ def _opened(data: bytes, key: str) -> Any:
 def _refusal() -> Iterator[None]:
     try:
         yield
-    except (pa.ArrowException, OSError) as error:
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise DamagedShard(f"it is no Parquet file ({error})") from error
 
 

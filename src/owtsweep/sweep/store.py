@@ -7,14 +7,18 @@ processes that write the same shard write the same rows.
 from __future__ import annotations
 
 import logging
+import os
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
+from owtsweep.errors import InputError, printable
 from owtsweep.io.files import write_atomically
+from owtsweep.io.reading import read_bytes
 from owtsweep.sweep.gather import gather
-from owtsweep.sweep.shard import DamagedShard, decode, distinct
+from owtsweep.sweep.schema import NOTHING, Needed, WrongRows, kinds_of
+from owtsweep.sweep.shard import DamagedShard, decode, read_statuses
 from owtsweep.sweep.study import FAILED
 
 if TYPE_CHECKING:
@@ -24,6 +28,9 @@ logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 
+#: Most bytes of a shard: some hundred million rows.
+MOST_BYTES = 2_000_000_000
+
 Status = Literal["missing", "done", "failed"]
 
 
@@ -32,10 +39,19 @@ class Store:
     """The shards of one run folder.
 
     Every read verifies all bytes and the key. A file that fails is renamed `*.damaged`, a warning
-    is logged, and the block counts as missing.
+    is logged, and the block counts as missing. A file that is whole, but holds no rows of this
+    study, stays and counts as missing too: it may be another version's.
+
+    Attributes
+    ----------
+    folder
+        The run folder.
+    needed
+        The columns that every shard must have (`schema.needed_columns`).
     """
 
     folder: Path
+    needed: Needed = field(default_factory=dict)
 
     @property
     def cases(self) -> Path:
@@ -71,11 +87,12 @@ class Store:
         in that column. Text columns are categorical (`owtsweep.sweep.gather`).
         """
         missing: list[str] = []
+        kinds: dict[str, str] = {}
 
         def tables() -> Iterator[Any]:
             for key in keys:
                 table = self._verified(key, decode)
-                if table is None:
+                if table is None or not self._fits(key, table, kinds):
                     missing.append(key)
                 else:
                     yield table
@@ -94,7 +111,7 @@ class Store:
 
     def statuses(self, key: str) -> frozenset[str] | None:
         """The statuses of a block's cases (`owtsweep.results.status`); None if it is missing."""
-        return self._verified(key, _statuses)
+        return self._verified(key, read_statuses)
 
     def clear(self) -> None:
         """Delete all shards, including damaged ones."""
@@ -102,23 +119,35 @@ class Store:
         for path in self.cases.glob("*part-*.parquet*"):
             path.unlink(missing_ok=True)
 
-    def _verified(self, key: str, look: Callable[[bytes, str], T]) -> T | None:
+    def _verified(self, key: str, look: Callable[[bytes, str, Needed], T]) -> T | None:
         """The result of `look` on the shard's bytes, or None if it is missing or damaged."""
         path = self.path(key)
         try:
-            return look(path.read_bytes(), key)
-        except FileNotFoundError:
-            return None
-        except OSError as error:
-            logger.warning("%s cannot be read (%s); it counts as missing", path.name, error)
-            return None
+            return look(read_bytes(path, MOST_BYTES), key, self.needed)
+        except InputError as error:
+            if os.path.lexists(path):
+                logger.warning("%s; it counts as missing", error)
+        except WrongRows as error:
+            _leave_out(path, error)
         except DamagedShard as error:
-            _set_aside(path, str(error))
-            return None
+            _set_aside(path, printable(str(error)))
+        return None
+
+    def _fits(self, key: str, table: Any, kinds: dict[str, str]) -> bool:
+        """Whether a shard's columns hold what those before it hold, which are noted in `kinds`."""
+        try:
+            for name, kind in kinds_of(table.schema).items():
+                if kind != NOTHING and kinds.setdefault(name, kind) != kind:
+                    raise WrongRows(f"its column {name} holds {kind}, elsewhere {kinds[name]}")
+        except WrongRows as error:
+            _leave_out(self.path(key), error)
+            return False
+        return True
 
 
-def _statuses(data: bytes, key: str) -> frozenset[str]:
-    return distinct(data, key, "status")
+def _leave_out(path: Path, error: WrongRows) -> None:
+    reason = printable(str(error))
+    logger.warning("%s holds no rows of this study: %s; it counts as missing", path.name, reason)
 
 
 def _set_aside(path: Path, reason: str) -> None:

@@ -7,11 +7,13 @@ study, and never looks inside the content of a block.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
+from owtsweep.errors import InputError, as_text
 from owtsweep.results.status import FAILED, OK, UNABLE
 
 if TYPE_CHECKING:
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FAILED", "OK", "UNABLE", "Block", "Engine", "Judged", "Spectral", "Study", "add_versions",
+    "blame",
 ]  # fmt: skip
 
 
@@ -127,6 +130,33 @@ class Study(Protocol):
 
     def engine(self, config: Any) -> Engine:
         """The engine that plans, runs and draws this configuration."""
+
+
+@contextmanager
+def blame(study: Study) -> Iterator[None]:
+    """Turn any error in the code of another package's study into one line that names the package.
+
+    Raises
+    ------
+    InputError
+        Instead of any error inside the context but those of the file system; errors of built-in
+        studies are not changed.
+    """
+    try:
+        yield
+    except (InputError, OSError):
+        raise
+    except (Exception, SystemExit) as error:
+        module = type(study).__module__.partition(".")[0]
+        if module == __name__.partition(".")[0]:
+            raise
+        from importlib.metadata import packages_distributions
+
+        package = packages_distributions().get(module, [module])[0]
+        raise InputError(
+            f"study: {study.name!r} of the package {package} does not work ({as_text(error)}); "
+            "update or uninstall that package"
+        ) from error
 
 
 @runtime_checkable

@@ -1,7 +1,7 @@
 """The code of a worker (a thread, a process or another machine), which computes and stores blocks.
 
 A worker writes each shard as soon as the block is done, or returns it if it does not see the run
-folder. It catches every exception, because joblib drops its whole queue if one escapes.
+folder. It catches every exception but Ctrl-C: joblib drops its whole queue if one escapes.
 """
 
 from __future__ import annotations
@@ -158,7 +158,9 @@ class _Task:
         while self.left and not self._stopped():
             try:
                 self._run_study()
-            except (Exception, SystemExit) as error:  # sys.exit() must not end the sweep
+            except BaseException as error:  # sys.exit() and its like must not end the sweep
+                if not self.left or self._is_ctrl_c(error):
+                    raise  # no block's: the progress cannot be told, or the user wants to stop
                 self._fail(next(iter(self.left)), one_line(error))
                 self.result.details += traceback.format_exc()
         if self.result.disk_full:
@@ -198,7 +200,10 @@ class _Task:
             if not self._written(key, data):
                 result.returned.append(Returned(key, block.label, data, succeeded))
         except Exception as error:
-            result.disk_full = result.disk_full or is_disk_full(error)
+            if is_disk_full(error):
+                result.disk_full = True
+                if self.local is not None:  # the next task of this thread need not begin
+                    self.local.stop.set()
             result.details += traceback.format_exc()
             self._fail(key, one_line(error))
             return
@@ -229,6 +234,12 @@ class _Task:
         if self.local is not None:
             self.local.tell(cases)
             self.result.told += cases
+
+    def _is_ctrl_c(self, error: BaseException) -> bool:
+        # Python raises it in the main thread alone, and the processes of a pool ignore it:
+        # elsewhere a block has raised its own.
+        at_the_top = threading.current_thread() is threading.main_thread()
+        return isinstance(error, KeyboardInterrupt) and at_the_top and self.work.backend != "loky"
 
     def _stopped(self) -> bool:
         return self.result.disk_full or (self.local is not None and self.local.stop.is_set())

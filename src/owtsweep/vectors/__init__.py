@@ -1,8 +1,9 @@
-"""Values of eight lanes for compiled kernels, in one of two forms that give the same bits.
+"""Values of eight lanes (eight floats at once) for kernels, in one of two forms of equal results.
 
-`rows` and `vector` make them LLVM vectors, through interfaces of numba and llvmlite that may
-change; `plain` makes them tuples of floats. Kernels import the chosen form from `lanes`. See
-docs/vectors.md.
+In the first form a value is an LLVM vector. The modules `rows` and `vector` make this form, through
+interfaces of numba and llvmlite that may change. In the second form, made by `plain`, a value is a
+tuple of floats. Both forms give the same numbers, bit for bit. Kernels import the chosen form from
+`lanes`. See docs/vectors.md.
 """
 
 from __future__ import annotations
@@ -12,20 +13,22 @@ import sys
 from owtsweep import compiled
 from owtsweep.errors import InputError
 
-#: Lanes of a value: one register of 512 bits, two of 256, four of 128.
+#: Number of lanes of a value. They fill one register of 512 bits, two of 256 or four of 128.
 WIDTH = 8
 
-#: Suffix of the folder of compiled kernels if they are plain loops.
+#: End of the name of the folder of compiled kernels, if kernels are compiled without vectors.
 _PLAIN = "-plain"
 
 
 def choose(vectors: bool) -> None:
-    """Choose LLVM vectors or plain loops; call it before the first kernel is imported.
+    """Choose whether kernels are compiled with LLVM vectors or without.
+
+    Call this before the first kernel is imported.
 
     Raises
     ------
     InputError
-        If this process has already imported kernels of the other form.
+        If this process has already imported kernels that were compiled the other way.
     """
     if vectors == uses_vectors():
         return
@@ -38,5 +41,5 @@ def choose(vectors: bool) -> None:
 
 
 def uses_vectors() -> bool:
-    """Whether kernels are compiled with LLVM vectors."""
+    """Return whether kernels are compiled with LLVM vectors."""
     return compiled.variant != _PLAIN

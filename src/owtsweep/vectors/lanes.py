@@ -1,4 +1,4 @@
-"""The operations on values of eight lanes, in the chosen form; kernels import them from here."""
+"""The operations on values of eight lanes, in the chosen form. Kernels import them from here."""
 
 from __future__ import annotations
 
@@ -25,5 +25,5 @@ __all__ = [
     "zero",
 ]  # fmt: skip
 
-#: How many rows before their use data is prefetched from memory.
+#: Data is prefetched from memory this many rows before the row in use.
 AHEAD = 64

@@ -4,8 +4,8 @@ A value is a named tuple of floats, eight for each group of lanes. A product kee
 until it is added to something, as in `vector`. Rows are the tuples of arrays themselves. Only
 `numba.extending` and one instruction of llvmlite's builder, the fused multiply-add, are used.
 
-numba compiles one function for each combination of types. Its source is generated as text, because
-numba can only make a tuple element by element.
+numba compiles one function for each combination of operand types. The source text of this function
+is generated here, because numba can only make a tuple element by element.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ ROOMY = True
 
 
 class Vector(NamedTuple):
-    """Eight floats for each group of lanes."""
+    """The floats of a value: eight for each group of lanes."""
 
     lanes: tuple[float, ...]
 
 
 class Product(NamedTuple):
-    """Two vectors that have not been multiplied yet."""
+    """The two factors of a product that has not been computed yet."""
 
     left: Vector
     right: Vector
@@ -37,7 +37,7 @@ class Product(NamedTuple):
 
 @intrinsic
 def fused(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
-    """a * b + c of three floats, rounded once."""
+    """Return a * b + c for three floats, rounded once."""
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return builder.fma(*args)
@@ -46,7 +46,7 @@ def fused(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
 
 
 def _count(kind: Any) -> int:
-    """How many lanes a type has; 0 if it is neither a vector nor a product."""
+    """Return the number of lanes of a type; 0 if the type is neither a vector nor a product."""
     if not isinstance(kind, types.BaseNamedTuple):
         return 0
     if kind.instance_class is Product:
@@ -59,7 +59,10 @@ def _is_product(kind: Any) -> bool:
 
 
 def _lane(kind: Any, name: str) -> str:
-    """Source text of lane {i} of an operand: a product is multiplied, a float is in all lanes."""
+    """Return source text for lane {i} of an operand called `name`, of the numba type `kind`.
+
+    The two factors of a product are multiplied. A float has the same value in all lanes.
+    """
     if _is_product(kind):
         return f"({name}.left.lanes[{{i}}] * {name}.right.lanes[{{i}}])"
     return f"{name}.lanes[{{i}}]" if _count(kind) else name
@@ -76,7 +79,7 @@ def _function(parameters: str, body: str) -> Any:
 
 
 def _define(function: Any, text: Any) -> None:
-    """Define an operator. `text` makes the source of one lane of its result from operand types."""
+    """Define an operator. `text(a, b)` makes the source of one lane from the operands' types."""
 
     @overload(function, jit_options={"error_model": "numpy"})
     def implementation(a, b):
@@ -109,25 +112,25 @@ def _multiply(a, b):
 
 
 def rounded(product):
-    """The product as a vector, multiplied once for several sums."""
+    """Multiply a product's factors; return the vector, so that several sums can use it."""
 
 
 @register_jitable
 def borrowed(value):
-    """Data for kernels: unchanged in this form."""
+    """Return data for kernels unchanged (with LLVM vectors, `rows.borrowed` changes it)."""
     return value
 
 
 def groups(whole):
-    """Split rows, or a vector, into groups of eight lanes."""
+    """Split rows, or a vector, into groups of eight lanes; return a tuple of them."""
 
 
 def element(array, i):
-    """Element i of a C-contiguous array as it lies in memory, whatever its shape."""
+    """Return element i, in memory order, of a C-contiguous array of any shape."""
 
 
 def load(rows, i):
-    """Row i of each group of lanes."""
+    """Return a vector of row i of each group of lanes."""
 
 
 def store(rows, i, vector):
@@ -136,11 +139,11 @@ def store(rows, i, vector):
 
 @register_jitable
 def prefetch(rows, i):
-    """Prefetch row i: does nothing in this form."""
+    """Do nothing (with LLVM vectors, `rows.prefetch` fetches row i into the cache)."""
 
 
 def zero(rows):
-    """A vector of zeros, with as many groups as the rows."""
+    """Return a vector of zeros with as many groups of lanes as `rows`."""
 
 
 @overload(rounded)

@@ -1,10 +1,10 @@
 """Rows of lanes in memory, from which vectors are loaded, and single elements of other arrays.
 
-`borrowed` makes rows from a tuple of C-contiguous (n, 8) arrays, one array per group.
-`load(rows, i)` reads row i and `store(rows, i, vector)` writes it, without bounds checks.
-`prefetch(rows, i)` fetches it into the cache early. `zero(rows)` is a vector of zeros. `groups`
-splits rows and vectors into groups. `element(array, i)` is an element of any C-contiguous array,
-without bounds checks.
+`borrowed` makes rows from a tuple of C-contiguous arrays (n, 8), one array per group of lanes.
+`load(rows, i)` reads row i and `store(rows, i, vector)` writes row i, without bounds checks.
+`prefetch(rows, i)` fetches row i into the cache early. `zero(rows)` is a vector of zeros. `groups`
+splits rows and vectors into groups of lanes. `element(array, i)` is an element of any C-contiguous
+array, without bounds checks.
 """
 
 from __future__ import annotations
@@ -25,7 +25,10 @@ POINTER = ir.PointerType()
 
 
 class _RowsType(types.Type):
-    """Addresses of the first row of each group of lanes, without reference counts."""
+    """The numba type of rows: the address of the first row of each group of lanes.
+
+    Values of this type have no reference counts.
+    """
 
     def __init__(self, parts: int) -> None:
         self.parts = parts
@@ -73,12 +76,12 @@ def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
 
 @intrinsic
 def borrowed(typingctx: Any, value: Any) -> Any:
-    """Data for kernels, without reference counts; the caller must keep the originals alive.
+    """Return data for kernels without reference counts; the caller must keep the data alive.
 
-    Tuples of arrays (n, 8), one for each group of lanes, become rows. Other arrays, also in named
-    tuples, lose their owner. Otherwise numba would update an array's reference count, in memory
-    that all threads share, at every call and access. With many short calls that takes as much time
-    as the filter itself.
+    A tuple of arrays (n, 8), one for each group of lanes, becomes rows. Other arrays, also those in
+    named tuples, are returned without their owner. With an owner, numba would update the array's
+    reference count, in memory that all threads share, at every call and access. With many short
+    calls these updates take as much time as the filter itself.
     """
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -89,7 +92,7 @@ def borrowed(typingctx: Any, value: Any) -> Any:
 
 @intrinsic
 def groups(typingctx: Any, whole: Any) -> Any:
-    """Split rows, or a vector, into groups of eight lanes."""
+    """Split rows, or a vector, into groups of eight lanes; return a tuple of them."""
 
     rows = isinstance(whole, _RowsType)
     kind: Any = whole if rows else VECTORS[whole.parts]
@@ -104,10 +107,10 @@ def groups(typingctx: Any, whole: Any) -> Any:
 
 @intrinsic
 def element(typingctx: Any, array: Any, i: Any) -> Any:
-    """Element i of a C-contiguous array in memory order, unchecked, whatever its shape.
+    """Return element i, in memory order, of a C-contiguous array of any shape.
 
-    With one index per dimension, numba must handle negative indices and unknown strides. For a row
-    of a small matrix that takes as much work as the sum that needs the row.
+    There is no bounds check. With one index per dimension, numba must handle negative indices and
+    unknown strides. For a row of a small matrix this takes as much work as the sum that needs it.
     """
     if array.layout != "C":
         return None
@@ -123,13 +126,13 @@ def element(typingctx: Any, array: Any, i: Any) -> Any:
 
 
 def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
-    """The address of the row in each group."""
+    """Return the address of a row in each group of lanes."""
     return [builder.gep(first, [row], source_etype=LANES) for first in split(builder, kind, rows)]
 
 
 @intrinsic
 def load(typingctx: Any, rows: Any, i: Any) -> Any:
-    """Row i of each group of lanes."""
+    """Return a vector of row i of each group of lanes, without a bounds check."""
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         addresses = _addresses(builder, rows, *args)
@@ -140,7 +143,7 @@ def load(typingctx: Any, rows: Any, i: Any) -> Any:
 
 @intrinsic
 def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
-    """Write a vector to row i of each group of lanes."""
+    """Write a vector to row i of each group of lanes, without a bounds check."""
     kind = VECTORS[rows.parts]
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -154,10 +157,10 @@ def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
 
 @intrinsic
 def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
-    """Prefetch row i, which may be out of bounds, into the second-level cache.
+    """Fetch row i, which may be out of bounds, into the processor's second-level cache.
 
-    The hardware prefetches the next rows of a stream, but stops at each page, every 64 rows. The
-    first-level cache is too small for everything that is prefetched so early.
+    The hardware fetches the next rows by itself, but stops at the end of each page of memory, every
+    64 rows. The first-level cache is too small for all rows that are fetched so early.
     """
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -173,7 +176,7 @@ def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
 
 @intrinsic
 def zero(typingctx: Any, rows: Any) -> Any:
-    """A vector of zeros, with as many groups as the rows."""
+    """Return a vector of zeros with as many groups of lanes as `rows`."""
     kind = VECTORS[rows.parts]
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:

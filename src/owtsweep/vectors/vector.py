@@ -6,15 +6,15 @@ doubles: it stays in registers, and every operation on it is packed. Lanes are i
 operation is an IEEE operation in each lane.
 
 In a sum or difference with a product, the product is not rounded first: `x + a * b` is always
-IEEE's fused multiply-add. So the result is the same on every machine and does not depend on the
-compiler. (A processor without this instruction calls a slow function of the C library.) With two
-products the left one is rounded: `a * b + c * d` is fma(c, d, a * b). For this, a product is a
-separate type that holds its two factors, also in a variable. Any other use multiplies them;
-`rounded(a * b)` is a vector.
+IEEE's fused multiply-add, fma(a, b, x). So the result is the same on every machine and does not
+depend on the compiler. (On a processor without this instruction, a slow function of the C library
+is called.) With two products the left one is rounded: `a * b + c * d` is fma(c, d, a * b). For this
+purpose a product is a separate type that holds its two factors, also in a variable. Any other use
+multiplies the factors; `rounded(a * b)` is a vector.
 
-A filter's step waits for the step before it. A vector may therefore hold several groups of lanes,
-with one instruction for each group. The processor works on one group while another waits, and the
-gains are read once for all groups.
+A step of a filter waits for the previous step. A vector may therefore hold several groups of lanes,
+with one instruction for each group. The processor works on one group while another group waits, and
+the gains are read once for all groups.
 
 Inside kernels `+ - * /` take vectors and floats; `rows` loads and stores vectors.
 """
@@ -35,7 +35,8 @@ from numba.extending import intrinsic, lower_builtin, register_model
 
 from owtsweep.vectors import WIDTH
 
-#: Whether the registers suffice for two groups of lanes at once: 32 of 512 bits do, 16 of 256 not.
+#: Whether the registers suffice for two groups of lanes at once: 32 registers of 512 bits do,
+#: 16 registers of 256 bits do not.
 ROOMY = "+avx512f" in (
     get_host_cpu_features() if config.CPU_FEATURES is None else config.CPU_FEATURES
 )
@@ -54,7 +55,7 @@ class _VectorType(types.Type):
 
 
 class _ProductType(types.Type):
-    """Two factors that have not been multiplied yet."""
+    """The numba type of a product: two factors that have not been multiplied yet."""
 
     def __init__(self, parts: int) -> None:
         self.parts = parts
@@ -82,7 +83,7 @@ class _ProductModel(models.PrimitiveModel):
 
 
 def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
-    """Combine registers, or addresses, into one value."""
+    """Combine LLVM registers, or addresses, into one value."""
     value = ir.Constant(ir.LiteralStructType([kind] * len(parts)), ir.Undefined)
     for i, part in enumerate(parts):
         value = builder.insert_value(value, part, i)
@@ -90,13 +91,13 @@ def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
 
 
 def split(builder: Any, kind: Any, value: Any) -> list[Any]:
-    """The registers, or addresses, of a value."""
+    """Return the LLVM registers, or addresses, that make up a value."""
     return [builder.extract_value(value, i) for i in range(kind.parts)]
 
 
 @intrinsic
 def rounded(typingctx: Any, product: Any) -> Any:
-    """The product as a vector, multiplied once for several sums."""
+    """Multiply a product's factors; return the vector, so that several sums can use it."""
     if not isinstance(product, _ProductType):
         return None
 
@@ -107,7 +108,10 @@ def rounded(typingctx: Any, product: Any) -> Any:
 
 
 def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
-    """The operand as vectors: a float is put in all lanes, a product is multiplied."""
+    """Return an operand as registers, one for each group of lanes.
+
+    A float is put into all lanes. The factors of a product are multiplied.
+    """
     if isinstance(kind, _VectorType):
         return split(builder, kind, value)
     if isinstance(kind, _ProductType):
@@ -119,13 +123,13 @@ def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
 
 
 def _factors(builder: Any, kind: Any, value: Any) -> list[tuple[Any, Any]]:
-    """The two factors of each group of lanes."""
+    """Return the two factors of a product for each group of lanes."""
     factors = [builder.extract_value(value, i) for i in range(2 * kind.parts)]
     return list(zip(factors[: kind.parts], factors[kind.parts :], strict=True))
 
 
 def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
-    """a * b + c, rounded once."""
+    """Return the LLVM value a * b + c, rounded once."""
     kind = ir.FunctionType(LANES, [LANES] * 3)
     function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fma.v{WIDTH}f64")
     return builder.call(function, [a, b, c])
@@ -168,7 +172,7 @@ def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def _operands(builder: Any, sig: Any, args: Any) -> Any:
-    """The registers of both operands."""
+    """Return the registers of both operands."""
     pairs = zip(sig.args, args, strict=True)
     return [_spread(builder, *pair, sig.return_type.parts) for pair in pairs]
 

@@ -1,1 +1,1 @@
-"""Compares published numbers and statements with a run: intervals, decisions, the report page."""
+"""Compare published numbers and statements with a run: 95 % intervals, verdicts, report page."""

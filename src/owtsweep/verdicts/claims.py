@@ -1,4 +1,4 @@
-"""Claims that many studies make: the errors of one scheme compared with those of another."""
+"""Claims that papers often make: one scheme's errors are smaller or larger than another's."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from owtsweep.verdicts.inference import Claim, Decision, Estimate, Side, mean_ra
 
 
 def gather(text: str, parts: Iterable[tuple[str, Decision | None]]) -> Claim:
-    """Combine decisions in many places into one claim.
+    """Combine the decisions on many places, e.g. cells of a grid, into one claim.
 
     Parameters
     ----------
     text
         What is asserted, in words.
     parts
-        Name of a place, and the run's decision there; None where it lacks the data. A place may
-        have several decisions.
+        Name of a place, and the run's decision there; None where the run lacks the data. A place
+        may occur several times. The names of places without a decision become the claim's
+        `missing`, each once.
     """
     decisions, missing = [], []
     for name, decision in parts:
@@ -31,7 +32,10 @@ def gather(text: str, parts: Iterable[tuple[str, Decision | None]]) -> Claim:
 def claim_estimate(
     text: str, name: str, estimate: Estimate | None, thresholds: Mapping[Side, float]
 ) -> Claim:
-    """Compare an estimate with thresholds by side; without an estimate, `name` is missing."""
+    """Make a claim that compares an estimate with one threshold on each side given.
+
+    Without an estimate, the claim has no decision, and `name` is its missing datum.
+    """
     if estimate is None:
         return Claim(text, (), (name,))
     return Claim(text, tuple(estimate.against(limit, side) for side, limit in thresholds.items()))
@@ -40,7 +44,11 @@ def claim_estimate(
 def claim_against_best(
     text: str, evidence: Evidence, scheme: str, cells: Sequence[Cell], side: Side
 ) -> Claim:
-    """Compare the ratio of a scheme's mean error to the best other scheme's with 1 in all cells."""
+    """Claim for every cell that a scheme's mean error is below (above) the best other scheme's.
+
+    The ratio of the two mean position MSEs is compared with 1. The best other scheme is chosen in
+    each cell by `Evidence.best_other`. A cell without the data is missing.
+    """
 
     def decide(cell: Cell) -> Decision | None:
         rivals = evidence.best_other(scheme, cell)
@@ -61,7 +69,10 @@ def claim_ratio(
     *,
     measure: str = "position",
 ) -> Claim:
-    """Compare the ratio of the first scheme's mean error to the second's with 1 in all cells."""
+    """Claim for every cell that the first scheme's mean error is below (above) the second's.
+
+    The ratio of the two means of `measure` is compared with 1. A cell without the data is missing.
+    """
     first, second = schemes
 
     def decide(cell: Cell) -> Decision | None:

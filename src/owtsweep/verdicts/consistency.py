@@ -1,8 +1,9 @@
-"""Whether schemes estimate their errors correctly: NEES and NIS of every scheme and cell.
+"""Judge in every cell whether a scheme's covariances agree with its errors, by NEES and NIS.
 
-A consistent filter has a mean NEES equal to the number of judged states, and a mean NIS equal to
-the number of measured quantities. A larger mean shows that the filter's covariance is too small
-(optimistic), a smaller one that it is too large (pessimistic).
+NEES is the normalized estimation error squared, NIS the normalized innovation squared. A consistent
+filter has a mean NEES equal to the number of judged states, and a mean NIS equal to the number of
+measured quantities. A larger mean shows that the filter's covariance is too small (optimistic). A
+smaller mean shows that the covariance is too large (pessimistic).
 Source: Bar-Shalom, Li and Kirubarajan (2001), Estimation with applications, section 5.4.
 """
 
@@ -25,22 +26,23 @@ WIDEST = 2.0
 
 
 def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.DataFrame:
-    """NEES and NIS over their degrees of freedom in every cell of the run, and the verdict on them.
+    """Divide NEES and NIS by their degrees of freedom in every cell of the run, and judge them.
 
     Parameters
     ----------
+    evidence
+        The run's values.
     freedom
         Measure ("nees", "nis") -> its degrees of freedom.
 
     Returns
     -------
     DataFrame
-        scheme, the conditions, the mean of each measure over the records with its 95 % t interval
-        (1 for a consistent filter, NaN where the scheme reports no covariance or no innovation),
-        and `verdict`: optimistic where an interval lies above 1 and none below, pessimistic the
-        other way round, mixed where one lies above and one below, consistent where all intervals
-        contain 1, undecided where all contain 1 but one extends beyond a factor of 2 on either
-        side, unknown without an interval.
+        One row per scheme and cell. Columns: scheme, the conditions, `verdict`, and for each
+        measure `<measure>`, `<measure>_low` and `<measure>_high`: the mean over the records divided
+        by the degrees of freedom, and its 95 % interval. A consistent filter has 1; the values are
+        NaN where the scheme reports no covariance or no innovation. The verdicts are those of
+        `judge_intervals`.
     """
     import pandas as pd
 
@@ -61,7 +63,18 @@ def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.Da
 
 
 def judge_intervals(intervals: list[tuple[float, float]]) -> str:
-    """The verdict on the intervals of one cell; unknown ends are NaN."""
+    """Return the verdict on one cell from the 95 % intervals (low, high) of its measures.
+
+    A consistent filter has the value 1. Intervals with NaN ends are left out.
+
+    Returns
+    -------
+    str
+        "unknown" if no interval is left; "optimistic" if an interval lies above 1 and none below;
+        "pessimistic" if one lies below 1 and none above; "mixed" if one lies above and one below;
+        "consistent" if all contain 1 and lie within 1/2 to 2; "undecided" if all contain 1 but
+        one extends beyond 1/2 or 2.
+    """
     finite = [(low, high) for low, high in intervals if np.isfinite(low)]
     above = any(low > 1.0 for low, _ in finite)
     below = any(high < 1.0 for _, high in finite)

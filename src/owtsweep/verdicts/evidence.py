@@ -1,4 +1,4 @@
-"""A run's evidence on published results: the values of its cells, looked up by name."""
+"""A run's evidence on published results: its values by scheme, cell and measure."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ from owtsweep.verdicts.inference import Decision, Side, mean_ratio
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A published condition and one of the run are the same if they agree to this many decimal places.
+#: Published values of a condition and those of the run are equal if they agree to this many decimal
+#: places.
 DIGITS = 9
-#: A cell: one number per condition, in the order of the conditions. `str(cell)` names it.
+#: A cell: one number per condition, in the order of the conditions. Labels show `str(cell)`.
 Cell = tuple[float, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evidence:
-    """The cases of a run in one window.
+    """The values of a run that published results are compared with.
 
     Attributes
     ----------
@@ -38,7 +39,7 @@ class Evidence:
     rivals
         The schemes that the publication compares.
     window
-        E.g. "full" or "settled".
+        The part of each record over which errors are averaged, e.g. "full" or "settled".
     """
 
     rows: pd.DataFrame
@@ -50,27 +51,28 @@ class Evidence:
 
     @cached_property
     def finished(self) -> pd.DataFrame:
-        """The rows of finished cases, in all windows."""
+        """The rows of cases that finished without failure, in all windows."""
         return self.rows[self.rows["status"] == OK]
 
     @cached_property
     def values(self) -> pd.DataFrame:
-        """One value per scheme, cell, measure and replicate, in the chosen window."""
+        """The table of values in the window: one row per scheme, cell, measure and replicate."""
         inside = self.rows[self.rows["window"] == self.window]
         schemes = list(inside["scheme"].unique())
         return Cube.of_rows(inside, schemes, self.conditions, self.grid).to_table()
 
     @cached_property
     def _by_case(self) -> dict[Any, pd.Series[float]]:
-        """(scheme, measure, *cell) -> values in the window, by replicate."""
+        """The values in the window by key (scheme, measure, *cell), each indexed by replicate."""
         names = [condition.name for condition in self.conditions]
         exact = self.values.round(dict.fromkeys(names, DIGITS)).set_index("replicate").sort_index()
         return dict(iter(exact.groupby(["scheme", "measure", *names])["value"]))
 
     def common(self, keys: Sequence[tuple[str, Cell, str]]) -> list[Array] | None:
-        """(replicates,) for each (scheme, cell, measure), over the replicates that all share.
+        """Return the values of several keys (scheme, cell, measure), each of shape (replicates,).
 
-        Returns None if one has no values or if no replicate is common to all.
+        Only replicates that have a value for every key are kept, in the same order for all keys.
+        Returns None if a key has no values or if no replicate is common to all keys.
         """
         import pandas as pd
 
@@ -84,12 +86,15 @@ class Evidence:
         return list(shared.to_numpy().T) if len(shared) else None
 
     def paired(self, schemes: Sequence[str], cell: Cell) -> dict[str, Array] | None:
-        """Scheme -> (replicates,) position MSE in a cell, over the replicates that all finished."""
+        """Return the position MSE of schemes in a cell: scheme -> values, shape (replicates,).
+
+        Only replicates that all these schemes finished are kept. Returns None if there are none.
+        """
         values = self.common([(scheme, cell, "position") for scheme in schemes])
         return None if values is None else dict(zip(schemes, values, strict=True))
 
     def samples(self, scheme: str, cell: Cell, measure: str) -> Array | None:
-        """(replicates,) values of one scheme, or None."""
+        """Return one scheme's values, shape (replicates,); None if the run has none."""
         values = self.common([(scheme, cell, measure)])
         return None if values is None else values[0]
 
@@ -98,21 +103,23 @@ class Evidence:
     ) -> Decision | None:
         """Compare the ratio of two means with a threshold, over the replicates that both share.
 
-        `ratio` holds (scheme, cell, measure) of both means. Returns None if the run lacks one.
+        `ratio` holds the key (scheme, cell, measure) of the numerator and that of the denominator.
+        Returns None if the run lacks the values of one, or if they share no replicate.
         """
         values = self.common(ratio)
         return None if values is None else mean_ratio(label, values[0], values[1], threshold, side)
 
     def best_other(self, scheme: str, cell: Cell) -> tuple[str, Array, Array] | None:
-        """The best other rival by mean position MSE, with its values and those of `scheme`.
+        """Find the best rival of `scheme` in a cell, by mean position MSE.
 
-        As in the map, a scheme that coincides with `scheme` does not count as another one, and
-        other schemes that coincide appear under the last of their names.
+        Schemes coincide if they agree in every replicate. A rival that coincides with `scheme` is
+        left out. Of other rivals that coincide, the last is named.
 
         Returns
         -------
-        (name, (replicates,) of `scheme`, (replicates,) of the other), or None where one of the
-        rivals is missing or all of them coincide.
+        tuple or None
+            Name of the rival, the position MSE of `scheme`, and that of the rival; both of shape
+            (replicates,). None if the cell lacks one of the rivals or if all of them coincide.
         """
         paired = self.paired(self.rivals, cell)
         if paired is None:
@@ -122,9 +129,16 @@ class Evidence:
 
 
 def find_best(paired: Mapping[str, Array], *, other_than: str = "") -> str | None:
-    """The scheme of least mean; of coinciding schemes the last, as in the map.
+    """Return the name of the scheme of least mean; of schemes that coincide, the last.
 
-    A scheme that coincides with `other_than` is left out; None if no other one is left.
+    Returns None if `other_than` leaves no scheme.
+
+    Parameters
+    ----------
+    paired
+        Scheme -> its values, shape (replicates,), in the same order for all schemes.
+    other_than
+        A scheme to leave out, with all schemes that coincide with it; "" for none.
     """
     names, values = list(paired), np.array(list(paired.values()))[:, np.newaxis]
     means = np.array([[np.mean(samples)] for samples in paired.values()])

@@ -1,7 +1,7 @@
-"""Decides on which side of a threshold a quantity lies, and whether the data show it.
+"""Decide on which side of a threshold a quantity lies, and whether the data show it.
 
-All statements follow one rule: "reproduced" if the 95 % interval lies wholly on the claimed side,
-"not reproduced" if it lies wholly on the other side, otherwise "undecided".
+A quantity is shown to lie on one side of the threshold if its 95 % interval lies wholly there. A
+claim consists of several such decisions; Holm's correction accounts for their number.
 """
 
 from __future__ import annotations
@@ -22,28 +22,29 @@ NOT_REPRODUCED = "not reproduced"
 UNDECIDED = "undecided"
 MISSING = "missing"
 
-#: The claimed side of a threshold; "" where nothing is claimed.
+#: The side of a threshold on which a quantity is claimed to lie; "" where nothing is claimed.
 Side = Literal["below", "above", ""]
 
 
 @dataclass(frozen=True)
 class Decision:
-    """On which side of a threshold a quantity lies.
+    """The comparison of one quantity with a threshold.
 
     Attributes
     ----------
     label
-        Where it was compared, e.g. "4 s, 0.2 m, position".
+        Where the quantity was compared, e.g. "4 s, 0.2 m, position".
     value, low, high
-        The quantity and its 95 % interval; NaN where there is none.
+        The quantity and the ends of its 95 % interval; NaN where there is none.
     threshold, side
         The claim: the quantity lies below (above) the threshold.
     t
-        Distance from the threshold in standard errors, positive on the claimed side; infinite
-        where there is no error to divide by.
+        Distance of the quantity from the threshold in standard errors, positive on the claimed
+        side. Plus or minus infinity if the standard error is zero. If only an interval is known:
+        plus or minus infinity if the threshold lies outside the interval, else 0.
     p
-        Of the two-sided test that the quantity is the threshold; 0 or 1 where only an interval is
-        known.
+        p-value of the two-sided test that the quantity equals the threshold. If only an interval
+        is known: 0 if the threshold lies outside the interval, else 1.
     """
 
     label: str
@@ -56,27 +57,28 @@ class Decision:
     p: float
 
 
-#: The decision on nothing.
+#: The decision that stands where there is no data.
 NOTHING = Decision("", np.nan, np.nan, np.nan, np.nan, "", -np.inf, 1.0)
 
 
 def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: Side) -> Decision:
-    """Compare the ratio of two means, paired over the replicates, with a threshold.
+    """Compare the ratio mean(a) / mean(b), paired over the replicates, with a threshold.
 
-    "mean(a) / mean(b) < threshold" is "mean(a - threshold b) < 0", so the test is the paired t
-    test of a - threshold b, and the interval is the set of thresholds that it does not reject
-    (Fieller 1954, Some problems in interval estimation).
+    "mean(a) / mean(b) < threshold" means "mean(a - threshold b) < 0", so the test is the paired t
+    test of a - threshold b. The 95 % interval of the ratio is the set of thresholds that this test
+    does not reject (Fieller 1954, Some problems in interval estimation). The interval starts at 0
+    or above. Its ends are NaN for a single replicate, or if `b` scatters too much for a bounded
+    interval.
 
     Parameters
     ----------
     label
-        Where it is compared.
+        Where the ratio is compared, for the reader.
     a, b
-        (replicates,) each, in the same order, not negative; `b` may be a number that is known
-        exactly. The interval starts at 0 or above. It is NaN if `b` scatters too much for a bounded
-        interval.
+        Values of shape (replicates,) each, in the same order, not negative. `b` may be a number
+        that is known exactly.
     threshold, side
-        The claim.
+        The claim: the ratio lies below (above) the threshold.
     """
     n = len(a)
     b = np.broadcast_to(np.asarray(b, dtype=float), (n,))
@@ -96,7 +98,7 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
 
 @dataclass(frozen=True)
 class Estimate:
-    """A quantity and its 95 % interval, for example from a bootstrap; NaN where there is none."""
+    """A quantity with its 95 % interval, e.g. of a bootstrap; the ends are NaN if it has none."""
 
     label: str
     value: float
@@ -104,7 +106,10 @@ class Estimate:
     high: float
 
     def against(self, threshold: float, side: Side) -> Decision:
-        """Compare the quantity with a threshold; undecided where it has no interval."""
+        """Compare the quantity with a threshold, by its interval alone.
+
+        If the interval is unknown or contains the threshold, the decision has t = 0 and p = 1.
+        """
         wholly_above, wholly_below = self.low > threshold, self.high < threshold
         t = 0.0
         if wholly_above or wholly_below:
@@ -115,16 +120,17 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Claim:
-    """One assertion: all its decisions hold.
+    """One assertion of a paper, which is true if all its decisions hold.
 
     Attributes
     ----------
     text
         What is asserted, in words.
     decisions
-        The run's decisions on it.
+        The run's decisions on the assertion.
     missing
-        Data that the run lacks. A claim with missing data can be refuted, but not confirmed.
+        Names of the data that the run lacks. A claim with missing data can be refuted, but not
+        confirmed.
     """
 
     text: str
@@ -135,8 +141,9 @@ class Claim:
     def verdict(self) -> str:
         """The verdict, by Holm's step-down test over the decisions at a family-wise error of 5 %.
 
-        Reproduced if every decision is shown to hold, not reproduced if at least one is shown to
-        fail.
+        "not reproduced" if at least one decision is shown to fail; else "missing" if data are
+        missing or there is no decision; else "reproduced" if every decision is shown to hold;
+        else "undecided".
         """
         told = holm([c.p for c in self.decisions])
         held = np.array([c.t > 0.0 for c in self.decisions], dtype=bool)
@@ -161,6 +168,10 @@ class Claim:
 
 
 def all_of(claims: Sequence[Claim]) -> str:
-    """The verdict on a statement that makes several claims at once."""
+    """Return the verdict on a statement that makes several claims: the worst of their verdicts.
+
+    From worst to best: not reproduced, missing, undecided, reproduced. Without claims, the verdict
+    is "reproduced".
+    """
     worst_first = (NOT_REPRODUCED, MISSING, UNDECIDED, REPRODUCED)
     return min((claim.verdict for claim in claims), key=worst_first.index, default=REPRODUCED)

@@ -1,4 +1,4 @@
-"""A published number compared with the single records of a run: a paper shows one record."""
+"""Compare a published number with the single records of a run, because a paper shows one record."""
 
 from __future__ import annotations
 
@@ -20,22 +20,23 @@ TAILS = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
 
 
 def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
-    """A run's result for a published number.
+    """Compare a run's values with a published number.
 
     Parameters
     ----------
     samples
-        (records,) values of the run; None if it has none, and then all numbers are NaN.
+        Values of the run, shape (records,); None if the run has none.
     published
-        Not negative.
+        The published number, positive.
 
     Returns
     -------
     dict
-        `COLUMNS`. `reproduced`: mean over the records with its 95 % t interval; `record_low` and
-        `record_high`: 2.5th and 97.5th percentile of single records; `quantile`: the part of the
-        records below the published number (ties count half); ratio = reproduced / published,
-        `log2` its logarithm.
+        The keys are `COLUMNS`. `reproduced`, `ci_low`, `ci_high`: mean over the records with its
+        95 % t interval. `record_low`, `record_high`: 2.5th and 97.5th percentile of single records.
+        `quantile`: the fraction of records below the published number (ties count half). `ratio`:
+        reproduced / published. `log2`: base-2 logarithm of `ratio`. `missed_by_factor_2`: whether
+        |log2| > 1. Without samples, this is False and all other values are NaN.
     """
     if samples is None:
         return {**dict.fromkeys(COLUMNS, float("nan")), "missed_by_factor_2": False}
@@ -56,15 +57,19 @@ def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
 
 
 def lies_within_records(row: Any) -> str:
-    """Whether the published number could be one of the run's records.
-
-    "yes" inside the central 95 % of single records, "no" outside, "undecided" for a single record,
-    "missing" for none.
+    """Say whether the published number could be one of the run's records.
 
     Parameters
     ----------
     row
-        The result of `compare_number`, and `published`, as attributes.
+        Its attributes are `published` and the keys of `compare_number`'s result.
+
+    Returns
+    -------
+    str
+        "yes" if the published number lies within the central 95 % of single records, "no" if it
+        lies outside, "undecided" if all records have one value (e.g. a single record), "missing"
+        if the run has no record.
     """
     if np.isnan(row.reproduced):
         return MISSING

@@ -1,4 +1,4 @@
-"""A document and its two renderings: Markdown that links to figures, HTML that embeds them."""
+"""Write a document as Markdown that links to its pictures, or as HTML that embeds them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ td.good { background: #e3f2e6; } td.bad { background: #fbe5dd; } td.open { backg
 figure { margin: 1rem 0; } img { max-width: 100%; height: auto; }
 figcaption { font-size: .85rem; color: #555; }
 """
-#: Text of a table's cell -> its colour.
+#: Text of a table's cell -> CSS class that sets the cell's colour.
 CLASSES = {
     "yes": "good", "reproduced": "good", "consistent": "good", "no": "bad", "not reproduced": "bad",
     "undecided": "open", "missing": "open",
@@ -41,13 +41,13 @@ class Heading(NamedTuple):
 
 
 class Paragraph(NamedTuple):
-    """Running text."""
+    """A paragraph of running text."""
 
     text: str
 
 
 class Bullets(NamedTuple):
-    """A list."""
+    """A list of bullet points."""
 
     items: Sequence[str]
 
@@ -71,26 +71,26 @@ Block = Heading | Paragraph | Bullets | TextTable | Picture
 
 
 def to_markdown(blocks: Sequence[Block], folder: Path) -> str:
-    """The document as Markdown; pictures are linked relative to `folder`."""
+    """Return the document as Markdown; links to pictures are relative to `folder`."""
     return "\n\n".join(_markdown(block, folder) for block in blocks) + "\n"
 
 
 def _markdown(block: Block, folder: Path) -> str:
     match block:
         case Heading(text, level):
-            return f"{'#' * level} {text}"
+            return f"{'#' * level} {markdown.escape(text)}"
         case Paragraph(text):
-            return text
+            return markdown.escape(text)
         case Bullets(items):
-            return "\n".join(f"- {item}" for item in items)
+            return "\n".join(f"- {markdown.escape(item)}" for item in items)
         case Picture(path, caption):
-            return f"![{caption}]({path.relative_to(folder).as_posix()})"
+            return f"![{markdown.escape(caption)}]({path.relative_to(folder).as_posix()})"
         case TextTable(columns, rows, numbers):
             return markdown.table(columns, rows, numbers=numbers)
 
 
 def to_html(blocks: Sequence[Block], title: str) -> str:
-    """The document as one HTML file that needs no other file."""
+    """Return the document as the text of one HTML file, with all pictures embedded."""
     body = "\n".join(_html(block) for block in blocks)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'

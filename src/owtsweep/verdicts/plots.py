@@ -1,4 +1,4 @@
-"""Published against reproduced numbers as figures. Drawn under `figures.style.context`."""
+"""Draw published numbers against a run's; call under `figures.style.context`."""
 
 from __future__ import annotations
 
@@ -24,17 +24,19 @@ BAND: dict[str, Any] = {"color": "0.5", "alpha": 0.15, "linewidth": 0.0}
 def scatter(
     numbers: pd.DataFrame, schemes: Sequence[str], panels: Mapping[str, Sequence[str]]
 ) -> Figure:
-    """Published against reproduced numbers, with the spread of single records.
+    """Draw published numbers (horizontal) against the run's means (vertical), in two panels.
+
+    A vertical line shows the central 95 % of single records.
 
     Parameters
     ----------
     numbers
-        Columns scheme, measure, published, and those of `verdicts.numbers.compare_number`; numbers
-        that the run lacks are left out.
+        One row per published number. Columns scheme, measure, published, and those of
+        `verdicts.numbers.compare_number`. Numbers that the run lacks are left out.
     schemes
         The schemes to draw, in the order of the legend.
     panels
-        Title of a panel -> its measures.
+        Title of a panel -> its measures; two panels.
     """
     figure = style.new_figure(10.0, 4.7)
     present = numbers.dropna(subset="reproduced")
@@ -86,18 +88,20 @@ def ratios(
     measures: Mapping[str, str],
     tables: Mapping[int, object],
 ) -> Figure:
-    """log2 of reproduced over published, by table, measure and scheme.
+    """Draw log2(reproduced / published) of every measure and scheme, one panel per published table.
+
+    A vertical line shows the central 95 % of single records.
 
     Parameters
     ----------
     numbers
-        As for `scatter`, and the column table.
+        As for `scatter`, with a further column `table`: the number of the published table.
     schemes
         The schemes to draw, in the order of the legend.
     measures
-        Measure -> its label.
+        Measure -> its label on the horizontal axis.
     tables
-        Number of a table -> its conditions.
+        Number of a published table -> its conditions, for the panel's title.
     """
     figure = style.new_figure(10.0, 4.2)
     for axes, (number, cell) in zip(

@@ -1,4 +1,4 @@
-"""Reads published results from the data files of a study."""
+"""Read published results from the data files of a study."""
 
 from __future__ import annotations
 
@@ -10,14 +10,18 @@ if TYPE_CHECKING:
 
 
 def read_published(package: str, name: str, *, text: tuple[str, ...] = ()) -> pd.DataFrame:
-    """Read `data/<name>` of a package; an empty `note` is empty text.
+    """Read the CSV file `data/<name>` of a package.
+
+    Empty cells become "" in a column called `note`, and NaN in all other columns.
 
     Parameters
     ----------
     package
         The package of the study, e.g. "owtsweep.studies.hub".
+    name
+        Name of the file in the package's folder `data`.
     text
-        Columns that are text although they look like numbers.
+        Columns to read as text although their values look like numbers.
     """
     import pandas as pd
 

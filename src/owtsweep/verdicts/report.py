@@ -1,4 +1,4 @@
-"""The files of a report on published results: tables, figures, Markdown and HTML."""
+"""Write the files of a report on published results: tables, figures, Markdown and HTML."""
 
 from __future__ import annotations
 
@@ -30,20 +30,24 @@ def write_report(
     Parameters
     ----------
     folder
-        Made if it does not exist. It gets the tables, fidelity.md, fidelity.html and figures/.
+        Where to write; made if it does not exist. The tables, fidelity.md and fidelity.html go
+        into this folder, the figures into its subfolder figures.
     title
         Title of the HTML file.
-    tables, figures
-        File name -> table or figure.
+    tables
+        File name without suffix -> table.
+    figures
+        File name without suffix -> function that draws the figure.
     contents
-        Function that makes the blocks of the page from the figures' PNG files by name.
+        Function that makes the blocks of the page. Its argument is a mapping from the name of a
+        figure to the figure's PNG file.
     metadata
-        Stored inside the figures.
+        Texts by name to store inside the figures' files.
 
     Returns
     -------
     list of Path
-        The files.
+        All files written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     files = [write_table(folder, stem, table) for stem, table in tables.items()]

@@ -1,4 +1,4 @@
-"""Sections of a report on published results that do not depend on the study."""
+"""Make the sections of a report on published results that do not depend on the study."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NUMBER_COLUMNS = ("published", "this run", "95 % of records", "quantile", "ratio
 
 
 def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
-    """The number of statements with each verdict, in words."""
+    """Count the statements of each verdict, in words, e.g. "9 reproduced, 2 undecided"."""
     verdicts = [statement.verdict for statement in judged]
     return ", ".join(
         f"{verdicts.count(verdict)} {verdict}"
@@ -28,12 +28,14 @@ def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
 
 
 def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Block]:
-    """All statements in a table, then each with its test and the verdicts on its claims.
+    """Make a table of all statements, then a subsection on each: its test, its claims' verdicts.
 
     Parameters
     ----------
+    judged
+        The statements and their verdicts.
     note
-        The origin of the definitions.
+        A sentence on where the definitions of the tests come from.
     """
     rows = [
         [s.name, s.text, s.verdict, " / ".join(claim.text for claim in s.claims)] for s in judged
@@ -61,9 +63,9 @@ def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Bloc
 
 
 def number_table(numbers: pd.DataFrame) -> TextTable:
-    """Published numbers beside the run's.
+    """Make a table of the published numbers beside the run's, one row per published number.
 
-    `numbers` has the columns scheme, measure, published, and those of `compare_number`.
+    `numbers` has the columns scheme, measure, published, and those of `numbers.compare_number`.
     """
     rows = []
     each: Any = numbers.itertuples()
@@ -83,14 +85,17 @@ def number_table(numbers: pd.DataFrame) -> TextTable:
 def consistency_section(
     table: pd.DataFrame, schemes: Sequence[str], freedom: Mapping[str, float]
 ) -> list[Block]:
-    """NEES and NIS of each scheme over their degrees of freedom, and the verdicts on its cells.
+    """Make the section on consistency: per scheme the ranges of NEES and NIS, and the verdicts.
 
     Parameters
     ----------
     table
-        Columns scheme, nees, nis (over their degrees of freedom) and verdict, a row per cell.
+        One row per scheme and cell. Columns scheme, verdict, and the measures, e.g. nees and nis,
+        divided by their degrees of freedom.
+    schemes
+        The schemes to list, in order.
     freedom
-        Degrees of freedom of "nees" and "nis".
+        Measure, e.g. "nees" -> its degrees of freedom.
     """
     columns = [f"{name.upper()} / {n:g}, least to largest" for name, n in freedom.items()]
     rows = []
@@ -116,7 +121,10 @@ def _describe_range(values: pd.Series[float]) -> str:
 
 
 def missing_section(numbers: pd.DataFrame, judged: Sequence[JudgedStatement]) -> list[Block]:
-    """The data that the run lacks to judge the rest of the paper; empty if it lacks none."""
+    """Make the section on the data that the run lacks to judge the whole paper.
+
+    Returns an empty list if nothing is missing.
+    """
     lacking: Any = numbers[numbers["reproduced"].isna()].itertuples(index=False)
     tables = sorted({f"Table {row.table} {row.scheme}" for row in lacking})
     items = [f"Published numbers: {', '.join(tables)}."] if tables else []
@@ -134,11 +142,11 @@ def missing_section(numbers: pd.DataFrame, judged: Sequence[JudgedStatement]) ->
 
 
 def format_value(value: float) -> str:
-    """Three digits, or a dash for NaN."""
+    """Format a number to three significant digits; NaN becomes a dash."""
     return f"{value:.3g}" if value == value else NO_VALUE
 
 
 def format_interval(row: Any) -> str:
-    """`reproduced` with its interval, where it has one."""
+    """Format the row's `reproduced`, followed by its 95 % interval in brackets if it has one."""
     value, low, high = map(format_value, (row.reproduced, row.ci_low, row.ci_high))
     return value if low == NO_VALUE else f"{value} [{low}, {high}]"

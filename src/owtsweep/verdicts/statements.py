@@ -1,4 +1,4 @@
-"""Statements of a paper: their tests, their verdicts, and a table of the verdicts."""
+"""Judge the statements of a paper, explain the verdicts in words, and tabulate them."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ class JudgedStatement:
     Attributes
     ----------
     name
-        Its name, e.g. F1.
+        The statement's name, e.g. F1.
     text
         What the paper says.
     definition
-        The test, as written down before judging.
+        The test in words, as written down before judging.
     claims
-        What the statement asserts, one by one.
+        The assertions that the statement consists of.
     """
 
     name: str
@@ -42,18 +42,18 @@ class JudgedStatement:
 
     @property
     def verdict(self) -> str:
-        """reproduced, not reproduced, undecided or missing."""
+        """The verdict: "reproduced", "not reproduced", "undecided" or "missing"."""
         return all_of(self.claims)
 
     @property
     def settling(self) -> Claim:
-        """The claim that determines the verdict; if all claims hold, the least certain one."""
+        """The least certain of the claims whose verdict is also that of the whole statement."""
         chosen = [claim for claim in self.claims if claim.verdict == self.verdict]
         return min(chosen, key=lambda claim: claim.deciding.t)
 
     @property
     def why(self) -> str:
-        """The verdict in numbers, one line."""
+        """The verdicts and numbers of all claims, in one line."""
         return "; ".join(f"{claim.text}: {explain(claim)}" for claim in self.claims)
 
 
@@ -62,7 +62,7 @@ def judge(
     tests: Mapping[str, Callable[[OfStudy], list[Claim]]],
     evidence: OfStudy,
 ) -> list[JudgedStatement]:
-    """All statements in their order.
+    """Judge all statements of a paper; return them in the order of `texts`.
 
     Parameters
     ----------
@@ -70,9 +70,9 @@ def judge(
         Name of a statement -> what the paper says.
     tests
         Name of a statement -> its test, a function that returns the claims about a run. The
-        docstring of a test is its definition.
+        docstring of this function is the definition printed in the report.
     evidence
-        The argument of the tests.
+        The run's values, passed to each test.
     """
     judged = []
     for name, text in texts.items():
@@ -82,7 +82,7 @@ def judge(
 
 
 def explain(claim: Claim) -> str:
-    """A claim's verdict and the decision that settles it."""
+    """Explain a claim in one line: the verdict, the least favourable decision, and missing data."""
     parts = [claim.verdict]
     if claim.decisions:
         parts.append(f"{claim.holding} of {len(claim.decisions)} hold in the mean")
@@ -93,7 +93,7 @@ def explain(claim: Claim) -> str:
 
 
 def describe(decision: Decision) -> str:
-    """A decision in words and numbers."""
+    """Describe a decision in words and numbers: label, value, 95 % interval, claimed side."""
     claimed = f"to be {decision.side} {decision.threshold:.3g}"
     if np.isnan(decision.value):
         return f"{decision.label}, {claimed}"
@@ -104,13 +104,13 @@ def describe(decision: Decision) -> str:
 
 
 def name_missing(missing: tuple[str, ...]) -> str:
-    """Name what is missing; of a long list the first four."""
+    """Name the missing items; of more than four, the first four and how many more there are."""
     named = [f"({item})" if "," in item else item for item in missing[:4]]
     return ", ".join(named) + (f" and {len(missing) - 4} more" if len(missing) > 4 else "")
 
 
 def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
-    """One row per claim, with the decision that supports the claim least."""
+    """Make a table with one row per claim, which shows the decision that supports it least."""
     import pandas as pd
 
     return pd.DataFrame(

@@ -1,4 +1,4 @@
-"""A table with one row per published item and the run's result for it."""
+"""Make the table with one row per published item and the run's result for this item."""
 
 from __future__ import annotations
 
@@ -20,10 +20,23 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class Item:
-    """A published item: `kind` is number, statement, boundary, winner or summary.
+    """A published item and the run's result for this item.
 
-    `reproduced` has its 95 % interval, NaN where there is none; `agrees` is yes, no, undecided,
-    missing, a verdict, or empty where nothing is published.
+    Attributes
+    ----------
+    item
+        Its name.
+    kind
+        "number", "statement", "boundary", "winner" or "summary".
+    published
+        The published value; NaN if none is published.
+    reproduced, ci_low, ci_high
+        The run's value and the ends of its 95 % interval; NaN where there is none.
+    agrees
+        "yes", "no", "undecided", "missing", the verdict on a statement, or "" where there is
+        nothing to agree with.
+    why
+        The reason for `agrees` or for a difference, in words.
     """
 
     item: str
@@ -36,7 +49,11 @@ class Item:
     why: str = ""
 
     def judged(self, result: Decision | Estimate, verdict: str, why: str) -> Item:
-        """The same item with a run's result; `agrees` is yes, no, undecided, missing or empty."""
+        """Return a copy of the item with a run's result and the reason `why`.
+
+        The verdict "reproduced" sets `agrees` to "yes", "not reproduced" to "no"; any other text
+        is kept.
+        """
         return replace(
             self, reproduced=result.value, ci_low=result.low, ci_high=result.high, why=why,
             agrees={REPRODUCED: "yes", NOT_REPRODUCED: "no"}.get(verdict, verdict),
@@ -44,7 +61,10 @@ class Item:
 
 
 def make_table(rows: Sequence[Item]) -> pd.DataFrame:
-    """Make the table with the columns of `Item` and, before `agrees`, reproduced / published."""
+    """Make the table of items: the attributes of `Item` as columns, and a column `ratio`.
+
+    `ratio` is reproduced / published; its column stands before `agrees`.
+    """
     import pandas as pd
 
     table = pd.DataFrame(rows)
@@ -54,7 +74,10 @@ def make_table(rows: Sequence[Item]) -> pd.DataFrame:
 
 
 def statement_row(judged: JudgedStatement) -> Item:
-    """The row of a statement; `published` is the threshold of the decision behind its verdict."""
+    """Make the row of a statement; its numbers are those of the decision that settles the verdict.
+
+    `published` is the threshold of this decision, `reproduced` its value.
+    """
     worst = judged.settling.deciding
     return Item(
         judged.name, "statement", worst.threshold, worst.value, worst.low, worst.high,
@@ -63,9 +86,10 @@ def statement_row(judged: JudgedStatement) -> Item:
 
 
 def number_rows(numbers: pd.DataFrame) -> Iterator[Item]:
-    """One row per published number.
+    """Yield one row per published number.
 
-    `numbers` has the columns table, scheme, measure, published, why, and those of a run.
+    `numbers` has the columns table, scheme, measure, published, why, and those of
+    `numbers.compare_number`.
     """
     rows: Any = numbers.itertuples(index=False)
     for row in rows:
@@ -76,14 +100,15 @@ def number_rows(numbers: pd.DataFrame) -> Iterator[Item]:
 
 
 def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float]) -> Iterator[Item]:
-    """Median and 80th percentile of |log2(reproduced / published)|, by group of schemes.
+    """Yield the median and the 80th percentile of |log2(reproduced / published)| per scheme group.
 
     Parameters
     ----------
     numbers
-        Columns scheme and log2.
+        One row per published number. Columns scheme and log2, NaN if the run lacks the number.
     goals
-        Group of schemes -> the median that counts as agreement.
+        Group of schemes -> the largest median that counts as agreement. If the run lacks numbers
+        of a group, `agrees` of its median is "missing".
     """
     for schemes, goal in goals.items():
         chosen = numbers[numbers["scheme"].isin(schemes)]

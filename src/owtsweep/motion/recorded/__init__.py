@@ -1,4 +1,4 @@
-"""Reads recorded motion and recorded sensors, checks them, and resamples them to a uniform grid."""
+"""Read recorded motion and recorded sensors, check them, and resample them to a uniform grid."""
 
 from owtsweep.motion.recorded.deriving import to_motion
 from owtsweep.motion.recorded.describing import Channel, Description, describe

@@ -1,13 +1,13 @@
-"""A band-limited function through uniform samples, and its exact derivatives at any times.
+"""Fit a band-limited function to uniform samples, and evaluate its derivatives at other times.
 
-Position, velocity and acceleration come from the same function, so each is exactly the derivative
-of the one before. The method:
+Position, velocity and acceleration are derivatives of one function, so they agree exactly. The
+method:
 
-1. Subtract the straight line between the two ends.
+1. Subtract the straight line between the two ends of the record.
 2. Continue the record at both ends by its odd reflection, so that value and slope are continuous,
-   and fade that to zero. The result is one period of a Fourier series.
-3. Keep the lines up to the cut-off; from there let them fall as a raised cosine, to zero at 1.25
-   times the cut-off. Multiply them by (j omega)^order for a derivative.
+   and fade the continuation to zero. The result is one period of a Fourier series.
+3. Keep the lines of the series up to the cut-off. Beyond, weight them by a raised cosine that falls
+   to zero at 1.25 times the cut-off. Multiply the lines by (j omega)^order for a derivative.
 4. Evaluate the sum on the new grid: by an inverse FFT, or by a chirp z-transform where the ratio of
    the rates is not a fraction of small numbers.
 
@@ -31,19 +31,19 @@ ROLL_OFF = 1.25
 
 
 class BandLimited:
-    """A band-limited function.
+    """A band-limited function through the samples of a record.
 
     Parameters
     ----------
     values
-        (n,) samples at start + k step.
+        Samples at the times start + k step, k = 0, 1, ...; shape (n,).
     start, step
-        s.
+        Time of the first sample, and interval between samples, in s.
     cutoff
-        Hz.
+        Frequency in Hz up to which the record is kept in full.
     rate
-        Rate of the grids on which the function will be evaluated, Hz, if the caller knows it. Its
-        only purpose is a faster evaluation.
+        Rate in Hz of the grids on which the function will be evaluated; None if unknown. A known
+        rate makes the evaluation faster.
     """
 
     def __init__(
@@ -75,7 +75,10 @@ class BandLimited:
         self.lines: NDArray[np.complexfloating[Any, Any]] = lines * lowpass(self.frequency, cutoff)
 
     def on_grid(self, start: float, rate: float, count: int, order: int = 0) -> Array:
-        """The derivative of the given order at start + k / rate, (count,)."""
+        """Evaluate the derivative of an order (0 to 2) at the times start + k / rate.
+
+        `start` is in s and `rate` in Hz. The result has shape (count,), k = 0, ..., count - 1.
+        """
         first = start - self.start
         omega = 2.0 * np.pi * self.frequency
         terms = self.lines * (1j * omega) ** order * np.exp(1j * omega * first)
@@ -104,6 +107,9 @@ class BandLimited:
 
 
 def lowpass(frequency: Array, cutoff: float) -> Array:
-    """The filter's gain: 1 up to the cut-off, then a raised cosine to 0 at ROLL_OFF * cutoff."""
+    """Return the filter's gain at frequencies in Hz.
+
+    The gain is 1 up to the cut-off, then falls as a raised cosine to 0 at `ROLL_OFF` * cutoff.
+    """
     part = np.clip((frequency / cutoff - 1.0) / (ROLL_OFF - 1.0), 0.0, 1.0)
     return np.asarray(0.5 * (1.0 + np.cos(np.pi * part)))

@@ -1,4 +1,4 @@
-"""Checks a recording. An error is one line that names the file and the place."""
+"""Check a recording. The message of an error is one line that names the file and the place."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import refuse
+from owtsweep.motion.recorded.formats.table import MOST_STEPS, refuse
 from owtsweep.motion.recorded.recording import Recording
-from owtsweep.motion.recorded.timing import fit_comb
+from owtsweep.motion.recorded.timing import count_steps, fit_comb
 
 #: An axis with a larger mean measures gravity: it is not horizontal, or its unit is wrong.
 LARGEST_MEAN_FORCE = 5.0  # m/s^2
@@ -17,16 +17,25 @@ LARGEST_MEAN_FORCE = 5.0  # m/s^2
 LARGEST_JUMP = 1000.0  # m
 #: A larger range gets a note that asks whether the unit is right.
 LARGEST_RANGE = 100.0  # m
+#: A larger number, in SI units, is a wrong unit or damage.
+LARGEST_VALUE = 1e9
 FEWEST_SAMPLES = 32
-#: Shorter gaps are interpolated, and so are gaps of two and a half sampling intervals. Fixes and
-#: references may be missing for any time.
+#: Gaps up to this length are interpolated, and gaps up to two and a half sampling intervals. Fixes
+#: and references may be missing for any time.
 LONGEST_GAP = 0.1  # s
 #: An IMU that samples less often is refused.
 LOWEST_IMU_RATE = 5.0  # Hz
 
 
 def check_time(path: Path, name: str, time: Array) -> None:
-    """Raise InputError if time is too short, is missing, stands still or goes backwards."""
+    """Check the times of a recording (s), from the channel `name` of the file `path`.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than `FEWEST_SAMPLES` times, if a time is missing, or if the times do not
+        increase.
+    """
     if len(time) < FEWEST_SAMPLES:
         raise refuse(path, f"has {len(time)} rows; at least {FEWEST_SAMPLES} are needed")
     missing = np.flatnonzero(~np.isfinite(time))
@@ -44,26 +53,31 @@ def check_time(path: Path, name: str, time: Array) -> None:
 
 
 def find_gaps(time: Array) -> list[tuple[float, float]]:
-    """(start, end) in s of each interval between two values that is too long to interpolate."""
+    """Find the gaps that are too long to interpolate, as (start, end) in s.
+
+    `time` are the times of a channel's values in s.
+    """
     step = np.diff(time)
     longest = max(LONGEST_GAP, 2.5 * float(np.median(step)))
     return [(float(time[k]), float(time[k + 1])) for k in np.flatnonzero(step > longest)]
 
 
 def describe_gaps(gaps: list[tuple[float, float]], shown: int = 3) -> str:
-    """The gaps' times in words: the first `shown`, and how many more there are."""
+    """Describe gaps (start, end) in words: the first `shown`, and how many more there are."""
     text = ", ".join(f"{start:.6g} s to {end:.6g} s" for start, end in gaps[:shown])
     return text + (f" and {len(gaps) - shown} more" if len(gaps) > shown else "")
 
 
 def check_channels(recording: Recording, gaps: str) -> list[str]:
-    """Check every channel and return notes for the user; `gaps` is as for `read`.
+    """Check every channel of a recording, and return notes for the user.
+
+    `gaps` is "refuse" or "interpolate", as for `reading.read`.
 
     Raises
     ------
     InputError
-        For a channel with too few values or none, an IMU that is too slow, a gap that is too long,
-        or a unit that cannot be right.
+        For a channel with too few values or none, an IMU that samples too slowly, a gap that is too
+        long, or a unit that cannot be right.
     """
     notes: list[str] = []
     for role, values in recording.channels.items():
@@ -77,9 +91,30 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
         if count < fewest:
             raise refuse(recording.path, f"{name} has {count} values; at least {fewest} are needed")
         time, there = recording.series(role)
+        _check_extent(recording.path, role, name, time, there)
         notes += _check_sampling(recording.path, role, name, time, gaps)
         notes += _check_size(recording.path, role, name, time, there)
     return list(dict.fromkeys(notes))
+
+
+def _check_extent(path: Path, role: str, name: str, time: Array, values: Array) -> None:
+    """Raise if a number is absurd, or if a regular grid for these times would not fit in memory."""
+    largest = float(np.max(np.abs(values)))
+    if largest > LARGEST_VALUE:
+        raise refuse(
+            path,
+            f"{name} holds {largest:.3g} in SI units; more than {LARGEST_VALUE:g} cannot be: check "
+            f"units.{role}, and mark missing values as NaN",
+        )
+    steps = count_steps(time)
+    if not steps <= MOST_STEPS and not role.startswith("fix"):
+        raise refuse(
+            path,
+            f"{name} spans {time[-1] - time[0]:.3g} s at intervals of "
+            f"{np.median(np.diff(time)):.3g} s: that is a regular grid of {steps:.3g} times, "
+            f"{8e-9 * steps:.3g} GB a channel, and at most {MOST_STEPS} are made; does the time "
+            "jump?",
+        )
 
 
 def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) -> list[str]:

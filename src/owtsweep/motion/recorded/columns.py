@@ -1,4 +1,4 @@
-"""Assigns channels to roles: as the user says, else by well-known channel names."""
+"""Assign a file's channels to roles: as the user says, else by well-known channel names."""
 
 from __future__ import annotations
 
@@ -79,11 +79,11 @@ def _strip(name: str) -> str:
 
 
 def guess_roles(names: Sequence[str]) -> dict[str, str]:
-    """role -> channel, from well-known names; roles without a channel are left out.
+    """Assign channels to roles by well-known names: return role -> channel.
 
-    The two axes of a quantity come from one pair of names; y may be missing. If a file has both a
-    specific force and positions, but no reference, the positions become the reference: estimates
-    from that force are compared with them.
+    Roles without a channel are left out. The two axes of a quantity come from one pair of names; y
+    may be missing. If the channels include a specific force and positions, but no reference, the
+    positions become the reference for the estimates that are computed from the specific force.
     """
     bare = {name: _strip(name) for name in names}
 
@@ -110,16 +110,16 @@ def guess_roles(names: Sequence[str]) -> dict[str, str]:
 
 
 def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[str, str]:
-    """role -> channel: as given, else as guessed.
+    """Assign channels to roles as given, and guess the other roles: return role -> channel.
 
     Parameters
     ----------
     table
-        The file.
+        The opened file.
     given
-        role -> channel name; None or "" leaves a role out. A channel that is given a role is not
-        guessed for another one. If only one axis of a quantity is given, the other axis is the
-        channel whose name has y in place of x (or x in place of y), if there is one.
+        role -> channel name; None or "" leaves a role out. A channel given here is not guessed for
+        another role. If only one axis of a quantity is given, the other axis is the channel whose
+        name has y in place of x (or x in place of y), if there is one.
 
     Raises
     ------
@@ -149,7 +149,10 @@ def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[s
 
 
 def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
-    """The channel whose name is the same but for one letter: y in place of x, or x of y."""
+    """Find the channel of the other axis: one letter of its name is y in place of x, or x of y.
+
+    `axis` ("x" or "y") is the axis of the channel `name`. Returns None if there is no such channel.
+    """
     swap = {axis: OTHER[axis], axis.upper(): OTHER[axis].upper()}
     for place, letter in enumerate(name):
         if letter in swap:
@@ -160,12 +163,16 @@ def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
 
 
 def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
-    """The channel of that name. Case matters only if two names differ by nothing else.
+    """Return the name of the channel called `wanted`, spelled as in the file.
+
+    Case matters only if two names differ by case alone. A unit in brackets at the end of `wanted`
+    is ignored.
 
     Raises
     ------
     InputError
-        If there is none. The message lists up to 12 channels, those with similar names first.
+        If there is no such channel. The message begins with `argument` and lists up to 12 channels,
+        those with similar names first.
     """
     names = table.names
     if wanted in names:

@@ -1,4 +1,4 @@
-"""Derives velocity and acceleration from recorded positions."""
+"""Derive velocity and acceleration from recorded positions."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ def to_motion(
     cutoff: float | None = None,
     grid: TimeGrid | None = None,
 ) -> Gridded:
-    """Position, velocity and acceleration on the grid, each the derivative of the one before.
+    """Compute position, velocity and acceleration on a grid from recorded positions.
 
-    All three come from one band-limited function through the positions. If the recording has
-    velocity or acceleration too, the recorded values are used in place of the derived ones, and a
-    note says how much the two differ. An axis without positions stays at rest.
+    All three come from one band-limited function through the positions and its derivatives. If the
+    recording has velocity or acceleration too, the recorded values are used in place of the derived
+    ones, and a note says how much the two differ. An axis without positions stays at rest.
 
     The cut-off f_c decides how much noise the derivatives have. White position noise of standard
     deviation s per sample at rate f_s becomes acceleration noise of
@@ -50,23 +50,25 @@ def to_motion(
     rate
         Rate of the grid, Hz.
     quantity
-        "position", or "reference" (which is NaN in gaps).
+        The quantity that holds the positions: "position" or "reference". The result is NaN in gaps
+        of a reference.
     orders
-        How many of position, velocity and acceleration to make, in that order.
+        1 for the position only, 2 for position and velocity, 3 for the acceleration too.
     cutoff
-        Hz. By default 5 Hz, or 0.4 of the lower of the two rates if that is less.
+        Cut-off frequency in Hz. By default 5 Hz, or 0.4 of the lower of the two rates (of the
+        recording and of the grid) if this is less.
     grid
-        As for `to_grid`.
+        The grid. By default it covers the time that both axes have in common.
 
     Returns
     -------
     Gridded
-        The first `orders` of position, velocity and acceleration, each with _x and _y.
+        The channels position_x, position_y, velocity_x, ..., as many as `orders` says.
 
     Raises
     ------
     InputError
-        If the recording lacks the quantity, or the cut-off is above 0.4 of either rate.
+        If the recording lacks the quantity, or the cut-off is above 0.4 of one of the two rates.
     """
     roles = [f"{quantity}_{axis}" for axis in "xy" if f"{quantity}_{axis}" in recording.channels]
     if not roles:

@@ -1,9 +1,8 @@
-"""Describes a file: channels, units, rates, gaps, and the roles that would be assigned."""
+"""Describe a file: channels, units, rates, gaps, and the roles that would be assigned."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from textwrap import wrap
@@ -11,15 +10,15 @@ from textwrap import wrap
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
 from owtsweep.motion.recorded.checks import LONGEST_GAP, describe_gaps, find_gaps
 from owtsweep.motion.recorded.columns import QUANTITIES, ROLES, assign_roles
 from owtsweep.motion.recorded.formats import open_table
-from owtsweep.motion.recorded.formats.table import ChannelTable
-from owtsweep.motion.recorded.timing import fit_comb
+from owtsweep.motion.recorded.formats.table import MOST_STEPS, MOST_VALUES, ChannelTable
+from owtsweep.motion.recorded.timing import count_steps, fit_comb
 from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_factor, normalise_unit
 
-#: Of a longer file only this many rows are read.
+#: Of a longer file only this many rows are read, and fewer if it has more than 200 channels.
 MOST_ROWS = 1_000_000
 #: Width of the printed lists, characters.
 WIDTH = 100
@@ -27,20 +26,20 @@ WIDTH = 100
 
 @dataclass(frozen=True, kw_only=True)
 class Channel:
-    """One channel, in the unit that the file uses.
+    """One channel of a file, in the unit that the file uses.
 
     Attributes
     ----------
     name, unit
-        As in the file; the unit is "" if the file states none.
+        Name and unit as in the file; the unit is "" if the file states none.
     missing
         Number of rows without a value.
     mean, deviation, smallest, largest
-        Statistics of the values; NaN if there are none.
+        Mean, standard deviation and range of the values; NaN if there are none.
     rate
-        Hz, from the median interval between values; NaN if the file has no time.
+        Rate in Hz, from the median interval between values; NaN if the file has no usable time.
     gaps
-        (start, end) in s of intervals longer than ten sampling intervals and 0.1 s.
+        (start, end) in s of the gaps longer than 0.1 s and longer than ten sampling intervals.
     numeric
         False for a column that does not hold numbers.
     """
@@ -59,7 +58,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Description:
-    """What is in a file; `str(description)` is the text for the terminal.
+    """The contents of a file in summary; `str(description)` is the text for the terminal.
 
     Attributes
     ----------
@@ -70,11 +69,11 @@ class Description:
     cut
         Whether the file may have more rows.
     guess
-        role -> channel that `read` takes by default.
+        role -> the channel that `reading.read` would take for this role.
     channels
         All channels, in the file's order.
     clock
-        One line about the times.
+        A sentence about the times.
     """
 
     path: Path
@@ -87,7 +86,8 @@ class Description:
 
     def __str__(self) -> str:
         rows = f"{self.rows} rows" + (" looked at, the first of more" if self.cut else "")
-        lines = [f"{self.path}: {self.format}, {len(self.channels)} channels, {rows}", self.clock]
+        path = printable(str(self.path))
+        lines = [f"{path}: {self.format}, {len(self.channels)} channels, {rows}", self.clock]
         by_name = {channel.name: channel for channel in self.channels}
         if self.guess:
             lines += ["", "Guess of the mapping (change one by columns.ROLE=CHANNEL):"]
@@ -125,15 +125,18 @@ def describe(
     path
         The file.
     columns, units
-        Roles and units that the user gives, as for `read`; the rest is guessed.
+        Roles and units that the user gives, as for `reading.read`; other roles are guessed.
 
     Raises
     ------
     InputError
-        If the file cannot be read at all, or a given channel or unit is wrong.
+        If the file cannot be read at all, or if a given role, channel or unit is wrong.
     """
     table = open_table(path)
-    loaded = _load(table)
+    most = min(MOST_ROWS, MOST_VALUES // max(len(table.names), 1))
+    loaded = _load(table, table.names, most)
+    if not loaded:
+        table.load(table.names, most)  # says why
     mapping = assign_roles(table, columns or {})
     table = _with_units(table, mapping, units or {})
     mapping = {role: name for role, name in mapping.items() if name in loaded}
@@ -151,7 +154,7 @@ def describe(
         _summarise(name, unit, loaded.get(name), time)
         for name, unit in zip(table.names, table.units, strict=True)
     )
-    return Description(table.path, table.format, rows, rows >= MOST_ROWS, mapping, channels, clock)
+    return Description(table.path, table.format, rows, rows >= most, mapping, channels, clock)
 
 
 def _with_units(
@@ -165,18 +168,16 @@ def _with_units(
     return replace(table, units=tuple(stated[name] for name in table.names))
 
 
-def _load(table: ChannelTable) -> Mapping[str, Array]:
-    """channel -> its values, without the columns that do not hold numbers."""
+def _load(table: ChannelTable, names: Sequence[str], rows: int) -> Mapping[str, Array]:
+    """Read the channels that hold numbers: return channel -> values."""
     try:
-        return table.load(table.names, MOST_ROWS)
+        return table.load(names, rows)
     except InputError:
-        loaded: dict[str, Array] = {}
-        for name in table.names:
-            with suppress(InputError):
-                loaded |= table.load([name], MOST_ROWS)
-        if not loaded:
-            raise
-        return loaded
+        if len(names) == 1:
+            return {}
+        half = len(names) // 2  # few reads find one bad column among thousands
+        left, right = names[:half], names[half:]
+        return {**_load(table, left, rows), **_load(table, right, rows)}
 
 
 def _describe_clock(name: str, time: Array) -> str:
@@ -186,6 +187,8 @@ def _describe_clock(name: str, time: Array) -> str:
     if step.min() <= 0.0:
         row = int(np.argmin(step > 0.0)) + 2
         return f"time ({name}) does not increase in data row {row}"
+    if not count_steps(time) <= MOST_STEPS:
+        return f"time ({name}) spans {time[-1] - time[0]:.3g} s, far more than its steps say"
     comb = fit_comb(time)
     regular = "regular" if comb.uniform else f"irregular (up to {comb.jitter:.3g} s off)"
     if comb.rounded:
@@ -210,12 +213,14 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
         rate = 1.0 / median
         longest = max(LONGEST_GAP, 10 * median)
         holes = tuple(gap for gap in find_gaps(time[there]) if gap[1] - gap[0] > longest)
+    with np.errstate(over="ignore"):  # some hold 1e308, as a sign that a value is missing
+        mean, deviation = float(kept.mean()), float(kept.std())
     return Channel(
         name=name,
         unit=unit,
         missing=int(len(values) - len(kept)),
-        mean=float(kept.mean()),
-        deviation=float(kept.std()),
+        mean=mean,
+        deviation=deviation,
         smallest=float(kept.min()),
         largest=float(kept.max()),
         rate=rate,
@@ -224,7 +229,11 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
 
 
 def _is_likely(channel: Channel) -> bool:
-    """Whether a channel varies, and its unit is missing or is one of motion or acceleration."""
+    """Return whether a channel may be motion or force.
+
+    It may if its values vary, and if its unit is missing or is one of length, velocity or
+    acceleration.
+    """
     if not channel.deviation > 0.0:  # NaN without numbers
         return False
     return not channel.unit or find_dimension(channel.unit) in QUANTITIES.values()
@@ -252,7 +261,7 @@ def _describe_values(channel: Channel, role: str | None = None) -> str:
 
 
 def _wrap(words: list[str]) -> list[str]:
-    """The words, separated by commas, in lines of `WIDTH`; a word with blanks is not broken."""
+    """Join words by commas and break them into lines of `WIDTH` characters, between words only."""
     text = ", ".join(word.replace(" ", "\0") for word in words)
     lines = wrap(
         text, WIDTH, initial_indent="  ", subsequent_indent="  ", break_long_words=False,

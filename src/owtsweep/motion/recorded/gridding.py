@@ -1,4 +1,4 @@
-"""Resamples recorded channels to the uniform grid on which the estimators run."""
+"""Resample recorded channels to the uniform grid on which the estimators run."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.bandlimited import BandLimited
 from owtsweep.motion.recorded.checks import find_gaps
+from owtsweep.motion.recorded.formats.table import MOST_STEPS
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.timing import fit_comb
 
@@ -21,7 +22,7 @@ FULL_BAND = 0.4
 
 @dataclass(frozen=True)
 class TimeGrid:
-    """The times start + k / rate for k = 0 ... steps - 1; start in s, rate in Hz."""
+    """The times start + k / rate for k = 0, ..., steps - 1; `start` is in s, `rate` in Hz."""
 
     start: float
     rate: float
@@ -29,28 +30,28 @@ class TimeGrid:
 
     @property
     def time(self) -> Array:
-        """(steps,) s, on the file's clock."""
+        """The times of all steps on the file's clock, in s, shape (steps,)."""
         return self.start + np.arange(self.steps) / self.rate
 
 
 @dataclass(frozen=True)
 class Gridded:
-    """Channels on one grid.
+    """Channels resampled to one grid.
 
     Attributes
     ----------
     grid
         The grid.
     channels
-        role -> (steps,) in SI units. Fixes are NaN at steps without a fix, references are NaN in
-        gaps; nothing else is ever NaN.
+        role -> values in SI units, shape (steps,). Fixes are NaN at steps without a fix, references
+        are NaN in gaps; other channels are never NaN.
     pairs
-        quantity -> (steps, 2), x and y side by side. The columns are views of `channels`; an axis
-        that was not requested is zero. Fixes have no pair.
+        quantity -> values of shape (steps, 2), columns x and y, which share memory with `channels`.
+        An axis that was not requested is zero. Fixes are not among the quantities.
     cutoff
-        Hz; the motion is kept up to here. None if no motion was derived.
+        Frequency in Hz up to which the motion is kept; None if no motion was derived.
     notes
-        What a user should know about the resampling.
+        What a user should know about the resampling, one sentence each.
     """
 
     grid: TimeGrid
@@ -66,7 +67,7 @@ def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) ->
     Raises
     ------
     InputError
-        If the time that they have in common is less than a second.
+        If the time that they have in common is less than a second, or has too many steps.
     """
     spans = [recording.series(role)[0][[0, -1]] for role in roles]
     start = max(float(span[0]) for span in spans)
@@ -75,6 +76,12 @@ def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) ->
         raise InputError(
             f"{recording.path}: {', '.join(roles)} share {max(end - start, 0.0):.3g} s; at least "
             "1 s is needed"
+        )
+    if not (end - start) * rate <= MOST_STEPS:
+        raise InputError(
+            f"{recording.path}: {end - start:.4g} s at {rate:g} Hz are {(end - start) * rate:.3g} "
+            f"steps, {160e-9 * (end - start) * rate:.3g} GB; at most {MOST_STEPS} are run: check "
+            "units.time, cut the record into parts, or lower sensors.imu.rate"
         )
     return TimeGrid(start, rate, int(np.floor((end - start) * rate + 1e-6)) + 1)
 
@@ -86,14 +93,15 @@ def to_grid(
     *,
     grid: TimeGrid | None = None,
 ) -> Gridded:
-    """Resample channels.
+    """Resample channels to a grid.
 
-    Everything but fixes goes through a band-limited function (`bandlimited`). It keeps frequencies
-    up to 0.4 of the lower of the two rates in full and removes all above half that rate, so
-    resampling makes no images and no aliases. A channel whose samples lie on the grid already is
-    not changed. Irregular times and missing samples are first interpolated by a cubic spline, and
-    gaps longer than `checks.LONGEST_GAP` by a monotone one; a reference is NaN in such gaps. Fixes
-    are not resampled: each moves to the nearest step, and of two at one step the later one is kept.
+    Each channel except fixes is resampled by a band-limited function (`bandlimited`). This function
+    keeps frequencies up to 0.4 of the lower of the two rates (of the channel and of the grid) in
+    full, and removes all above half that rate, so that there are no images and no aliases. A
+    channel whose samples already lie on the grid is not changed. Irregular times and missing
+    samples are first interpolated by a cubic spline, long gaps (`checks.find_gaps`) by a monotone
+    one. A reference is NaN in long gaps. Fixes are not resampled: each fix moves to the nearest
+    step, and of two fixes at one step the later one is kept.
 
     Parameters
     ----------
@@ -104,8 +112,8 @@ def to_grid(
     rate
         Rate of the grid, Hz.
     grid
-        The grid. By default it covers the time that the channels have in common, fixes and
-        references aside.
+        The grid. By default it covers the time that the channels other than fixes and references
+        have in common, or all channels if there are no others.
     """
     if grid is None:
         dense = [role for role in roles if not role.startswith(("fix", "reference"))]
@@ -132,9 +140,10 @@ def to_grid(
 
 
 def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
-    """The array (steps,) for a role: a column of its quantity's pair, which is made if missing.
+    """Make an array of shape (steps,) for a role, filled with zeros.
 
-    A role that is not an axis of a quantity gets an array by itself.
+    For an axis of a quantity, e.g. "position_x", it is a column of the array `pairs["position"]` of
+    shape (steps, 2), which is added to `pairs` if missing. Other roles get an array of their own.
     """
     quantity, _, axis = role.rpartition("_")
     if axis not in ("x", "y"):
@@ -145,7 +154,10 @@ def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
 def make_uniform(
     recording: Recording, role: str
 ) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
-    """((start, uniform samples), step, gaps) of a channel; missing samples are interpolated."""
+    """Return a channel as uniform samples: ((start, samples), step, gaps), times in s.
+
+    Missing samples are interpolated. The gaps are those of `checks.find_gaps`.
+    """
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
     time, values = recording.series(role)
@@ -165,7 +177,10 @@ def make_uniform(
 
 
 def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -> Array | None:
-    """The samples, unchanged, if they lie on the grid to within 1e-3 of a step; else None."""
+    """Return the samples at the grid's times, if there are samples at all of these times.
+
+    Times may differ by 1e-3 of a step. Otherwise, returns None.
+    """
     start, values = source
     first = (grid.start - start) / step
     drift = abs(step * grid.rate - 1.0) * grid.steps
@@ -176,7 +191,7 @@ def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -
 
 
 def _mark_inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
-    """(times,) True where a time lies strictly inside a gap."""
+    """Return a mask of the times (increasing, s) that lie strictly inside a gap."""
     result = np.zeros(len(time), dtype=bool)
     for start, end in holes:
         result[np.searchsorted(time, start, "right") : np.searchsorted(time, end, "left")] = True
@@ -190,7 +205,11 @@ def mark_gaps(values: Array, grid: TimeGrid, holes: list[tuple[float, float]]) -
 
 
 def _place_fixes(recording: Recording, role: str, grid: TimeGrid) -> tuple[Array, list[str]]:
-    """Fixes at their nearest steps, and notes on how far they moved and which were dropped."""
+    """Move fixes to the nearest steps; return their values, shape (steps,), and notes.
+
+    The values are NaN at steps without a fix. The notes say how far fixes moved, and how many were
+    dropped.
+    """
     time, values = recording.series(role)
     exact = (time - grid.start) * grid.rate
     place = np.rint(exact).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Reads a file into a checked recording in SI units."""
+"""Read a file into a checked recording in SI units."""
 
 from __future__ import annotations
 
@@ -32,16 +32,17 @@ def read(
     Parameters
     ----------
     path
-        The file. Its extension decides the format, and where that is ambiguous its content.
+        The file. The extension decides the format; if several formats share the extension, the
+        content decides.
     columns
         role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Roles that are not given are guessed
         from well-known names; None or "" leaves a role out.
     units
-        role -> unit, e.g. `{"position_x": "mm"}`; overrides the file's unit. If neither is there,
-        SI is assumed, with a note.
+        role -> unit, e.g. `{"position_x": "mm"}`, instead of the unit stated in the file. If no
+        unit is given or stated, the SI unit is assumed, and a note says so.
     gaps
-        What happens to gaps in force and motion that are longer than `checks.LONGEST_GAP`:
-        "refuse" or "interpolate".
+        What happens to long gaps (`checks.find_gaps`) in motion and specific force: "refuse" or
+        "interpolate".
 
     Raises
     ------
@@ -67,22 +68,23 @@ def read(
 def _scale_to_si(
     loaded: Mapping[str, Array], role: str, chosen: Mapping[str, str], scale: float
 ) -> Array:
-    """A role's values in SI. They are computed in place if no other role uses the array."""
+    """Return a role's values in SI units; the loaded array is changed if no other role uses it."""
     values = loaded[chosen[role]]
     shared = list(chosen.values()).count(chosen[role]) > 1  # one channel plays two roles
     if shared or not values.flags.writeable:
         values = values.copy()
-    values *= scale
+    with np.errstate(over="ignore"):  # infinite values count as missing
+        values *= scale
     return values
 
 
 def _assign_roles(table: ChannelTable, columns: Mapping[str, str | None]) -> dict[str, str]:
-    """role -> channel, time first.
+    """Assign channels to roles as `columns.assign_roles` does: return role -> channel, time first.
 
     Raises
     ------
     InputError
-        If there is no time, or no other channel with a role.
+        If there is no time, or no other channel with a role besides yaw.
     """
     chosen = assign_roles(table, columns)
     listed = ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
@@ -100,7 +102,11 @@ def _assign_roles(table: ChannelTable, columns: Mapping[str, str | None]) -> dic
 def _find_factors(
     table: ChannelTable, chosen: Mapping[str, str], units: Mapping[str, str | None]
 ) -> tuple[dict[str, float], list[str]]:
-    """Factors to SI: of the unit in the configuration, else in the file, else 1 with a note."""
+    """Find the factor to SI of each role's unit; return role -> factor, and notes.
+
+    The unit is the one in `units`, else the one stated in the file. If there is neither, the factor
+    is 1, and a note says so.
+    """
     for role in units:
         if role not in ROLES:
             raise InputError(f"units.{role}: no such role: use one of {', '.join(ROLES)}")

@@ -1,4 +1,4 @@
-"""A recording: a file that has been read, by roles, in SI units, at the file's times."""
+"""The contents of a file by role, in SI units, at the file's times."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from owtsweep.arrays import Array
 
 @dataclass(frozen=True)
 class Recording:
-    """One file in SI units, at the file's times.
+    """The contents of one file, in SI units, at the file's times.
 
     Attributes
     ----------
     path
         The file.
     time
-        (n,) s, strictly increasing.
+        Times in s, strictly increasing, shape (n,).
     channels
-        role -> (n,) values in SI units (m, m/s, m/s^2, rad), NaN where missing. Roles are
+        role -> values in SI units (m, m/s, m/s^2, rad), shape (n,), NaN where missing. Roles are
         position, velocity, acceleration, specific_force, fix (GNSS) and reference, each with _x
         and _y, and yaw.
     names
-        role -> the channel's name in the file; "time" is among them.
+        role -> the channel's name in the file; the role "time" is among them.
     notes
-        What a user should know: assumed units, irregular times, gaps.
+        What a user should know, one sentence each: assumed units, irregular times, gaps.
     """
 
     path: Path
@@ -38,16 +38,16 @@ class Recording:
     notes: tuple[str, ...]
 
     def has(self, quantity: str) -> bool:
-        """Whether the recording has at least one axis of a quantity such as "fix"."""
+        """Return whether the recording has at least one axis of a quantity such as "fix"."""
         return any(f"{quantity}_{axis}" in self.channels for axis in "xy")
 
     def let_go(self, quantity: str) -> None:
-        """Drop a quantity that the caller has copied, so that memory does not hold it twice."""
+        """Delete both axes of a quantity, to free memory once the caller has copied them."""
         for axis in "xy":
             self.channels.pop(f"{quantity}_{axis}", None)
 
     def series(self, role: str) -> tuple[Array, Array]:
-        """Times (s) and values of a channel, (m,) each, without its missing samples."""
+        """Return the times (s) and values of a channel without the missing samples, (m,) each."""
         values = self.channels[role]
         there = np.isfinite(values)
         if there.all():  # saves copies of a long record
@@ -55,6 +55,6 @@ class Recording:
         return self.time[there], values[there]
 
     def rate(self, role: str) -> float:
-        """Samples per second of a channel, from the median interval between its values."""
+        """Return the rate of a channel in Hz, from the median interval between its values."""
         time, _ = self.series(role)
         return float(1.0 / np.median(np.diff(time)))

@@ -1,4 +1,4 @@
-"""A recorded motion as a source of motion."""
+"""Use a recorded motion as a source of motion, in place of a simulated one."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class RecordedSource:
     recording
         A checked recording with positions.
     cutoff
-        Up to where the motion is kept, Hz; None for the default of `deriving.to_motion`.
+        Frequency up to which the motion is kept, Hz; None for the default of `deriving.to_motion`.
     """
 
     recording: Recording
@@ -32,7 +32,7 @@ class RecordedSource:
 
     @property
     def duration(self) -> float:
-        """The time that its positions cover, s; 0 without positions."""
+        """The time in s that the positions of all recorded axes cover; 0 without positions."""
         roles = [f"position_{axis}" for axis in "xy"]
         times = [self.recording.series(r)[0] for r in roles if r in self.recording.channels]
         if not times:
@@ -47,7 +47,16 @@ class RecordedSource:
         step: float,
         history: int = 0,
     ) -> Motion:
-        """Give the recorded motion on the steps that are asked for, from its beginning.
+        """Return the first part of the recorded motion, resampled.
+
+        Parameters
+        ----------
+        stream
+            Not used, because nothing is random.
+        steps, step
+            Number of steps, and their length in s.
+        history
+            Number of further steps before the first one, which delayed sensors need.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Finds out how regular the times of a record are."""
+"""Find out how regular the times of a record are."""
 
 from __future__ import annotations
 
@@ -14,22 +14,23 @@ TOLERANCE = 0.01
 
 @dataclass(frozen=True)
 class Comb:
-    """Uniform times (the teeth of a comb) fitted to the times of a record.
+    """Uniform times, called the teeth of a comb, fitted to the times of a record.
 
     Attributes
     ----------
     start, step
-        The teeth are start + k step, s, fitted by least squares.
+        The teeth are the times start + k step in s, fitted by least squares.
     count
-        Number of teeth from the first time to the last.
+        Number of teeth from the first time of the record to the last.
     number
-        (n,) the tooth k of each time, a whole number.
+        The number k of the tooth at each time of the record, shape (n,).
     jitter
-        Largest distance between a time and its tooth, s.
+        Largest distance between a time of the record and its tooth, s.
     resolution
-        The decimal place to which the times are rounded, s.
+        The decimal place to which the record's times are rounded, s, e.g. 0.001.
     uniform
-        Whether the record's times are teeth of the comb, apart from rounding. Teeth may be missing.
+        Whether all times of the record are teeth, apart from rounding. There may be teeth without a
+        time.
     """
 
     start: float
@@ -42,20 +43,26 @@ class Comb:
 
     @property
     def rounded(self) -> bool:
-        """Whether the times deviate from the comb, and only because they are rounded."""
+        """Whether the record's times deviate from the teeth, but only because they are rounded."""
         return self.uniform and self.jitter > TOLERANCE * self.step
 
     @property
     def teeth(self) -> Array:
-        """(count,) the times of all teeth, s."""
+        """The times of all teeth in s, shape (count,)."""
         return self.start + self.step * np.arange(self.count)
 
 
-def fit_comb(time: Array) -> Comb:
-    """Fit a comb to strictly increasing times, (n,) s with n >= 2; teeth may be missing.
+def count_steps(time: Array) -> float:
+    """How many times a regular grid needs for increasing times, (n,) s; it may be infinite."""
+    with np.errstate(over="ignore"):
+        return float((time[-1] - time[0]) / np.median(np.diff(time))) + 1.0
 
-    Times printed with few digits (80 Hz in whole milliseconds) count as uniform: a deviation of at
-    most half the last decimal place is rounding, not jitter.
+
+def fit_comb(time: Array) -> Comb:
+    """Fit uniform times to the times of a record (s, strictly increasing, at least two).
+
+    The record may have gaps. Times printed with few digits (80 Hz in whole milliseconds) count as
+    uniform: a deviation of at most half the last decimal place is rounding, not jitter.
     """
     number = np.zeros(len(time))  # filled in place: a record may have ten million rows
     interval = np.diff(time)
@@ -76,7 +83,10 @@ def fit_comb(time: Array) -> Comb:
 
 
 def _resolution(time: Array) -> float:
-    """The largest power of ten, from 1e-9 to 1 s, of which all times are multiples."""
+    """Find the largest power of ten, from 1e-9 to 1 s, of which all times are multiples.
+
+    Only the first 65 536 times are looked at. Without such a power, 1e-9 is returned.
+    """
     some = time[: 1 << 16]
     for place in range(10):
         scaled = some * 10.0**place

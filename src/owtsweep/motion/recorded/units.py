@@ -34,7 +34,7 @@ SPELLINGS = {
 
 
 def normalise_unit(unit: str) -> str:
-    """The spelling used here: `m/s2`, `m/s**2`, `m s-2` and `m/sec^2` all become `m/s^2`."""
+    """Return a unit in one spelling: `m/s2`, `m/s**2`, `m s-2` and `m/sec^2` become `m/s^2`."""
     text = unit.strip().lower()
     for old, new in (("**", "^"), ("²", "^2"), ("·", " "), ("*", " ")):
         text = text.replace(old, new)
@@ -46,18 +46,18 @@ def normalise_unit(unit: str) -> str:
 
 
 def find_dimension(unit: str) -> str | None:
-    """The dimension of a unit; None if the unit is not in the table."""
+    """Return the dimension of a unit, e.g. "length"; None for a unit not in `DIMENSIONS`."""
     spelling = normalise_unit(unit)
     return next((name for name, (_, table) in DIMENSIONS.items() if spelling in table), None)
 
 
 def find_factor(unit: str, wanted: str, argument: str) -> float:
-    """Factor from a unit to the SI unit of the wanted dimension.
+    """Return the factor from a unit to the SI unit of the dimension `wanted`, e.g. "length".
 
     Raises
     ------
     InputError
-        If the unit is not in the table or has another dimension. The message starts with
+        If the unit is not in `DIMENSIONS` or has another dimension. The message starts with
         `argument`.
     """
     si, table = DIMENSIONS[wanted]

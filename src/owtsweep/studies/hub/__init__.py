@@ -30,32 +30,35 @@ palette.reserve(LOOKS)
 
 
 class HubStudy:
-    """`owtsweep.sweep.study.Study` for the hub motion; heavy imports are made at first use."""
+    """The study of the hub motion, an `owtsweep.sweep.study.Study`.
+
+    Modules that take long to import are imported at first use.
+    """
 
     name = "hub"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
 
     def schemes(self) -> dict[str, str]:
-        """The schemes and a description of each."""
+        """Return scheme -> description, for all schemes of the study."""
         from owtsweep.studies.hub.schemes import REGISTERED
 
         return dict(REGISTERED)
 
     def config_type(self) -> type[HubConfig]:
-        """The study's configuration."""
+        """Return the model of the study's configuration."""
         from owtsweep.studies.hub.config import HubConfig
 
         return HubConfig
 
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
-        """The conditions: natural period and amplitude."""
+        """Return the conditions: natural period and amplitude."""
         from owtsweep.studies.hub.conditions import CONDITIONS
 
         return CONDITIONS
 
     def engine(self, config: HubConfig) -> Engine:
-        """The engine that the key `engine` names."""
+        """Return a new engine, the one that the key `engine` names."""
         from owtsweep.studies.hub.engines import ENGINES
 
         return ENGINES[config.engine]()
@@ -63,7 +66,7 @@ class HubStudy:
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
-        """Compare runs: how the map, the boundary and the errors change."""
+        """Compare runs: how the best schemes, their boundary and their errors change."""
         from owtsweep.comparing.compare import compare
         from owtsweep.studies.hub.comparing import describe_run
 
@@ -72,7 +75,10 @@ class HubStudy:
     def write_fidelity(
         self, config: HubConfig, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]
     ) -> list[Path]:
-        """Compare a run with the numbers and statements of the paper."""
+        """Compare a run with the numbers and statements of Ren et al. (2019); write a report.
+
+        Return the files that were written.
+        """
         from owtsweep.studies.hub.fidelity.report import write_report
 
         return write_report(config, rows, folder, metadata)
@@ -80,19 +86,22 @@ class HubStudy:
     def write_spectrum(
         self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
-        """Write error_spectra.png, .svg, spectrum.csv and noise_floor.csv; print the floors."""
+        """Write error_spectra.png, error_spectra.svg, spectrum.csv and noise_floor.csv.
+
+        Return these files, and a table of the noise floors for the terminal.
+        """
         from owtsweep.studies.hub.figures.spectrum_tables import write
 
         return write(config, folder, metadata)
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:
-    """Criteria of best_scheme.csv: position, velocity and that of the configuration."""
+    """Return the criteria of best_scheme.csv: position, velocity, and the configured criterion."""
     return tuple(dict.fromkeys(("position", "velocity", config.measures.criterion)))
 
 
 def scheme_names(config: Any) -> list[str]:
-    """The names of a run's schemes, in order."""
+    """Return the names of a run's schemes, in the order of the configuration."""
     from owtsweep.studies.hub.schemes import resolve_all
 
     return [scheme.name for scheme in resolve_all(config.schemes)]

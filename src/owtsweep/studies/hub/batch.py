@@ -1,4 +1,8 @@
-"""The batch engine: runs chains over all replicates of a block and sums their errors."""
+"""The batch engine: runs chains over all replicates of a block and sums their squared errors.
+
+A chain is a scheme as arrays for kernels. A lane is one series along one axis; kernels run eight
+lanes, a group, at once.
+"""
 
 from __future__ import annotations
 
@@ -29,15 +33,23 @@ from owtsweep.studies.hub.kernels.layout import (
 from owtsweep.studies.hub.one_pass import OnePassSeries
 from owtsweep.studies.hub.records import Records
 
-#: Steps that kernels process at once: the buffers of eight lanes fit the second-level cache.
+#: Number of steps that kernels process at once, a chunk: so few that the buffers of eight lanes fit
+#: the second-level cache.
 CHUNK = 500
 
 
 class Sums(NamedTuple):
-    """Sums over a record, and their numbers of terms.
+    """A chain's sums of squared errors over a record, and their numbers of terms.
 
-    products (2 windows, 6 quantities, 3 products, replicates) as in `kernels.sums`; steps and
-    innovations (2,): terms per window; squared (steps or 0, replicates): squared position error.
+    Attributes
+    ----------
+    products
+        Sums, shape (2, 6, 3, replicates): windows (before and after settling), quantities (x, y,
+        vx, vy, NEES, NIS), products (motion x motion, motion x noise, noise x noise).
+    steps, innovations
+        Numbers of steps and of innovations in each window, shape (2,) each.
+    squared
+        Squared position error of each step, shape (steps, replicates); (0, replicates) if not kept.
     """
 
     products: Array
@@ -55,25 +67,28 @@ def sum_errors(
     keep_squared: bool = False,
     consistency: bool = True,
 ) -> list[Sums]:
-    """Each chain's sums; all of them run on a span of the records before the next is made.
+    """Run chains on all replicates of some records; return each chain's sums of squared errors.
+
+    All chains run on one span of the records before the next span is made.
 
     Parameters
     ----------
     settled
         The first settled step.
     amplitude
-        At which whole series are run, m; their squared errors are product 2. None for the products
-        of the motion's and the noise's errors.
+        Amplitude of the motion, m: whole series (motion plus noise) are run, and the squares of
+        their errors are product 2 of `Sums`. None: motion and noise are run separately, and all
+        three products of their errors are summed.
     keep_squared
         Whether the squared position error of each step is kept; only with an amplitude.
     consistency
-        Without it NEES is left at zero and its covariances are not computed.
+        Whether NEES is computed; otherwise NEES is zero.
     """
     weights = [weights_of(chain, consistency=consistency) for chain in chains]
     memory = shared_memory(chains, 3 if amplitude is None else 2)
 
     def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
-        """The chains' sums and squared errors of replicates first ... first + 7."""
+        """Return each chain's sums and squared errors for the replicates first ... first + 7."""
         feed = Feed(part, first, amplitude)
         runs = [
             ChainRun(*pair, feed, settled, *memory, keep=keep_squared)
@@ -97,7 +112,10 @@ def sum_errors(
 
 
 def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
-    """The weights of NEES and NIS; those of NEES are zero without `consistency`."""
+    """Return a chain's weights of errors in NEES and NIS.
+
+    Without `consistency` the weights of NEES are zero.
+    """
     return Weights(
         precision=chain.precision if consistency else np.zeros((chain.gains.rows, 3)),
         innovation=chain.innovation_weight,
@@ -106,7 +124,7 @@ def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
 
 
 class ChainRun:
-    """One chain on eight replicates, fed span by span."""
+    """A run of one chain on eight replicates; it takes the records span by span."""
 
     def __init__(
         self,
@@ -131,7 +149,10 @@ class ChainRun:
         self.done = 0
 
     def advance(self, span: Span) -> None:
-        """Run the whole chunks that the span completes; at the record's end, also the rest."""
+        """Run the chain up to the last whole chunk that ends in this span.
+
+        The span at the record's end is run to its end.
+        """
         from owtsweep.studies.hub.kernels import runs
 
         ready = span.stop if span.stop == self.steps else span.stop // self.chunk * self.chunk
@@ -149,14 +170,17 @@ class ChainRun:
 
 
 def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output]:
-    """Working memory that some chains use in turn, so that it stays in the cache."""
+    """Make working memory that some chains use in turn, so that it stays in the cache.
+
+    `groups` is the number of groups of eight lanes.
+    """
     chunk = max(chunk_of(chain)[0] for chain in chains)
     window = max(chain.filter.window for chain in chains)
     return new_scratch(groups, chunk, window), new_output(groups, chunk)
 
 
 def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
-    """Join the parts, each with the sums and squared errors of up to eight replicates."""
+    """Join the sums and squared errors of parts, each of up to eight replicates, to `Sums`."""
     early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
     products, squared = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
     return Sums(
@@ -168,22 +192,22 @@ def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array,
 
 
 def arrays_of(chain: Chain) -> ChainArrays:
-    """A chain as a structure of arrays for the kernels."""
+    """Return a chain as the structure of arrays that kernels take."""
     return ChainArrays(chain.filter, chain.predictor, chain.mhe)
 
 
 def chunk_of(chain: Chain) -> tuple[int, int]:
-    """Steps of a chunk, and rows of a span that must be kept for the next one.
+    """Return the number of steps in a chunk, and the number of rows to keep for the next span.
 
-    The end of a span that fills no whole chunk is processed with the next span. So a chunk's rows
-    are kept in addition to those that the predictor and the delay reach back to.
+    The end of a span that fills no whole chunk is processed with the next span. Therefore the rows
+    of a chunk are kept, and the rows before it to which the predictor and the delay reach back.
     """
     chunk = max(CHUNK, 2 * chain.filter.window, 2 * chain.predictor.steps)
     return chunk, chunk + lead_of(chain)
 
 
 class Estimates(NamedTuple):
-    """A chunk's estimates: position, velocity and innovation, (steps, lanes) each."""
+    """A chunk's estimates: position, velocity and innovation, shape (steps, lanes) each."""
 
     position: Array
     velocity: Array
@@ -193,12 +217,20 @@ class Estimates(NamedTuple):
 def trajectories(
     chain: Chain, sensors: Sensors, force: Array, fixes: Array
 ) -> tuple[Array, Array, Array]:
-    """Estimates of position and velocity and the filter's innovation, (steps, lanes) each.
+    """Run a chain over whole records; return position, velocity and innovation at each step.
+
+    A lane is one series along one axis.
 
     Parameters
     ----------
     force, fixes
-        (steps, lanes) specific force in NED, m/s^2; (fixes, lanes) positions, m.
+        Specific force in NED, m/s^2, shape (steps, lanes), and position fixes, m, shape
+        (fixes, lanes).
+
+    Returns
+    -------
+    tuple of array
+        Estimated position and velocity, and the filter's innovation, shape (steps, lanes) each.
     """
     result = (np.empty(force.shape), np.empty(force.shape), np.empty(force.shape))
     for k0, n, output in chunks(chain, force, fixes):
@@ -210,9 +242,9 @@ def trajectories(
 def chunks(
     chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, Estimates]]:
-    """Run a chain over lanes chunk by chunk; yields first step, number of steps and estimates.
+    """Run a chain over series, chunk by chunk; yield first step, number of steps, and estimates.
 
-    The next chunk overwrites the same arrays.
+    `force` and `fixes` are as for `trajectories`. The estimates are overwritten by the next chunk.
     """
     from owtsweep.studies.hub.kernels import runs
 
@@ -227,15 +259,16 @@ def chunks(
 
 
 def states(chain: Chain, force: Array, fixes: Array) -> Array:
-    """The filter's states (p, v, a, b), smoothed if the chain has a smoother.
+    """Compute the states of a chain's filter, smoothed if the chain has a smoother.
 
-    Row k is the state of step k - window in the filter's time, which lags by the chain's input
-    delay (and the fixes' delay). The first `window` rows are zero.
+    Row k is the state of step k - window in the filter's time, which lags behind by the chain's
+    input delay. The first `window` rows are zero. `force` and `fixes` are as for `trajectories`.
 
     Returns
     -------
     Array
-        (steps, 4, lanes) in m, m/s, m/s^2, m/s^2; b is x4 of Eq. (6), -R b^b + g.
+        Shape (steps, 4, lanes): position (m), velocity (m/s), acceleration and b (m/s^2), where b
+        is the state x4 = -R b^b + g of Eq. (6) of Ren et al. (2019), bias and gravity.
     """
     result = np.empty((force.shape[0], 4, force.shape[1]))
     for k0, n, some in state_chunks(chain, force, fixes):
@@ -246,9 +279,10 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
 def state_chunks(
     chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, Array]]:
-    """`states` chunk by chunk; yields first step, number of steps and (chunk, 4, lanes).
+    """Compute what `states` returns chunk by chunk.
 
-    The next chunk overwrites the same array.
+    Yield the first step, the number of steps, and the states, shape (chunk, 4, lanes). The states
+    are overwritten by the next chunk.
     """
     from owtsweep.studies.hub.kernels import runs
 
@@ -265,7 +299,10 @@ def state_chunks(
 def _one_by_one(
     chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, slice, Fed, Memory]]:
-    """Go through chunks and groups; yields first step, steps, lanes, inputs and memory."""
+    """Go through the chunks of series, and through their groups of eight lanes.
+
+    Yield the first step, the number of steps, the lanes, the inputs and the memory of each group.
+    """
     (steps, width), chunk, lead = force.shape, chunk_of(chain)[0], lead_of(chain)
     positions = _in_groups(fixes, 0, len(fixes))
     shared = shared_memory([chain], 1)
@@ -279,12 +316,15 @@ def _one_by_one(
 
 
 def lead_of(chain: Chain) -> int:
-    """How many rows of the force before a chunk the predictor and the delay need."""
+    """Return how many rows of the force before a chunk the predictor and the delay need."""
     return max(chain.predictor.steps, chain.filter.input_delay + 1)
 
 
 def _in_groups(values: Array | OnePassSeries, first: int, stop: int) -> Array:
-    """Rows first ... stop - 1 in groups of eight lanes, (groups, rows, 8); zeros before row 0."""
+    """Return the rows first ... stop - 1 of values (rows, lanes) in groups of eight lanes.
+
+    The result has the shape (groups, rows, 8). Rows before row 0 and missing lanes are zero.
+    """
     result = aligned(-(-values.shape[1] // WIDTH), stop - first, WIDTH)
     given = values[max(first, 0) : stop]
     for g, rows in enumerate(result):

@@ -1,4 +1,4 @@
-"""Plans and runs the study's blocks."""
+"""Plans and runs the blocks of the hub study: its units of work."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from owtsweep.config import Section, as_mapping
+from owtsweep.config import Section, as_mapping, require
 from owtsweep.errors import as_text
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub import measures
@@ -21,16 +21,18 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
 from owtsweep.studies.hub.records import Records, make_records
 from owtsweep.studies.hub.schemes import resolve_all, under
+from owtsweep.studies.hub.schemes.stored import StoredScheme
 from owtsweep.studies.hub.sensors import Measurements, observe
+from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK
 from owtsweep.sweep.source import describe_source, explain_doubt
 from owtsweep.sweep.study import Block
 
-#: Replicates of one block: 0-7, 8-15, ...
-REPLICATES_PER_BLOCK = 8
-
 
 def plan(config: HubConfig) -> list[Block]:
-    """One block per period, run of replicates and scheme (and amplitude, when run directly)."""
+    """Return the blocks of a study: one per natural period, eight replicates and scheme.
+
+    A scheme that is not superposed has a block for each amplitude.
+    """
     shared = shared_content(config)
     schemes = resolve_all(config.schemes, config)
     # Made once per scheme: blocks share these parts, so that a large plan fits into memory.
@@ -64,7 +66,7 @@ def _superposes(config: HubConfig, scheme: Scheme) -> bool:
 
 
 def shared_content(config: HubConfig) -> dict[str, Any]:
-    """The settings that every block depends on; the grid's lists are not among them."""
+    """Return the settings that every block depends on; the grid's lists are not among them."""
     whole = as_mapping(config)
     keys = (
         "seed", "engine", "record", "spectrum", "normalise", "band", "wave_direction", "sensors",
@@ -76,7 +78,15 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
 
 
 def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
-    """What a scheme's rows depend on: its sections of the tuning; for a user's scheme, all."""
+    """Return what a scheme's rows depend on: its name and its sections of the tuning.
+
+    A user's scheme depends on all sections, on its entry in the configuration, and on its source.
+    """
+    require(
+        not isinstance(scheme, StoredScheme),
+        f"schemes: {scheme.name} is a scheme of the run's author, and the run holds no plan.json "
+        "(it is older, or config.yaml was changed); only its tables can be read",
+    )
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
     tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
     content: dict[str, Any] = {"scheme": scheme.name, "tuning": tuning}
@@ -87,7 +97,7 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
 
 
 def explain_anew(entry: Any, scheme: Scheme) -> str:
-    """Why stored blocks of a scheme are not used but computed anew; usually empty."""
+    """Return why a scheme's stored blocks have to be computed anew; "" if they can be used."""
     return explain_doubt(type(scheme)) if isinstance(entry, Mapping) else ""
 
 
@@ -96,28 +106,32 @@ def _plain(section: Any) -> Any:
 
 
 def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
-    """Threads if all schemes have kernels, which release the GIL; otherwise processes."""
+    """Return "threading" if all schemes run by kernels, which release the GIL; otherwise "loky"."""
     compiled = all(uses_kernels(config, scheme) for scheme in schemes)
     return "threading" if compiled else "loky"
 
 
 def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
-    """Whether the batch engine runs the scheme by a kernel."""
+    """Return whether the batch engine runs the scheme by a kernel."""
     return config.engine == "batch" and hasattr(scheme, "kernel")
 
 
 def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
-    """Start an estimator that runs step by step; in the batch engine a compiled one, if any."""
+    """Return a new estimator that runs step by step.
+
+    With the batch engine it is the compiled estimator, if the scheme has one.
+    """
     if config.engine == "batch" and hasattr(scheme, "stream"):
         return scheme.stream(sensors, config)  # type: ignore[no-any-return]
     return scheme.start(sensors, config)  # type: ignore[no-any-return]
 
 
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Run blocks of one group; motion and noise are made once for all of them.
+    """Run blocks of one group; yield each block with its rows.
 
-    Schemes with a kernel run together on each span of the records, while it is in the processor's
-    cache. So the first block of an amplitude (or the first superposed block) runs all of them.
+    Motion and noise are made once for all blocks. Schemes with a kernel run together on each span
+    of the records, while the span is in the processor's cache. So the first block of an amplitude
+    (or the first superposed block) runs all schemes that have blocks of this kind.
     """
     first = blocks[0].content
     records = make_records(config, first["natural_period"], first["replicates"])
@@ -145,12 +159,15 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
 
 
 def _settled(config: HubConfig, records: Records) -> int:
-    """The first settled step."""
+    """Return the first settled step."""
     return round(config.measures.settling_time / records.sensors.step)
 
 
 def _frames(parts: Sequence[Iterable[measures.Columns]]) -> list[pd.DataFrame]:
-    """One frame per part. It is cut from one large frame, because pandas is slow to make each."""
+    """Make one DataFrame for each part.
+
+    One large DataFrame is made and cut into pieces, because pandas is slow to make many DataFrames.
+    """
     tables = [list(part) for part in parts]
     pieces = [piece for part in tables for piece in part]
     whole = pd.DataFrame({name: _joined([p[name] for p in pieces]) for name in measures.COLUMNS})
@@ -173,7 +190,10 @@ def _by_kernels(
     records: Records,
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame | Exception]:
-    """Each scheme's rows at one amplitude, or the exception raised when its chain was made."""
+    """Run schemes at one amplitude by kernels; return the rows of each scheme by its number.
+
+    If making a scheme's chain raised an exception, return the exception in place of the rows.
+    """
     made = dict(zip(schemes, _chains(config, list(schemes.values()), records), strict=True))
     chains = {n: chain for n, chain in made.items() if not isinstance(chain, Exception)}
     # raised later, when its block is due
@@ -182,6 +202,25 @@ def _by_kernels(
     }
     if not chains:
         return failed
+    try:
+        return failed | _run_chains(config, schemes, chains, records, amplitude)
+    except Exception as error:
+        if len(chains) == 1:
+            return failed | dict.fromkeys(chains, error)
+    # the chain of one scheme is no good: each alone, so that the others' results are not lost
+    for number in chains:
+        failed |= _by_kernels(config, {number: schemes[number]}, records, amplitude)
+    return failed
+
+
+def _run_chains(
+    config: HubConfig,
+    schemes: Mapping[int, Any],
+    chains: Mapping[int, Chain],
+    records: Records,
+    amplitude: float | None,
+) -> dict[int, pd.DataFrame]:
+    """The rows of some chains, which run side by side."""
     settled = _settled(config, records)
     keep = config.measures.extremes
     sums = sum_errors(list(chains.values()), records, settled, amplitude, keep_squared=keep)
@@ -189,19 +228,29 @@ def _by_kernels(
         _from_sums(of_scheme, schemes[number].name, records, amplitude)
         for number, of_scheme in zip(chains, sums, strict=True)
     ]
-    return failed | dict(zip(chains, _frames(tables), strict=True))
+    return dict(zip(chains, _frames(tables), strict=True))
 
 
 def _chains(
     config: HubConfig, schemes: Sequence[Any], records: Records
 ) -> Iterable[Chain | Exception]:
-    """The schemes' chains; several are made at once if the cores have no other work."""
+    """Make the schemes' chains, several at once if the cores have no other work.
+
+    If making a chain raises an exception, return the exception in place of the chain.
+    """
 
     def made(scheme: Any) -> Chain | Exception:
         try:
-            return chain_for_runs(scheme, records.sensors, config, records.steps)
+            chain: object = chain_for_runs(scheme, records.sensors, config, records.steps)
+        except KeyboardInterrupt:
+            raise
         except Exception as error:
             return error
+        except BaseException as error:  # a user's kernel may call sys.exit()
+            return RuntimeError(as_text(error))
+        if not isinstance(chain, Chain):
+            return TypeError(f"its kernel gives a {type(chain).__name__}, not a Chain")
+        return chain
 
     threads = min(_threads(config, schemes), len(schemes))
     if threads == 1:
@@ -211,7 +260,7 @@ def _chains(
 
 
 def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
-    """How many chains may be made at once: the number of threads that would wait for them."""
+    """Return how many chains may be made at once: as many as threads would wait for them."""
     from joblib import cpu_count
 
     compute = config.compute
@@ -248,10 +297,16 @@ def _by_loop(
     for part in records.parts():
         for index, replicate in enumerate(part.replicates):
             try:
-                measured = _looped(config, scheme, part, settled, amplitude, index)
-                yield measures.table(period, [replicate], scheme.name, measured, amplitude)
-            except (Exception, SystemExit) as error:  # a user's scheme may raise anything
-                yield measures.failed(period, replicate, scheme.name, as_text(error), amplitude)
+                with np.errstate(over="ignore", invalid="ignore"):  # told as the reason
+                    measured = _looped(config, scheme, part, settled, amplitude, index)
+                if not np.all(np.isfinite(measured.products)):
+                    raise ValueError("squares of the errors are too large, or no numbers")
+                rows = measures.table(period, [replicate], scheme.name, measured, amplitude)
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:  # a user's scheme may raise anything
+                rows = measures.failed(period, replicate, scheme.name, as_text(error), amplitude)
+            yield rows
 
 
 def _looped(

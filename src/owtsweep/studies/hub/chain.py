@@ -1,7 +1,8 @@
-"""A linear scheme as arrays for the batch kernels, computed once per sensors and tuning.
+"""Makes chains: linear schemes as arrays for the batch kernels.
 
-Every scheme of the study is the same chain with parts left out: [MHE ->] multirate Kalman filter
-[-> fixed-lag smoother] [-> predictor]. The gains are shared by all periods, amplitudes and records.
+Every scheme of the study is the same chain with some of the parts in brackets left out: [MHE ->]
+multirate Kalman filter [-> fixed-lag smoother] [-> predictor]. A chain is computed once for given
+sensors and tuning. All periods, amplitudes and records share its gains.
 """
 
 from __future__ import annotations
@@ -35,14 +36,20 @@ LONGEST_TRANSIENT = 2**18
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A scheme for the batch engine. Chains are compared by identity, for caches.
+    """The form of a scheme for the batch engine: [MHE ->] filter [-> smoother] [-> predictor].
+
+    Two chains are equal only if they are the same object, so that chains can be keys of caches.
 
     Attributes
     ----------
     gains
-        Schedule of the filter.
+        The filter's gains and covariances, one row per step until the rows repeat.
     filter, predictor, mhe
-        The kernels' arrays.
+        The arrays that kernels take.
+    axis
+        The filter's model and variances for one axis.
+    input_model
+        The predictor's model; None without a predictor.
     """
 
     gains: GainSchedule
@@ -54,24 +61,31 @@ class Chain:
 
     @cached_property
     def covariance(self) -> Array:
-        """(rows, 2, 2): covariance of the output's (p, v), one axis, for NEES."""
+        """The covariance of estimated position and velocity along an axis, shape (rows, 2, 2).
+
+        There is one row per row of the gain schedule.
+        """
         return self._covariance()
 
     @cached_property
     def precision(self) -> Array:
-        """(rows, 3): elements pp, pv, vv of the inverse of the output's covariance."""
+        """The elements pp, pv, vv (p position, v velocity) of the inverse of `covariance`.
+
+        The shape is (rows, 3).
+        """
         return _precision(self.covariance)
 
     @cached_property
     def innovation_weight(self) -> Array:
-        """(rows,): inverse of the innovation's variance."""
+        """The inverse of the innovation's variance, shape (rows,); rows as in the gain schedule."""
         return np.asarray(1.0 / self.gains.innovation_variance)
 
     def for_runs(self) -> Chain:
-        """This chain without the filter's covariances, which a run does not need: half the memory.
+        """Return this chain without the filter's covariances, which a run does not need.
 
-        The covariance of the output and its inverse are computed here. As cached properties they
-        would make threads wait: before Python 3.12 all chains share one lock.
+        The result takes half the memory. The properties `covariance` and `precision` are computed
+        here. If they were computed at first use, threads would wait for each other: before Python
+        3.12, all chains share one lock for cached properties.
         """
         none, covariance = np.empty((0, 4, 4)), self._covariance()
         result = replace(self, gains=replace(self.gains, predicted=none, filtered=none))
@@ -79,14 +93,16 @@ class Chain:
         return result
 
     def _covariance(self) -> Array:
-        """Covariance of the output's (p, v) for one axis, (rows, 2, 2).
+        """Compute the covariance of estimated position and velocity along an axis, (rows, 2, 2).
 
-        The predictor starts from the smoothed state of `window` steps before the filter's newest
-        sample and feeds it inputs whose noise v_i the smoother has partly seen. For the filter's
-        own optimal estimate E[error_s v_i] = cov(error_s, error_i) h', since v_i minus its estimate
-        is h (error_i) and the estimate is uncorrelated with the error. The noise of later inputs is
-        independent. (The bias' walk over these steps is added as if it were independent. For the
-        default sensors it is 1e-3 of the rest.)
+        The prediction starts from the smoothed state of step s, `window` steps before the filter's
+        newest sample. The prediction uses inputs i, whose noise v_i the smoother has partly seen.
+        The smoothed state's error and v_i have the covariance
+        E[error_s v_i] = cov(error_s, error_i) h', where h is the measurement row of specific force.
+        (v_i minus the optimal estimate of v_i is h error_i, and an optimal estimate is not
+        correlated with its error.) The noise of inputs after the window is independent. The bias'
+        walk during the prediction is added as if it were independent of the error; for the default
+        sensors this term is 1e-3 of the rest.
         """
         axis, gains, window = self.axis, self.gains, self.filter.window
         if self.input_model is None or self.predictor.steps == 0:
@@ -111,7 +127,10 @@ class Chain:
 
 
 def _precision(covariance: Array) -> Array:
-    """(rows, 3): elements pp, pv, vv of the inverse of each covariance (rows, 2, 2)."""
+    """Return the elements pp, pv, vv of the inverses of covariances (rows, 2, 2), shape (rows, 3).
+
+    p is position and v is velocity.
+    """
     result = aligned(len(covariance), 3)
     for first in range(0, len(covariance), _ROWS_AT_ONCE):  # the working copies stay small
         part = slice(first, first + _ROWS_AT_ONCE)
@@ -123,16 +142,20 @@ Kernel = Callable[..., Chain]
 
 
 def chain_for_runs(scheme: Any, sensors: Sensors, tuning: Any, steps: int) -> Chain:
-    """A scheme's chain, without the parts that runs do not need if the kernel can omit them."""
+    """Make a scheme's chain for records of `steps` steps.
+
+    Parts that a run does not need are left out if the scheme's kernel was made by `shared`.
+    """
     options = {"for_runs": True} if getattr(scheme.kernel, "keeps_chains", False) else {}
     made: Chain = scheme.kernel(sensors, tuning, steps, **options)
     return made
 
 
 def shared(kernel: Kernel) -> Kernel:
-    """Make a kernel compute its chain once per sensors, tuning and length; all records share it.
+    """Decorate a scheme's method `kernel` with a cache, so that all records share one chain.
 
-    The scheme names the parts of the tuning that it depends on in `sections`.
+    The method makes a chain once for given sensors, tuning and length of the records. The scheme's
+    attribute `sections` names the parts of the tuning on which the chain depends.
     """
 
     @wraps(kernel)
@@ -165,10 +188,11 @@ def shared(kernel: Kernel) -> Kernel:
     return cached
 
 
-#: Rows of a schedule whose covariances are worked out at once.
+#: Number of rows of a gain schedule whose covariances are computed at once.
 _ROWS_AT_ONCE = 8192
 
-#: Chains in the cache, one for each registered scheme; slowly settling gains take up to 100 MB.
+#: Greatest number of chains in the cache, one for each registered scheme. A chain whose gains
+#: settle slowly takes up to 100 MB.
 _KEPT_CHAINS = 4
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
 _MAKING: dict[Any, Lock] = {}
@@ -186,24 +210,25 @@ def chain(
     horizon: Horizon | None = None,
     steps: int = LONGEST_TRANSIENT,
 ) -> Chain:
-    """Put a chain together.
+    """Make a chain from its parts.
 
     Parameters
     ----------
     axis
-        The filter's model and covariances.
+        The filter's model and variances.
     rule
-        Update rule of the gain schedule.
+        How a step without a position fix is treated, one of `estimation.gains.RULES`.
     input_delay
-        Steps by which register 1 delays the specific force.
+        Number of steps by which the specific force is delayed (the paper's register 1).
     window
-        N_s, the smoother's lag; 0 for no smoother.
+        The smoother's lag N_s in steps; 0 for no smoother.
     predict
-        Sigma_2 on (p, v, b) over one step, to predict over input_delay + window steps.
+        The predictor's model over one step, with the states position, velocity, bias. The
+        predictor covers input_delay + window steps. None for no predictor.
     horizon
-        The MHE whose positions replace the fixes.
+        The MHE whose positions replace the position fixes; None for no MHE.
     steps
-        Length of the longest record. If it is shorter than the transient, less is stored.
+        Length of the longest record. Gains are stored for at most so many steps.
     """
     M = sensors.fix_interval
     gains = schedule(

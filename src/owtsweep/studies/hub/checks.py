@@ -1,4 +1,4 @@
-"""Refuses settings that cannot work together, before a run; each message says what would work.
+"""Refuses settings that cannot work together, before a run. Each message says what would work.
 
 Types and bounds of single keys are declared in `config`.
 """
@@ -9,11 +9,18 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from owtsweep.config.section import fields_along
 from owtsweep.errors import InputError, require
 from owtsweep.motion.spectra import spectrum
-from owtsweep.motion.synthesis import lines
+from owtsweep.motion.synthesis import line_numbers
 from owtsweep.studies.hub.contract import Scheme
 from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.sizes import (
+    check_buffers,
+    check_fix_interval,
+    check_grid,
+    check_horizon,
+)
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig, Mhe
@@ -22,14 +29,25 @@ if TYPE_CHECKING:
 MOST_STEPS = 100_000_000
 #: A time counts as a multiple of a step if it is one within this fraction of the step.
 GRAIN = 1e-6
+#: Least `Spectrum.peak_margin`, Hz: below it rounding makes the peak infinite.
+LEAST_MARGIN = 1e-12
 
 
 def check(config: HubConfig) -> None:
-    """Raise `InputError` for the first setting that cannot work."""
+    """Check that the settings of a run can work together.
+
+    Raises
+    ------
+    InputError
+        For the first setting that cannot work; the message says what would work.
+    """
+    check_grid(config)
     _check_sensors(config)
     _check_record(config)
     _check_spectrum(config)
     schemes = resolve_all(config.schemes, config)
+    for scheme in schemes:
+        _check_sections(config, scheme)
     if any(scheme.name in ("HME1", "HME2") for scheme in schemes):
         _check_window(config, "hme.smoother_window", config.hme.smoother_window)
     if any(scheme.name == "HME2" for scheme in schemes):
@@ -43,8 +61,22 @@ def check(config: HubConfig) -> None:
         )
 
 
+def _check_sections(config: HubConfig, scheme: Scheme) -> None:
+    """Refuse a scheme that says to depend on keys that there are not."""
+    sections = getattr(scheme, "sections", ())
+    listed = isinstance(sections, list | tuple) and all(isinstance(name, str) for name in sections)
+    for name in sections if listed else ():
+        path = name.split(".")
+        listed = listed and len(fields_along(type(config), path)) == len(path)
+    require(
+        listed,
+        f"schemes: {scheme.name} has sections = {sections!r}; give a tuple of keys, e.g. "
+        '("mkf", "hme")',
+    )
+
+
 def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
-    """Refuse settings for which the expectation cannot be computed without records."""
+    """Refuse settings with which the engine `expected` cannot work, because it runs no records."""
     require(
         not config.measures.extremes,
         "measures.extremes: largest errors need records; use engine=batch",
@@ -77,6 +109,7 @@ def _check_sensors(config: HubConfig) -> None:
             f"sensors.gnss.rate: {gnss.rate:g} Hz does not divide the IMU's {imu.rate:g} Hz; use "
             f"{low:.10g} or {high:.10g}"
         )
+    check_fix_interval(round(ratio))
     _check_steps("sensors.gnss.delay", gnss.delay, imu.rate)
 
 
@@ -122,12 +155,18 @@ def _check_record(config: HubConfig) -> None:
         f"band: {band[1]:g} Hz is not below the Nyquist frequency {imu.rate / 2.0:g} Hz of the "
         "IMU; lower it, or raise sensors.imu.rate",
     )
-    lines((band[0], band[1]), 2.0 * config.record.duration)
+    line_numbers((band[0], band[1]), 2.0 * config.record.duration)
 
 
 def _check_spectrum(config: HubConfig) -> None:
     for period in config.grid.natural_period:
-        peak = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth).peak_frequency
+        of_period = spectrum(config.spectrum.kind, period, config.spectrum.bandwidth)
+        peak = of_period.peak_frequency
+        require(
+            of_period.peak_margin > LEAST_MARGIN,
+            f"spectrum.bandwidth: {config.spectrum.bandwidth:g} s^-2 leaves the peak at {period:g} "
+            "s no width; use e.g. 6.7e-6 (1 % damping)",
+        )
         require(
             config.band[0] <= peak <= config.band[1],
             f"grid.natural_period: {period:g} s has its peak at {peak:.3g} Hz, outside band "
@@ -141,6 +180,7 @@ def _check_window(config: HubConfig, key: str, window: int) -> None:
         window < steps,
         f"{key}: {window} steps are longer than the record of {steps:.0f} steps; shorten it",
     )
+    check_buffers(key, window, round(config.sensors.gnss.delay * config.sensors.imu.rate))
 
 
 def _check_mhe(config: HubConfig, mhe: Mhe) -> None:
@@ -149,7 +189,8 @@ def _check_mhe(config: HubConfig, mhe: Mhe) -> None:
     imu, gnss = config.sensors.imu, config.sensors.gnss
     M = round(imu.rate / gnss.rate)
     steps = mhe.interval * imu.rate
-    divisors = [d for d in range(1, M + 1) if M % d == 0]
+    small = [d for d in range(1, math.isqrt(M) + 1) if M % d == 0]
+    divisors = [*small, *(M // d for d in small)]
     if min(abs(steps - d) for d in divisors) > GRAIN * max(1.0, steps):
         low = max((d for d in divisors if d <= steps), default=1)
         high = min((d for d in divisors if d >= steps), default=M)
@@ -163,6 +204,7 @@ def _check_mhe(config: HubConfig, mhe: Mhe) -> None:
         f"hme.mhe.horizon: {mhe.horizon} GNSS intervals ({mhe.horizon / gnss.rate:g} s) are longer "
         f"than the record of {config.record.duration:g} s; shorten it",
     )
+    check_horizon(mhe.horizon)
     require(
         mhe.arrival != "none" or mhe.horizon >= 2,
         "hme.mhe.arrival: 'none' needs at least 3 fixes in the window to determine position, "

@@ -1,4 +1,4 @@
-"""What a comparison of runs needs to know about a run of the hub study."""
+"""Tells a comparison of runs what it needs to know about a run of the hub study."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.engines import ENGINES
 from owtsweep.studies.hub.expected import answers
 
-#: The keys that a record's motion depends on besides natural period and replicate. Changing sigma,
-#: delay, rate, bias or tuning changes neither the motion's phases nor the draws of the noise.
+#: The keys on which a record's motion depends, besides natural period and replicate. Changing
+#: sigma, delay, rate, bias or tuning changes neither the motion's phases nor the draws of the
+#: noise.
 PAIRING = ("seed", "record", "spectrum", "band", "normalise")
 
 
 def describe_run(run: Candidate) -> Aspects:
-    """Describe a run for a comparison."""
+    """Return what a comparison needs to know about a run: conditions, schemes, criterion etc."""
     config: HubConfig = run.config
     window = config.measures.window
     samples = ENGINES[config.engine]().samples

@@ -1,4 +1,4 @@
-"""The conditions of the hub study, and its rows as a cube over these conditions."""
+"""The conditions of the hub study: natural period and amplitude."""
 
 from __future__ import annotations
 
@@ -23,17 +23,18 @@ CONDITIONS = (NATURAL_PERIOD, AMPLITUDE)
 MEASURES = ("x", "y", "vx", "vy", "position", "velocity", "nees", "nis")
 #: The measures that decide whether two schemes coincide.
 CRITERIA = ("position", "velocity")
-#: The schemes whose boundary is reported: below it the first is better, above it the second.
+#: The schemes whose boundary is reported: the first is better at amplitudes below the boundary,
+#: the second above.
 BOUNDARY = ("HME2", "HME1")
 
 
 def get_grid(config: HubConfig) -> Grid:
-    """The values of the conditions."""
+    """Return condition -> its values in the configuration."""
     return {"natural_period": config.grid.natural_period, "amplitude": config.grid.amplitude}
 
 
 def make_cube(config: HubConfig, rows: pd.DataFrame) -> Cube:
-    """The rows of a run of records as a cube."""
+    """Make a cube from a run's rows: arrays over schemes, conditions, measures and replicates."""
     from owtsweep.results.cube import Cube
     from owtsweep.studies.hub import scheme_names
 

@@ -11,7 +11,7 @@ from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section
 
 
 class Grid(Section):
-    """The axes of the sweep."""
+    """The axes of the sweep: the values of each condition, and the number of replicates."""
 
     natural_period: Axis[Positive] = key("natural periods of the turbine", unit="s")
     amplitude: Axis[Positive] = key("largest displacement of a record (normalise: peak)", unit="m")
@@ -19,7 +19,7 @@ class Grid(Section):
 
 
 class Record(Section):
-    """A record of motion and measurements."""
+    """The length of a record of motion and measurements."""
 
     duration: Positive = key("length of a record", unit="s")
 
@@ -36,7 +36,7 @@ class SpectrumConfig(Section):
 
 
 class Gnss(Section):
-    """The position sensor."""
+    """The properties of the position sensor, GNSS."""
 
     sigma: Positive = key("standard deviation of a fix, per axis", unit="m")
     rate: Positive = key("fixes per second; divides the IMU's rate", unit="Hz")
@@ -44,7 +44,7 @@ class Gnss(Section):
 
 
 class Imu(Section):
-    """The accelerometers."""
+    """The properties of the accelerometers, the IMU."""
 
     sigma: Positive = key("standard deviation of a sample, per axis", unit="m/s^2")
     rate: Positive = key("samples per second", unit="Hz")
@@ -53,7 +53,7 @@ class Imu(Section):
 
 
 class SensorConfig(Section):
-    """GNSS and IMU, and the orientation of the IMU."""
+    """The sensors, GNSS and IMU, and the orientation of the IMU."""
 
     gnss: Gnss = key("the position sensor")
     imu: Imu = key("the accelerometers")
@@ -72,7 +72,7 @@ class SensorConfig(Section):
 
 
 class Variance(Section):
-    """A measurement variance: computed by a rule from the sensor's sigma, times `scale`."""
+    """The variance of a measurement: computed by a rule from the sensor's sigma, times `scale`."""
 
     rule: Literal["sigma2", "sigma2_over_step", "sigma2_times_ratio"] = key(
         "sigma2: sigma^2; sigma2_over_step: sigma^2 / T_a, Eq. (10f) on a per-sample variance; "
@@ -82,7 +82,7 @@ class Variance(Section):
 
 
 class FilterTuning(Section):
-    """One Kalman filter: model, discretisation, update rule and covariances."""
+    """The tuning of one Kalman filter: model, discretisation, update rule and covariances."""
 
     model: Literal["sigma1", "sigma2"] = key(
         "Sigma_1 estimates the acceleration; Sigma_2 takes it as an input"
@@ -110,7 +110,7 @@ class FilterTuning(Section):
 
 
 class Constraints(Section):
-    """Bounds on the states of the MHE's window: the largest magnitude of each component."""
+    """The bounds of the states in the MHE's window: largest magnitudes of their components."""
 
     position: Positive | None = key(
         "of the hub, north and east; null: none", unit="m", default=None, younger=True
@@ -128,12 +128,12 @@ class Constraints(Section):
 
 
 class Mhe(Section):
-    """The moving horizon estimator of HME2."""
+    """The settings of the moving horizon estimator (MHE) of HME2."""
 
     interval: Positive = key(
         "T_m; whole IMU steps whose number divides the GNSS interval", unit="s"
     )
-    horizon: int = key("N_m, length of the window", unit="GNSS interval", ge=1)
+    horizon: int = key("N_m, length of the window", unit="GNSS interval", ge=1, le=1_000_000)
     arrival: Literal["mkf", "fixed", "none"] = key(
         "x_m0: a prior from the scheme's own past (mkf), the oldest state itself (fixed), or none"
     )
@@ -171,7 +171,7 @@ class Mhe(Section):
 
     @property
     def bounds(self) -> tuple[float, float, float]:
-        """Bounds of |p|, |v| and |b^b|; infinite where there is none."""
+        """The bounds of position, velocity and bias (magnitudes); infinite where there is none."""
         limits = self.constraints or Constraints()
         values = (limits.position, limits.velocity, limits.bias)
         p, v, b = (float("inf") if value is None else value for value in values)
@@ -179,7 +179,7 @@ class Mhe(Section):
 
 
 class Hme(Section):
-    """Settings that HME1 and HME2 share, and the MHE of HME2."""
+    """The settings that HME1 and HME2 share, and those of the MHE of HME2."""
 
     smoother_window: int = key(
         "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
@@ -188,7 +188,7 @@ class Hme(Section):
 
 
 class Measures(Section):
-    """The measures to compute, and the criterion of the map."""
+    """The measures to compute, and the criterion by which the map shows the best scheme."""
 
     settling_time: NotNegative = key("left out of the window settled", unit="s")
     window: Literal["full", "settled"] = key("the window that the map judges")
@@ -201,7 +201,7 @@ class Measures(Section):
 
 
 class HubConfig(Config):
-    """All keys of the hub-motion study."""
+    """The configuration of the hub-motion study, with all its keys."""
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
         "tuning", "measures.window", "measures.criterion",
@@ -240,8 +240,28 @@ class HubConfig(Config):
     hme: Hme = key("smoother of HME1 and HME2, MHE of HME2")
     measures: Measures = key("what is measured, and what the map judges")
 
+    def describe_code(self) -> Any:
+        """The schemes' names, whether they are linear, and whether they have kernels."""
+        from owtsweep.studies.hub.schemes import resolve_all
+        from owtsweep.studies.hub.schemes.stored import describe
+
+        return describe(resolve_all(self.schemes, self))
+
+    @classmethod
+    def hide_code(cls, plain: dict[str, Any], described: Any) -> dict[str, Any]:
+        """The keys with a `StoredScheme` in place of each user's scheme."""
+        from owtsweep.studies.hub.schemes.stored import stand_in
+
+        return {**plain, "schemes": stand_in(plain.get("schemes"), described)}
+
     def check(self) -> None:
-        """Raise `InputError` for values that cannot work together."""
+        """Check that the values can work together.
+
+        Raises
+        ------
+        InputError
+            If they cannot; the message says what would work.
+        """
         super().check()
         from owtsweep.studies.hub.checks import check
 

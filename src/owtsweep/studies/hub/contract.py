@@ -1,4 +1,4 @@
-"""The interface between the hub study and any scheme, built in or a user's."""
+"""The interface between the hub study and any scheme, of this package or a user's."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from owtsweep.evaluation.estimate import Estimate
 
 @dataclass(frozen=True)
 class Sensors:
-    """What an estimator may know about its sensors (PAPER.md, section 1).
+    """The properties of IMU and GNSS that an estimator may know (PAPER.md, section 1).
 
     Attributes
     ----------
     step
-        IMU sampling interval T_a, s.
+        Sampling interval T_a of the IMU, s.
     fix_interval
-        M, IMU steps between fixes. These arrive at steps 0, M, 2 M, ...
+        Number M of IMU steps between position fixes, which arrive at steps 0, M, 2 M, ...
     delay
-        N_d, IMU steps from the instant that a fix reports to its arrival.
+        Number N_d of IMU steps from the instant whose position a fix reports to the fix's arrival.
     position_sigma, force_sigma
         Standard deviations per axis: of a fix (m) and of an IMU sample (m/s^2).
     bias_walk
@@ -30,7 +30,7 @@ class Sensors:
     yaw
         Fixed yaw psi of the IMU, rad.
     gravity
-        Horizontal gravity in NED, m/s^2.
+        Horizontal part of gravity, north and east, m/s^2.
     """
 
     step: float
@@ -44,60 +44,65 @@ class Sensors:
 
     @property
     def rotation(self) -> Array:
-        """R of Eq. (5), (2, 2): turns vectors from the IMU's frame to NED."""
+        """The matrix R (2, 2) that turns vectors from the IMU's frame to NED.
+
+        Source: Eq. (5) of Ren et al. (2019).
+        """
         cos, sin = np.cos(self.yaw), np.sin(self.yaw)
         return np.array([[cos, -sin], [sin, cos]])
 
     @property
     def fix_step(self) -> float:
-        """T_g, the time between fixes, s."""
+        """The time T_g between position fixes, s."""
         return self.fix_interval * self.step
 
 
 @runtime_checkable
 class Estimator(Protocol):
-    """A running estimator. It is called once per IMU step."""
+    """A running estimator, whose method `update` is called once per IMU step."""
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take one IMU sample, and a fix if there is one; return the estimate of the present.
+        """Take an IMU sample, and a position fix or None; return the estimate of the present.
 
         Parameters
         ----------
         specific_force
-            (2,) in the IMU's frame, m/s^2.
+            Specific force in the IMU's frame, m/s^2, shape (2,).
         position
-            (2,) in NED, m: the position of `delay` steps ago. None between fixes.
+            The fix in NED, m, shape (2,): the position of `Sensors.delay` steps ago. None at steps
+            without a fix.
 
         Returns
         -------
         Estimate
-            Position and velocity, (2,) each in NED, in m and m/s. Its covariance, if it has one,
-            is (4, 4) of (x, y, v_x, v_y); its innovation is that of the fix, (2,) in m.
+            Position (m) and velocity (m/s) in NED, shape (2,) each. The estimate may have a
+            covariance (4, 4) of x, y, v_x, v_y, and the innovation of the fix, shape (2,), m.
         """
         ...
 
 
 @runtime_checkable
 class Scheme(Protocol):
-    """An estimation scheme.
+    """The interface of an estimation scheme.
 
-    It may also offer `kernel(sensors, tuning, steps)` for the batch engine. That gives the scheme
-    as an `owtsweep.studies.hub.chain.Chain` for records of `steps` steps.
+    A scheme may also have the method `kernel(sensors, tuning, steps)`, for the batch engine. This
+    method returns the scheme as an `owtsweep.studies.hub.chain.Chain` for records of `steps` steps.
 
     Attributes
     ----------
     name
-        Its name in tables and figures; unique within a run.
+        The scheme's name in tables and figures; unique within a run.
     linear
-        Whether estimates are linear in the measurements and gains do not depend on these. Then one
-        run with the motion alone and one with the noise alone serve every amplitude.
+        Whether estimates are linear in the measurements, with gains that do not depend on the
+        measurements. Then one run with the motion alone and one with the noise alone serve every
+        amplitude.
     """
 
     name: str
     linear: bool
 
     def start(self, sensors: Sensors, tuning: Any) -> Estimator:
-        """Return a fresh estimator whose estimate is zero.
+        """Return a new estimator whose estimate is zero.
 
         Parameters
         ----------

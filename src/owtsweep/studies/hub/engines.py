@@ -1,10 +1,10 @@
-"""The hub study's engines: from records (step by step or by kernels), or without records."""
+"""The hub study's engines: with records (run step by step or by kernels), or without records."""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
@@ -24,14 +24,24 @@ logger = logging.getLogger(__name__)
 
 
 class _Engine:
-    """What both engines share: the columns that identify a row, and the map as the result."""
+    """The part that both engines share: the columns that identify a row, and the map as result.
+
+    The map is a picture of the best scheme at each natural period and amplitude.
+    """
+
+    #: Columns without which no table can be made.
+    row_types: ClassVar[Mapping[str, type]] = {
+        **dict.fromkeys(("scheme", "measure", "window"), str),
+        **dict.fromkeys(("natural_period", "replicate", "amplitude", "n_samples"), float),
+        **dict.fromkeys(("motion", "cross", "noise", "value"), float),
+    }
 
     def sort_columns(self) -> list[str]:
-        """The columns that identify a row."""
+        """Return the columns that identify a row."""
         return ["natural_period", "scheme", "measure", "window", "amplitude", "replicate"]
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """The map as a coloured grid."""
+        """Return the map of the best schemes as a coloured grid for the terminal."""
         from owtsweep.figures.terminal import grid
 
         best, measures = tables["best_scheme"], config.measures
@@ -39,12 +49,12 @@ class _Engine:
         return grid(best, schemes, CONDITIONS, measures.criterion, measures.window)
 
     def overview(self, config: HubConfig) -> str:
-        """The map, figure 18."""
+        """Return the name of the map of the best schemes (figure 18 of Ren et al. 2019)."""
         return figures.MAP
 
 
 class RecordsEngine(_Engine):
-    """`engine: batch` and `engine: reference`: simulated records go through estimators."""
+    """The engine of `engine: batch` and `engine: reference`: runs schemes on simulated records."""
 
     samples = True
     plan = staticmethod(blocks.plan)
@@ -52,7 +62,10 @@ class RecordsEngine(_Engine):
     drawings = staticmethod(figures.drawings)
 
     def backend(self, config: HubConfig) -> str:
-        """Threads if all schemes have kernels, which release the GIL; otherwise processes."""
+        """Return "threading" if all schemes run by kernels, which release the GIL; else "loky".
+
+        Log a warning for a scheme that has no kernel because of its constraints.
+        """
         schemes = resolve_all(config.schemes, config)
         for scheme in schemes:
             if config.engine == "batch" and getattr(scheme, "constrained", False):
@@ -64,14 +77,14 @@ class RecordsEngine(_Engine):
         return blocks.backend(config, schemes)
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """The tables summary and best_scheme, with intervals over the records."""
+        """Make the tables summary and best_scheme, with confidence intervals."""
         cube = make_cube(config, rows)
         best = find_best_schemes(cube, config.measures.window, criteria(config))
         return {"summary": summarise(cube), "best_scheme": best}
 
 
 class ExpectedEngine(_Engine):
-    """`engine: expected`: the expectation over all records, from the schemes' error spectra."""
+    """The engine of `engine: expected`: computes the schemes' expected errors without records."""
 
     samples = False
     plan = staticmethod(engine.plan)
@@ -80,7 +93,7 @@ class ExpectedEngine(_Engine):
     drawings = staticmethod(drawing.drawings)
 
     def backend(self, config: HubConfig) -> str:
-        """Threads: nearly all the time is spent in kernels."""
+        """Return "threading": nearly all the time is spent in kernels, which release the GIL."""
         return "threading"
 
 

@@ -1,10 +1,10 @@
-"""Computes a scheme's settled error per unit of motion, over the frequency of the motion.
+"""Computes a scheme's error spectrum: its settled error per unit of motion at each frequency.
 
-A chain is a scheme's form for the batch engine. Once its gains have settled, it is a linear system
-whose coefficients repeat with the fixes. Its response to a unit motion e^{iwt} is h_k e^{iwt_k},
-where h_k repeats as the chain does. For a sinusoid of random phase the mean square error is the
-mean of |h_k - 1|^2 over one period times the sinusoid's mean square. The mean square errors of
-sinusoids with different frequencies and independent phases add.
+A chain is a scheme's form for the batch engine. Once its gains have settled, a chain is a linear
+system whose coefficients repeat with the position fixes. The chain's response to a unit motion
+e^{iwt} is h_k e^{iwt_k}, where h_k repeats as the coefficients do. For a sinusoid of random phase,
+the mean square error is the mean of |h_k - 1|^2 over one repetition times the sinusoid's mean
+square. Mean square errors of sinusoids with different frequencies and independent phases add.
 """
 
 from __future__ import annotations
@@ -24,26 +24,28 @@ from owtsweep.studies.hub.settled import KEPT_CYCLES, cycle_of, limit, longest, 
 
 Complex = NDArray[np.complex128]
 
-#: Sinusoids run at once: the inputs of 16 over 1000 s at 100 Hz take 26 MB.
+#: Number of sinusoids run at once: the inputs of 16 sinusoids over 1000 s at 100 Hz take 26 MB.
 BATCH = 16
-#: Largest part of |h_k - 1| that the transient may still make up, relative.
+#: Largest relative part of |h_k - 1| that may still be due to the transient.
 TOLERANCE = 1e-5
-#: Number of frequencies over a band at which an error spectrum is integrated.
+#: Number of frequencies in a band at which an error spectrum is integrated.
 QUADRATURE = 20_000
 
 
 @dataclass(frozen=True)
 class ErrorSpectrum:
-    """Settled mean square error divided by the mean square of a sinusoidal motion.
+    """The settled mean square error due to a sinusoidal motion, divided by its mean square.
 
     Attributes
     ----------
     frequency
-        (n,) Hz, increasing.
+        Frequencies of the motion, Hz, increasing, shape (n,).
     position
-        (n,) m^2 per m^2 of displacement, of the position x + y.
+        Mean square position error, sum over x and y, per mean square displacement; m^2/m^2, shape
+        (n,).
     velocity
-        (n,) s^-2: (m/s)^2 per m^2 of displacement, of the velocity vx + vy.
+        Mean square velocity error, sum over vx and vy, per mean square displacement; s^-2, shape
+        (n,).
     """
 
     frequency: Array
@@ -51,31 +53,33 @@ class ErrorSpectrum:
     velocity: Array
 
     def of(self, measure: str) -> Array:
-        """The values of one measure; `measure` is `position` or `velocity`."""
+        """Return the values of one measure, "position" or "velocity"."""
         return {"position": self.position, "velocity": self.velocity}[measure]
 
 
 def error_spectrum(
     chain: Chain, sensors: Sensors, frequencies: Array, *, settle: float = 100.0
 ) -> ErrorSpectrum:
-    """The error spectrum of a chain: its error from motion, without noise.
+    """Compute the error spectrum of a chain: its settled error due to motion, without noise.
 
-    A displacement along any direction d gives d * h on the two axes, so x + y is the error along d.
+    Both axes respond alike, so the sum of the mean square errors of x and y is the mean square
+    error along the motion, whatever its direction.
 
     Parameters
     ----------
     frequencies
-        (n,) Hz, increasing. None may be a multiple of the rate at which the chain repeats: to the
-        GNSS such a motion looks like a standstill.
+        Frequencies of the motion, Hz, increasing, shape (n,). No frequency may be a multiple of the
+        rate at which the chain repeats: to the GNSS such a motion looks like a standstill.
     settle
-        Time (s) before the response is first examined. The transient that is left then is removed
-        by extrapolation (`settled.limit`). The time is doubled until the remainder is less than
-        `TOLERANCE` of the error.
+        Time (s) after which the response is first examined. What is then left of the transient is
+        removed by extrapolation (`settled.limit`). The time is doubled until the remainder is less
+        than `TOLERANCE` of the error.
 
     Raises
     ------
     InputError
-        If a frequency is not positive or repeats with the chain, or the response does not settle.
+        If frequencies are not positive and increasing, if one of them is a multiple of the chain's
+        rate, or if the response does not settle.
     """
     frequency = np.asarray(frequencies, dtype=float)
     if frequency.ndim != 1 or not np.all(frequency > 0.0) or np.any(np.diff(frequency) <= 0.0):
@@ -97,7 +101,13 @@ def error_spectrum(
 
 
 def _batch(chain: Chain, sensors: Sensors, frequency: Array, settle: float) -> tuple[Array, Array]:
-    """Mean over a cycle of |h - 1|^2 and of |h_v - iw|^2, (n,) each."""
+    """Compute the settled error spectrum at a few frequencies (Hz): position, velocity, (n,) each.
+
+    Raises
+    ------
+    InputError
+        If the response does not settle.
+    """
     cycle = cycle_of(chain)
     steps = max(round(settle / sensors.step / cycle), 1) * cycle
     most = longest(chain)
@@ -117,7 +127,11 @@ def _batch(chain: Chain, sensors: Sensors, frequency: Array, settle: float) -> t
 def _error_phasors(
     chain: Chain, sensors: Sensors, frequency: Array, steps: int
 ) -> tuple[Complex, Complex]:
-    """h - 1 and h_v - iw over the last cycles, (cycles, steps of a cycle, n) each."""
+    """Compute the complex errors of position and velocity in the last cycles of a run.
+
+    The run has `steps` steps before these cycles. The motion is e^{iwt} with n frequencies (Hz);
+    errors are divided by e^{iwt}. The shape is (cycles, steps of a cycle, n) each.
+    """
     cycle = cycle_of(chain)
     total = steps + KEPT_CYCLES * cycle
     omega = 2.0 * np.pi * frequency
@@ -142,7 +156,7 @@ def _error_phasors(
 
 
 def _lanes(values: Complex) -> Array:
-    """One lane for the cosine and one for the sine of each frequency: (steps, [n cos | n sin])."""
+    """Split complex values (steps, n) into real values (steps, 2 n): real, then imaginary parts."""
     return np.ascontiguousarray(np.hstack([values.real, values.imag]))
 
 
@@ -153,14 +167,14 @@ def expected_mse(
     *,
     rms: float = 1.0,
 ) -> tuple[float, float]:
-    """The settled MSE of position and velocity that a random motion of a given spectrum causes.
+    """Compute the settled MSE that a random motion of a given spectrum causes, without noise.
 
     Parameters
     ----------
     errors
         An error spectrum that covers the band.
     density
-        S(f) at frequencies in Hz, in any unit.
+        Function that returns the spectral density S(f) at frequencies in Hz, in any unit.
     band
         Lowest and highest frequency of the motion, Hz.
     rms
@@ -169,8 +183,8 @@ def expected_mse(
     Returns
     -------
     tuple of float
-        Position (m^2) and velocity ((m/s)^2), x + y: rms^2 times the mean of the error spectrum
-        weighted by S. The noise floor has to be added.
+        MSE of position (m^2) and of velocity ((m/s)^2), sums over both axes: rms^2 times the mean
+        of the error spectrum weighted by S. The MSE due to noise has to be added.
 
     Raises
     ------

@@ -1,7 +1,8 @@
 """Makes the kernels' input: the records of eight replicates, span by span.
 
-A span is 10 000 steps of specific force and truth in rows of eight lanes. Spans are made one after
-the other in the same buffers, so only the motion is in memory for the whole record.
+A span is 10 000 steps of specific force and true motion in rows of eight lanes, one replicate in
+each lane. Spans are made one after the other in the same buffers, so only the motion is in memory
+for the whole record.
 """
 
 from __future__ import annotations
@@ -17,15 +18,25 @@ from owtsweep.studies.hub.kernels.layout import WIDTH
 from owtsweep.studies.hub.records import Records
 from owtsweep.studies.hub.sensors import fix_count
 
-#: Steps of a span: enough that Python's overhead is small, few enough for the last-level cache.
+#: Number of steps of a span: enough that Python's overhead is small, few enough for the last-level
+#: cache.
 SPAN = 10_000
 
 
 class Span(NamedTuple):
-    """A piece of the record: step k is in row k - base; rows before step 0 are zero.
+    """A piece of the records of eight replicates, in the form that kernels take.
 
-    stop: the first step after the span; force (groups, rows, 8), m/s^2 in NED; position and
-    velocity (rows, 8): the truth along the wave, m and m/s, of the unit motion.
+    Attributes
+    ----------
+    stop
+        The first step after the span.
+    base
+        Step k is in row k - base. Rows before step 0 are zero.
+    force
+        Specific force in NED, m/s^2, shape (groups, rows, 8).
+    position, velocity
+        True displacement (m) and velocity (m/s) along the wave, for the motion of unit amplitude;
+        shape (rows, 8) each.
     """
 
     stop: int
@@ -36,10 +47,7 @@ class Span(NamedTuple):
 
 
 class Lanes:
-    """Records whose motion and noise are kept for repeated runs.
-
-    As arrays they are lanes in NED, (steps, lanes) and (fixes, lanes).
-    """
+    """The records of some replicates, with motion and noise kept in memory for repeated runs."""
 
     def __init__(self, records: Records) -> None:
         self.records = records
@@ -47,16 +55,20 @@ class Lanes:
 
     @cached_property
     def position(self) -> Array:
-        """True displacement along the wave, (steps, replicates), m."""
+        """The true displacement along the wave at unit amplitude, m, shape (steps, replicates)."""
         return np.stack([motion.position for motion in self.records.motion], axis=1)
 
     @cached_property
     def velocity(self) -> Array:
-        """True velocity along the wave, (steps, replicates), m/s."""
+        """The true velocity along the wave at unit amplitude, m/s, shape (steps, replicates)."""
         return np.stack([motion.velocity for motion in self.records.motion], axis=1)
 
     def at(self, amplitude: float) -> tuple[Array, Array]:
-        """Force and fixes of whole series at an amplitude (m), lanes by replicate and axis."""
+        """Return the measurements (motion plus noise) at an amplitude (m), in NED.
+
+        Return the specific force (steps, lanes), m/s^2, and the position fixes (fixes, lanes), m.
+        Lanes are x and y of the first replicate, x and y of the second, and so on.
+        """
         motions, noises, s = self.records.motion, self.records.noise, self.records.sensors
         direction = np.tile(self.records.direction, len(motions))
         motion = np.stack([m.acceleration for m in motions], axis=1)
@@ -71,11 +83,11 @@ class Lanes:
 
 
 class Feed:
-    """Up to eight replicates of a block's records.
+    """The kernels' input for up to eight replicates of a block's records.
 
-    Without an amplitude the groups of lanes are motion, noise in x, noise in y. The motion has one
-    lane per replicate, the unit displacement along the wave, because both axes share their gains.
-    With an amplitude (m) the groups are x and y of whole series at it.
+    Without an amplitude, the groups of eight lanes are motion, noise of x and noise of y. The
+    motion has only one group, the unit displacement along the wave, because both axes share their
+    gains. With an amplitude, the groups are x and y of whole series (motion plus noise).
 
     Parameters
     ----------
@@ -84,12 +96,12 @@ class Feed:
     first
         Index of the first replicate in the records; up to seven more follow.
     amplitude
-        None for motion and noise in separate groups.
+        Amplitude of whole series, m; None for motion and noise in separate groups.
 
     Attributes
     ----------
     fixes
-        (groups, fixes, 8) positions that the GNSS reports, m; the same for all chains.
+        Positions that the GNSS reports, m, shape (groups, fixes, 8).
     """
 
     def __init__(self, records: Records, first: int = 0, amplitude: float | None = None) -> None:
@@ -112,7 +124,11 @@ class Feed:
         return self._grouped(motion, noise)
 
     def spans(self, lead: int) -> Iterator[Span]:
-        """Yield the record's spans; each begins with the last `lead` rows of the one before."""
+        """Yield the spans of the records in order of time.
+
+        Each span begins with the last `lead` rows of the previous span. All spans use the same
+        arrays.
+        """
         from owtsweep.studies.hub.kernels import feeding
 
         steps = self.records.steps
@@ -138,7 +154,10 @@ class Feed:
             yield Span(stop, k0 - lead, whole, truth[0], truth[1])
 
     def _noise(self, size: int) -> Callable[[int, int, Array], None]:
-        """A function that writes the next steps of the noise, in NED, into groups 1 and 2."""
+        """Return a function that writes the next steps of the noise, in NED, to groups 1 and 2.
+
+        The function takes the number of steps (at most `size`), the first row, and the force.
+        """
         from owtsweep.studies.hub.kernels import feeding
 
         records, R = self.records, self.records.sensors.rotation
@@ -166,7 +185,11 @@ class Feed:
         return straight
 
     def _force_noise(self, index: int) -> Callable[[int], Array]:
-        """A function that returns the next (steps, 2) of a replicate's noise, drawn or kept."""
+        """Return a function that returns the noise of a replicate's next steps, shape (steps, 2).
+
+        The noise is in the frame in which the records hold it, the IMU's. If the records keep their
+        noise in memory, the function reads the noise there; otherwise it draws the noise.
+        """
         if not self.records.keeps_noise:
             return self.records.force_noise(index).next
         kept, position = self.records.noise[index].specific_force, 0

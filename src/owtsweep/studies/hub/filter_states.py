@@ -1,6 +1,6 @@
-"""A filter's states besides position and velocity, and how late they are.
+"""Explains a filter's states: how late they are, and what acceleration and bias they contain.
 
-`batch.states` and `batch.state_chunks` give the states (p, v, a, b) themselves.
+`batch.states` and `batch.state_chunks` return the states position, velocity, acceleration and b.
 """
 
 from __future__ import annotations
@@ -13,15 +13,18 @@ from owtsweep.studies.hub.contract import Sensors
 
 
 def lag_of(chain: Chain) -> int:
-    """How many steps the filter's states are behind the present."""
+    """Return by how many steps the filter's (smoothed) states are behind the present."""
     return chain.filter.input_delay + chain.filter.window
 
 
 def has_acceleration(chain: Chain) -> bool:
-    """Whether acceleration is a state of the chain's model."""
+    """Return whether acceleration is a state of the chain's model."""
     return bool(np.any(chain.axis.force_row))
 
 
 def bias_of(state: Array, sensors: Sensors) -> Array:
-    """R b^b (n, 2), m/s^2, of the states (n, 4, 2): x4 of Eq. (6) is -R b^b + g."""
+    """Return the bias R b^b in NED, m/s^2, shape (n, 2), of states of shape (n, 4, 2).
+
+    The fourth state is x4 = -R b^b + g, Eq. (6) of Ren et al. (2019).
+    """
     return np.asarray(np.array(sensors.gravity) - state[:, 3])

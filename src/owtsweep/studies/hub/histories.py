@@ -1,4 +1,4 @@
-"""One record in time: the true motion, the measurements, and every scheme's estimates."""
+"""Simulates time histories of one record: true motion, measurements, every scheme's estimates."""
 
 from __future__ import annotations
 
@@ -19,8 +19,9 @@ from owtsweep.studies.hub.sensors import simulate_bias
 
 #: Natural period of the paper's time histories, section 5.2, s.
 NATURAL_PERIOD = 3.8
-#: Amplitude of these time histories, m. The paper does not print it. HME1 is the better scheme in
-#: them. At 4 s that holds from 0.3 m on (section 5.3); 0.5 m is the grid's next amplitude.
+#: Amplitude of these time histories, m. The paper does not print it, but HME1 is the better scheme
+#: in them. At a natural period of 4 s, HME1 is better from 0.3 m on (section 5.3); 0.5 m is the
+#: grid's next amplitude.
 AMPLITUDE = 0.5
 
 
@@ -31,12 +32,13 @@ class SchemeHistory:
     Attributes
     ----------
     position, velocity
-        (steps, 2): row k is the estimate of step k, made at step k; m and m/s.
+        Estimates in m and m/s, shape (steps, 2). Row k is the estimate of step k, made at step k.
     acceleration, bias
-        (steps, 2): states of the filter, m/s^2. Row k is the estimate of step k - `lag`; the first
-        `lag` rows are NaN. `bias` is R b^b; `acceleration` is None for a model without that state.
+        States of the filter, m/s^2, shape (steps, 2). Row k is the estimate of step k - `lag`, made
+        at step k; the first `lag` rows are NaN. `bias` is R b^b. `acceleration` is None if the
+        model has no such state.
     lag
-        How many steps old acceleration and bias are when the filter gives them.
+        Age of the estimated acceleration and bias, in steps.
     """
 
     position: Array
@@ -48,28 +50,29 @@ class SchemeHistory:
 
 @dataclass(frozen=True)
 class Histories:
-    """A record of one natural period and amplitude, all series in NED.
+    """The time histories of one record; all series are in NED.
 
     Attributes
     ----------
     natural_period, amplitude
-        s, m.
+        Natural period (s) and amplitude (m) of the motion.
     time
-        (steps,) s.
+        Times of the steps, s, shape (steps,).
     position, velocity, acceleration, bias
-        (steps, 2): the truth.
+        True motion, and true bias R b^b of the IMU; m, m/s, m/s^2; shape (steps, 2) each.
     measured
-        (steps, 2): the acceleration that the IMU reports, R f + g, m/s^2.
+        Acceleration that the IMU reports, R f + g, m/s^2, shape (steps, 2).
     fix_time, fixes
-        (fixes,) times of arrival, s; (fixes, 2) m, the position `delay` s before.
+        Times at which position fixes arrive, s, shape (fixes,), and the fixes, m, shape (fixes, 2):
+        positions `delay` seconds before arrival.
     delay
         Delay of the GNSS, s.
     integrated_position, integrated_velocity
-        (steps, 2): the IMU alone, integrated from the true initial state.
+        `measured` integrated from the true initial state; m and m/s; shape (steps, 2) each.
     estimated
-        Scheme -> what it estimates.
+        Scheme -> its estimates.
     left_out
-        Scheme -> why it could not run.
+        Scheme -> why the scheme could not run.
     """
 
     natural_period: float
@@ -90,14 +93,21 @@ class Histories:
 
 
 def natural_period_of(config: HubConfig) -> float:
-    """3.8 s. The printed spectrum has whole seconds only: then the grid's nearest period."""
+    """Return the natural period of the time histories, s: 3.8 s as in the paper.
+
+    The printed spectrum exists for whole seconds only; with it, return the grid's period that is
+    nearest to 3.8 s.
+    """
     if config.spectrum.kind == "printed":
         return min(config.grid.natural_period, key=lambda period: abs(period - NATURAL_PERIOD))
     return NATURAL_PERIOD
 
 
 def simulate_histories(config: HubConfig) -> Histories:
-    """Run those schemes of a study that have a kernel on its first record at `AMPLITUDE`."""
+    """Run the schemes of a study on its first record at `AMPLITUDE`; return the time histories.
+
+    Schemes without a kernel are skipped.
+    """
     period = natural_period_of(config)
     records = make_records(config, period, [0])
     sensors, motion = records.sensors, records.motion[0]
@@ -143,7 +153,7 @@ def simulate_histories(config: HubConfig) -> Histories:
 
 
 def _shift_by_one(sums: Array) -> Array:
-    """Running sums at the beginning of each step: the sums over the steps before it."""
+    """Shift running sums (steps, 2) by one step: row k becomes the sum over the steps before k."""
     return np.concatenate([np.zeros((1, sums.shape[1])), sums[:-1]])
 
 

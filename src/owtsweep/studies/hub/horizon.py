@@ -1,4 +1,4 @@
-"""The settings of HME2's moving horizon estimator as numbers, for both engines."""
+"""The settings of HME2's moving horizon estimator (MHE) as numbers, for all engines."""
 
 from __future__ import annotations
 
@@ -23,30 +23,31 @@ LEAST_BIAS_DENSITY = 1e-12
 
 @dataclass(frozen=True)
 class Horizon:
-    """One axis of the MHE (states p, v, b).
+    """The MHE along one axis; its states are position, velocity and bias.
 
     Attributes
     ----------
     interval
-        Steps of T_m.
+        T_m, the time between the MHE's positions, in IMU steps.
     length
-        N_m, GNSS intervals in the window.
+        N_m, the number of GNSS intervals in the window.
     first
-        Number of the first fix at which the window can be solved. Until then the filter gets the
-        fixes themselves.
+        Number of the first position fix at which the window can be solved. Until then the filter
+        gets the fixes themselves.
     arrival
-        Whether the filter's past state enters as arrival term.
+        Whether the window has an arrival term, made from the filter's past state.
     fixed
-        Whether the oldest node's state equals that state; otherwise that state is its prior.
+        True if the oldest node's state equals the filter's past state, false if the filter's past
+        state is only a prior.
     inputs
-        One of `INPUTS`.
+        Which IMU samples the MHE takes, one of `INPUTS`.
     weights
-        Weights of Eq. (11a) for one GNSS interval.
+        Weights of Eq. (11a) of Ren et al. (2019) for one GNSS interval.
     initial_covariance
-        (3, 3): covariance of the prior while the window fills (only with an arrival term).
+        Covariance (3, 3) of the prior while the window fills (only with an arrival term).
     bounds
-        (3,): of |p|, |v| (NED) and |b^b| (IMU's frame), infinite where there is none. The maps
-        below ignore them.
+        Bounds (3,) of |p| and |v| in NED and of |b^b| in the IMU's frame; infinite where there is
+        none. `arrays` ignores bounds.
     """
 
     interval: int
@@ -60,7 +61,10 @@ class Horizon:
     bounds: Array
 
     def arrays(self, gains: GainSchedule, sensors: Sensors) -> HorizonArrays:
-        """The maps of all fixes until they repeat, for the kernels."""
+        """Make the kernels' form of the MHE: a matrix for each fix number until matrices repeat.
+
+        A matrix turns the window's data into the state at the newest fix.
+        """
         M = sensors.fix_interval
         settled = -(-gains.rows // M) if self.arrival else 0
         count = self.length + settled + 1
@@ -87,14 +91,18 @@ class Horizon:
         )
 
     def uses_filter(self, fix: int) -> bool:
-        """Whether the arrival state is the filter's (x_m0 of register 3, Algorithm 5).
+        """Return whether the arrival state of the window at fix number `fix` is the filter's.
 
-        That state already includes the oldest fix, so the window leaves this fix out.
+        The filter's state is x_m0 of register 3 (Algorithm 5 of Ren et al. 2019). This state
+        already includes the oldest fix, so the window leaves that fix out.
         """
         return self.arrival and fix >= self.length
 
     def arrival_covariance(self, fix: int, gains: GainSchedule, M: int) -> Array | None:
-        """Covariance of the arrival state for the window whose newest fix is number `fix`."""
+        """Return the covariance (3, 3) of the arrival state of the window at fix number `fix`.
+
+        M is the number of IMU steps between fixes. Return None if there is no arrival term.
+        """
         if not self.arrival:
             return None
         if not self.uses_filter(fix):
@@ -104,7 +112,7 @@ class Horizon:
 
 
 def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
-    """The MHE for a tuning and these sensors."""
+    """Make the MHE's numbers from its tuning and the sensors."""
     q_f = sensors.force_sigma**2 * sensors.step if tuning.q_a is None else tuning.q_a
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     model = discretise(sigma_2(q_f, max(q_b, LEAST_BIAS_DENSITY)), sensors.fix_step)
@@ -128,5 +136,9 @@ def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
 
 
 def transition_over(seconds: float) -> Array:
-    """A_df of Sigma_2 on (p, v, b) over t_f, Eq. (11g); exact, where the paper has I + t_f A."""
+    """Return the transition matrix (3, 3) of position, velocity and bias over a time (s).
+
+    Source: A_df in Eq. (11g) of Ren et al. (2019). The matrix here is exact; the paper has
+    I + t_f A.
+    """
     return np.array([[1.0, seconds, 0.5 * seconds**2], [0.0, 1.0, seconds], [0.0, 0.0, 1.0]])

@@ -1,4 +1,4 @@
-"""How the schemes of Ren et al. (2019) look in every figure."""
+"""The colours, markers and lines of the schemes of Ren et al. (2019) in all figures."""
 
 from __future__ import annotations
 

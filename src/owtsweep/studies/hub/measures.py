@@ -1,4 +1,7 @@
-"""The hub's rows: MSE (Eq. 12), NEES and NIS, over the whole record and after it has settled."""
+"""Makes the rows of the hub study: MSE (Eq. 12 of Ren et al. 2019), NEES and NIS.
+
+Each measure is taken in two windows: over the whole record, and after the settling time.
+"""
 
 from __future__ import annotations
 
@@ -20,9 +23,9 @@ SUMMED = ("x", "y", "vx", "vy", "nees", "nis")
 EXTREMES = ("position_max", "position_p95")
 WINDOWS = ("full", "settled")
 
-#: Columns of a table by name: numbers or strings.
+#: Name of a column -> its values: numbers or strings.
 Columns = dict[str, Array | NDArray[np.int64] | list[str]]
-#: Columns of a shard, in order.
+#: The columns of a shard (a stored file of rows), in order.
 COLUMNS = (
     "natural_period", "replicate", "scheme", "measure", "window", "amplitude", "motion", "cross",
     "noise", "value", "n_samples", "status", "reason",
@@ -30,10 +33,16 @@ COLUMNS = (
 
 
 class Measured(NamedTuple):
-    """Measures of some records.
+    """The measures of some records.
 
-    measures and windows (n,): their names. products (n, 3, records): means of motion x motion,
-    motion x noise and noise x noise. n_samples (n,): number of samples in each mean.
+    Attributes
+    ----------
+    measures, windows
+        Names of measure and window, n each.
+    products
+        Means of motion x motion, motion x noise and noise x noise, shape (n, 3, records).
+    n_samples
+        Number of samples in each mean, n numbers.
     """
 
     measures: list[str]
@@ -43,7 +52,10 @@ class Measured(NamedTuple):
 
 
 def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measured:
-    """The measures of the replicates with these indices in the sums."""
+    """Compute the measures of replicates from the kernels' sums.
+
+    `chosen` are the indices of the replicates in the sums; by default all.
+    """
     names = [*SUMMED, "position", "velocity", *(EXTREMES if len(sums.squared) else ())]
     # from here on the first axis is the window: the whole record, then the settled part
     steps, innovations = (np.array([sum(n), n[1]]) for n in (sums.steps, sums.innovations))
@@ -64,7 +76,11 @@ def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measur
 
 
 def _extremes(squared: Array) -> Array:
-    """`EXTREMES` of squared errors (steps, records), as (2, 3, records): only product 2 is set."""
+    """Compute the largest error and the 95th percentile from squared errors (steps, records).
+
+    The result has the shape (2, 3, records): measures, products, records. Only product 2, noise x
+    noise, is set; the others are zero.
+    """
     error = np.sqrt(squared)
     result = np.zeros((2, 3, error.shape[1]))
     result[0, 2] = np.max(error, axis=0)
@@ -80,18 +96,21 @@ def from_trajectories(
     *,
     extremes: bool = False,
 ) -> Measured:
-    """The measures of a record that was run step by step.
+    """Compute the measures of a record that was run step by step.
 
     Parameters
     ----------
     motion
-        The response to the unit motion alone, or None when `noise` is the whole series.
+        The response to the motion of unit amplitude alone; None if `noise` is the response to the
+        whole series (motion plus noise).
     noise
-        The response to everything else, or to the whole series.
+        The response to noise alone, or to the whole series.
     truth
-        (steps, 4): the true state of the motion, or of the whole series.
+        True state of the motion, shape (steps, 4): x, y, v_x, v_y.
     settled
         The first settled step.
+    extremes
+        Whether to compute `EXTREMES` too; only for whole series.
     """
     parts = [noise] if motion is None else [motion, noise]
     innovation = [part.innovation for part in parts if part.innovation is not None]
@@ -121,17 +140,17 @@ def table(
     measured: Measured,
     amplitude: float | None,
 ) -> Columns:
-    """Rows of a shard, record by record.
+    """Make the rows of some records of a scheme, record by record, as columns.
 
     Parameters
     ----------
     natural_period
-        In s.
+        Natural period, s.
     replicates
         Numbers of the records in `measured`.
     amplitude
-        Amplitude at which the records were run, m; the value is then the product noise x noise.
-        None for superposed records, which keep all three products.
+        Amplitude at which the records were run, m; the column `value` is then the product noise x
+        noise. None for superposed records, which have all three products and no value.
     """
     measures, windows, means, samples = measured
     records, rows = len(replicates), len(measures) * len(replicates)
@@ -159,7 +178,7 @@ def table(
 def failed(
     natural_period: float, replicate: int, scheme: str, reason: str, amplitude: float | None
 ) -> Columns:
-    """The single row of a failed case."""
+    """Make the single row of a failed case, as columns."""
     nothing = Measured([""], [""], np.full((1, 3, 1), np.nan), [0])
     row = table(natural_period, [replicate], scheme, nothing, amplitude)
     return {**row, "status": ["failed"], "reason": [reason]}

@@ -1,8 +1,8 @@
 """The two process models of Ren et al. (2019), section 3, for one axis and for two.
 
-Because R is isotropic and the yaw is known, both models separate into two equal axes in NED. The
-models of one axis have the states (p, v, a, b) with b = x4; the matrices of two axes are
-kron(axis, I_2).
+Noise covariances are equal in all directions and the yaw is known, so both models separate into two
+equal axes in NED. The models of one axis have the states p, v, a and b (position, velocity,
+acceleration, and b = x4 of Eq. 6). The matrices of two axes are kron(axis, I_2).
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from owtsweep.studies.hub.config import FilterTuning, Variance
 from owtsweep.studies.hub.contract import Sensors
 
 POSITION = np.array([1.0, 0.0, 0.0, 0.0])
-#: R f = x3 - x4 (6b).
+#: The specific force is R f = x3 - x4, Eq. (6b).
 FORCE = np.array([0.0, 0.0, 1.0, -1.0])
-#: Positions of Sigma_2's states (p, v, b) among the four states.
+#: Indices of Sigma_2's states (p, v, b) among the four states.
 SIGMA_2_STATES = np.array([0, 1, 3])
 
 
 def variance(rule: Variance, sigma: float, sensors: Sensors) -> float:
-    """A measurement variance by the given rule, in the square of sigma's unit."""
+    """Compute a measurement variance from the sensor's sigma by a rule, in sigma's unit squared."""
     factor = {
         "sigma2": 1.0,
         "sigma2_over_step": 1.0 / sensors.step,
@@ -35,10 +35,11 @@ def variance(rule: Variance, sigma: float, sensors: Sensors) -> float:
 
 
 def sigma_1(q_a: float, q_b: float) -> Model:
-    """Sigma_1, Eq. (6a), one axis: states (p, v, a, b), no input.
+    """Return the model Sigma_1 of one axis, Eq. (6a) of Ren et al. (2019).
 
-    In (6a) white noise drives only the bias. The text says that it drives the acceleration too, so
-    Q has q_a in (m/s^3)^2/Hz as well as q_b in (m/s^2)^2/s.
+    The states are position, velocity, acceleration and bias; there is no input. In Eq. (6a) white
+    noise drives only the bias. The text says that white noise drives the acceleration too, so Q
+    contains q_a, in (m/s^3)^2/Hz, as well as q_b, in (m/s^2)^2/s.
     """
     A = np.zeros((4, 4))
     A[0, 1] = A[1, 2] = 1.0
@@ -46,9 +47,11 @@ def sigma_1(q_a: float, q_b: float) -> Model:
 
 
 def sigma_2(q_f: float, q_b: float) -> Model:
-    """Sigma_2, Eq. (8a), one axis: states (p, v, b), input u = R f.
+    """Return the model Sigma_2 of one axis, Eq. (8a) of Ren et al. (2019).
 
-    q_f, in (m/s^2)^2/Hz, is the density of the accelerometer's noise; Q is E Q E'.
+    The states are position, velocity and bias; the input is the specific force u = R f. q_f, in
+    (m/s^2)^2/Hz, is the density of the accelerometer's noise. q_b, in (m/s^2)^2/s, is the density
+    of the bias' walk. The returned Q is the paper's E Q E'.
     """
     A = np.zeros((3, 3))
     A[0, 1] = A[1, 2] = 1.0
@@ -56,7 +59,10 @@ def sigma_2(q_f: float, q_b: float) -> Model:
 
 
 def four_states(model: Discrete) -> Discrete:
-    """Sigma_2 on four states. The acceleration is a white state that affects no other state."""
+    """Return a model of position, velocity and bias with the acceleration as a further state.
+
+    The acceleration is white noise of variance 1 and affects no other state.
+    """
     A, B, Q = np.zeros((4, 4)), np.zeros((4, 1)), np.zeros((4, 4))
     A[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] = model.A
     B[SIGMA_2_STATES] = model.B
@@ -72,13 +78,14 @@ class AxisFilter:
     Attributes
     ----------
     model
-        Discrete model on four states; `model.B` is zero for Sigma_1.
+        Discrete model of four states; `model.B` is zero for Sigma_1.
     force_row
-        (4,) row of H for the specific force in NED; zero for Sigma_2.
+        Measurement row (4,) of the specific force in NED; zero for Sigma_2, where the specific
+        force is an input.
     position_variance, force_variance
-        m^2, (m/s^2)^2.
+        Variances of a position fix, m^2, and of an IMU sample, (m/s^2)^2.
     initial_covariance
-        (4, 4).
+        Covariance (4, 4) of the first state.
     """
 
     model: Discrete
@@ -89,7 +96,7 @@ class AxisFilter:
 
 
 def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
-    """Make one axis of the filter from its tuning and the sensors."""
+    """Make the matrices and variances of one axis of a filter from its tuning and the sensors."""
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     force_variance = variance(tuning.r_imu, sensors.force_sigma, sensors)
     if tuning.model == "sigma1":
@@ -109,6 +116,9 @@ def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
 
 
 def input_model(tuning: FilterTuning, sensors: Sensors) -> Discrete:
-    """Sigma_2 on (p, v, b), discretised over one IMU step, for the predictor and the MHE."""
+    """Return the predictor's model: Sigma_2, discretised over one IMU step.
+
+    Its states are position, velocity and bias; its input is the specific force, without noise.
+    """
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     return discretise(sigma_2(0.0, q_b), sensors.step, tuning.discretisation)

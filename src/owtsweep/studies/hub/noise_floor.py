@@ -1,8 +1,9 @@
 """Computes the noise floor: the settled MSE that sensor noise alone causes, without sampling.
 
-A settled chain (a scheme's form for the batch engine) repeats after each cycle. The variance of its
-error, averaged over a cycle, is therefore the energy of its responses to unit impulses, one at each
-step of one cycle, divided by the number of steps in the cycle.
+A chain is a scheme's form for the batch engine. A settled chain repeats after each cycle of steps.
+The variance of its error, averaged over a cycle, therefore follows from its responses to unit
+impulses, one at each step of one cycle. The variance is the energy of these responses (the sum of
+their squares) divided by the number of steps in the cycle.
 """
 
 from __future__ import annotations
@@ -19,35 +20,35 @@ from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.settled import cycle_of, filling, settled
 
 SOURCES = ("gnss", "imu", "bias")
-#: Largest uncertainty of the energy in a response's extrapolated tail, relative to the whole.
+#: Largest uncertainty of the energy in a response's extrapolated tail, relative to all its energy.
 TOLERANCE = 1e-3
-#: Cycles over which the responses are computed, at first and at most.
+#: Number of cycles for which the responses are computed, at first and at most.
 FIRST_CYCLES = 64
 MOST_CYCLES = 1024
 
 
 @dataclass(frozen=True)
 class NoiseFloor:
-    """Settled MSE from noise alone, x + y, by source.
+    """The settled MSE due to noise alone, by source of noise; sums over both axes.
 
     Attributes
     ----------
     position, velocity
-        Source -> m^2 and (m/s)^2. The sources are `gnss` (white, per fix), `imu` (white, per
-        sample) and `bias` (its Wiener process). A constant bias causes no settled error in a scheme
-        that settles.
+        Source -> MSE in m^2, and in (m/s)^2. The sources are `gnss` (white noise of the position
+        fixes), `imu` (white noise of the samples) and `bias` (the walk of the IMU's bias). A
+        constant bias causes no settled error.
     """
 
     position: dict[str, float]
     velocity: dict[str, float]
 
     def of(self, measure: str) -> float:
-        """The sum over all sources; `measure` is `position` or `velocity`."""
+        """Return the sum over all sources of one measure, "position" or "velocity"."""
         return sum({"position": self.position, "velocity": self.velocity}[measure].values())
 
 
 def noise_floor(chain: Chain, sensors: Sensors) -> NoiseFloor:
-    """The noise floor of a chain, exact apart from the extrapolated tails of its responses.
+    """Compute the noise floor of a chain, exact but for the extrapolated tails of its responses.
 
     Raises
     ------
@@ -86,7 +87,10 @@ def noise_floor(chain: Chain, sensors: Sensors) -> NoiseFloor:
 
 
 def _energies(chain: Chain, sensors: Sensors, cycles: int) -> dict[tuple[str, str], Array]:
-    """Energy in each cycle of the responses to unit impulses in the first cycle, (cycles,) each."""
+    """Compute the energies of the responses to unit impulses in the first cycle.
+
+    The result is (source, measure) -> energy in each cycle, shape (cycles,).
+    """
     cycle, M = cycle_of(chain), sensors.fix_interval
     start = -(-filling(chain) // cycle) * cycle
     fixes_in_cycle = cycle // M
@@ -115,15 +119,21 @@ def _per_cycle(response: Array) -> Array:
 
 
 def _step_responses(impulse: Array) -> Array:
-    """Responses to a force that begins at a step of the first cycle and stays, as a bias does.
+    """Compute the responses to forces that begin at a step of the first cycle and stay, as a bias.
 
-    Such a force is an impulse at each step from then on. The response to an impulse in a later
-    cycle is that to the same impulse in the first cycle, delayed by whole cycles.
+    Such a force is a sum of impulses, one at each step from then on. The response to an impulse in
+    a later cycle is the response to the same impulse in the first cycle, delayed by whole cycles.
 
     Parameters
     ----------
     impulse
-        (cycles, cycle, cycle): response in each cycle and step to an impulse at each step.
+        Responses to impulses, shape (cycles, cycle, cycle): cycle and step of the response, step of
+        the impulse in the first cycle.
+
+    Returns
+    -------
+    array
+        Responses in the same shape; the last axis is the step at which the force begins.
     """
     rest_of_cycle = np.cumsum(impulse[:, :, ::-1], axis=2)[:, :, ::-1]
     whole_cycle = np.cumsum(rest_of_cycle[:, :, 0], axis=0)
@@ -132,11 +142,11 @@ def _step_responses(impulse: Array) -> Array:
 
 
 def _total(energy: Array) -> tuple[float, float]:
-    """Sum of the energies with the extrapolated tail, and the tail's uncertainty.
+    """Sum the energies of all cycles, with the extrapolated tail; return also its uncertainty.
 
-    In the end one real mode is left, and the energy falls by a constant factor per cycle. If it
-    takes more than `MOST_CYCLES` cycles to fall by e, no record would ever see it settle, and the
-    uncertainty is infinite.
+    In the end one real mode is left, and the energy falls by a constant factor per cycle. If the
+    energy takes more than `MOST_CYCLES` cycles to fall by the factor e, the response would not
+    settle in any record, and the uncertainty is infinite.
     """
     total = float(np.sum(energy))
     last = energy[-3:]

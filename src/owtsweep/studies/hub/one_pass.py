@@ -1,4 +1,4 @@
-"""A series that is made piece by piece, for runs that read it once from start to end."""
+"""Holds a series that is made piece by piece, for runs that read it once from start to end."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from owtsweep.arrays import Array
 
 
 class OnePassSeries:
-    """Stands for a (steps, lanes) array in the batch engine, and holds only a part of it.
+    """A series that is read like an array (steps, lanes), but made piece by piece.
 
-    Slices must be asked for in order. When the next piece is made, the rows before the last slice
-    are dropped.
+    Only a part of the series is in memory. Slices must be asked for in order of time. When the next
+    piece is made, the rows before the slice that is asked for are dropped.
 
     Parameters
     ----------
     pieces
-        The rows, in pieces.
+        Iterator over arrays of successive rows.
     shape
         Shape of the whole series.
     """

@@ -1,6 +1,7 @@
-"""The names of the hub study that other studies use; they import nothing else from it.
+"""The names of the hub study that other studies may use.
 
-Each name is imported at first use, so that importing `Sensors` loads no kernel.
+Other studies import nothing else from the hub study. Each name is imported at first use; so
+importing `Sensors`, for example, loads no kernel.
 """
 
 from __future__ import annotations

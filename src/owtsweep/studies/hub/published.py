@@ -1,6 +1,6 @@
 """The numbers and statements that Ren et al. (2019) print, as data.
 
-They are kept as printed, including misprints; a `note` marks a number that must be wrong.
+Numbers are kept as printed, including misprints; a `note` marks a number that must be wrong.
 """
 
 from __future__ import annotations
@@ -14,18 +14,19 @@ if TYPE_CHECKING:
 
 #: The package whose folder `data/` holds the printed numbers.
 PACKAGE = "owtsweep.studies.hub"
-#: Measures in tables 6-9 -> their columns in the data file.
+#: Measure in Tables 6 to 9 -> its column in the data file.
 MEASURES = {"x": "mse_x_m2", "y": "mse_y_m2", "vx": "mse_vx_m2_s2", "vy": "mse_vy_m2_s2"}
 
 
 def mse_tables() -> pd.DataFrame:
-    """Tables 6-9: the MSE of four schemes at four conditions, one number a row.
+    """Read Tables 6 to 9 of Ren et al. (2019): the MSE of four schemes at four conditions.
 
     Returns
     -------
     DataFrame
-        table, natural_period (s), amplitude (m), scheme, measure (x, y in m^2; vx, vy in m^2/s^2),
-        published, note; in the order of the print.
+        One row per number, in the order of the print. Columns: table, natural_period (s), amplitude
+        (m), scheme, measure (x, y, vx or vy), published (m^2 for x and y, m^2/s^2 for vx and vy),
+        note.
     """
     import pandas as pd
 
@@ -45,5 +46,8 @@ def mse_tables() -> pd.DataFrame:
 
 
 def facts() -> pd.DataFrame:
-    """What the text says about the results: id (F1-F11), section, quantity, statement."""
+    """Read what the text of Ren et al. (2019) says about its results.
+
+    Columns: id (F1 to F11), section, quantity, statement.
+    """
     return read_published(PACKAGE, "ren2019_facts.csv", text=("section",))

@@ -1,6 +1,7 @@
-"""The records of one block: motion and noise of one period and a few replicates.
+"""Makes the records of one block: motion and noise of one natural period and a few replicates.
 
-All schemes and amplitudes of a (period, replicate) see the same phases and the same noise.
+All schemes and amplitudes see the same motion phases and the same noise in a given replicate of a
+given period.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
 
 STUDY = "hub"
-#: Most bytes of motion that a worker holds at a time. If a block's replicates need more, they run
-#: in several parts. Eight records of up to 6600 s at 100 Hz fit.
+#: Greatest number of bytes of motion that a worker holds at a time. If a block's replicates need
+#: more, they run in several parts. Eight records of up to 6600 s at 100 Hz fit.
 MEMORY_SHARE = 128_000_000
 #: Bytes per step: position, velocity and acceleration, eight bytes each.
 BYTES_PER_STEP = 24
@@ -30,14 +31,20 @@ BYTES_PER_STEP = 24
 
 @dataclass(frozen=True)
 class Records:
-    """Motion of unit amplitude and noise of some replicates.
+    """The records of some replicates: motion of unit amplitude, and noise.
 
     Attributes
     ----------
+    config
+        The configuration of the study.
+    natural_period, spectrum
+        Natural period (s) and spectrum of the motion.
+    sensors
+        What estimators may know about the sensors.
     replicates
-        Their numbers, in order.
+        The numbers of the replicates, in order.
     direction
-        (2,): the wave's direction in NED.
+        Unit vector (2,) along the wave, north and east.
     """
 
     config: HubConfig
@@ -49,13 +56,13 @@ class Records:
 
     @property
     def steps(self) -> int:
-        """IMU steps of a record."""
+        """The number of IMU steps of a record."""
         return round(self.config.record.duration / self.sensors.step)
 
     def parts(self) -> Iterator[Records]:
-        """Split the records into parts whose motion fits into a worker's share of memory.
+        """Yield parts of the replicates whose motion fits into a worker's share of memory.
 
-        A part makes its motion at first use; the memory is freed with the part.
+        A part makes its motion at first use. When the part is deleted, its memory is freed.
         """
         count = len(self.replicates)
         each = max(MEMORY_SHARE // (BYTES_PER_STEP * self.steps), 1)
@@ -67,7 +74,7 @@ class Records:
 
     @cached_property
     def motion(self) -> tuple[Motion, ...]:
-        """The motions, one per replicate, scaled to unit amplitude."""
+        """The motions, one per replicate, scaled to an amplitude of 1 m."""
         low, high = self.config.band
         source = SpectralSource(self.spectrum, (low, high), self.config.normalise)
         sensors = self.sensors
@@ -80,7 +87,10 @@ class Records:
 
     @cached_property
     def noise(self) -> tuple[sensing.Measurements, ...]:
-        """One per replicate: all of the measurements that is not motion, kept in memory."""
+        """The noise of each replicate: all parts of the measurements that are not due to motion.
+
+        The noise is made at first use and kept in memory.
+        """
         return tuple(
             sensing.noise(self.config.sensors, self.sensors, self.steps, self.stream(index))
             for index in range(len(self.replicates))
@@ -88,26 +98,38 @@ class Records:
 
     @property
     def keeps_noise(self) -> bool:
-        """Whether the whole noise has been made, and so is kept."""
+        """True if `noise` has been made, and so is kept in memory, else False."""
         return "noise" in vars(self)
 
     def force_noise(self, index: int) -> sensing.ForceNoise:
-        """The noise of the specific force of the replicate with this index, piece by piece."""
+        """Return a source of the specific force's noise, drawn piece by piece, for a replicate.
+
+        `index` is the place of the replicate in `replicates`.
+        """
         return sensing.ForceNoise(self.config.sensors, self.sensors, self.stream(index))
 
     def fix_noise(self, index: int) -> Array:
-        """(fixes, 2) noise of the fixes of the replicate with this index, m."""
+        """Draw the noise of a replicate's position fixes, m, shape (fixes, 2).
+
+        `index` is the place of the replicate in `replicates`.
+        """
         return sensing.fix_noise(self.sensors, self.steps, self.stream(index))
 
     def stream(self, index: int) -> Callable[[str], np.random.Generator]:
-        """The random streams, by name, of the replicate with this index."""
+        """Return a function that gives a replicate's random streams by name.
+
+        `index` is the place of the replicate in `replicates`.
+        """
         return partial(
             stream, self.config.seed, STUDY, (self.natural_period,), self.replicates[index]
         )
 
 
 def make_records(config: HubConfig, natural_period: float, replicates: Sequence[int]) -> Records:
-    """The records of one period and some replicates; motion and noise are made when needed."""
+    """Return the records of one natural period (s) and some replicates.
+
+    Motion and noise are made at first use.
+    """
     angle = np.deg2rad(config.wave_direction)
     return Records(
         config=config,

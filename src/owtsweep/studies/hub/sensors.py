@@ -1,7 +1,7 @@
-"""What GNSS and IMU report of a motion, Eqs. (3)-(5) of Ren et al. (2019).
+"""Simulates what GNSS and IMU report of a motion, Eqs. (3) to (5) of Ren et al. (2019).
 
-Signal and noise are made separately. So superposition can run them side by side, and a record's
-noise does not depend on its motion.
+The parts of the measurements that are due to motion and to noise are made separately. So an
+estimator can be run on each part alone, and a record's noise does not depend on its motion.
 """
 
 from __future__ import annotations
@@ -19,14 +19,18 @@ from owtsweep.studies.hub.contract import Sensors
 
 
 class Measurements(NamedTuple):
-    """specific_force (steps, 2) in the IMU's frame, m/s^2; fixes (fixes, 2) in NED, m."""
+    """The measurements of a record, or a part of them.
+
+    `specific_force`, shape (steps, 2), is in the IMU's frame, m/s^2. `fixes`, shape (fixes, 2), are
+    positions in NED, m.
+    """
 
     specific_force: Array
     fixes: Array
 
 
 def sensors(config: SensorConfig) -> Sensors:
-    """What an estimator may know about the configured sensors."""
+    """Return what an estimator may know about the configured sensors."""
     step = 1.0 / config.imu.rate
     deviations = 1.0 if config.accuracy == "sigma" else 3.0
     return Sensors(
@@ -42,17 +46,24 @@ def sensors(config: SensorConfig) -> Sensors:
 
 
 def fix_count(steps: int, fix_interval: int) -> int:
-    """How many fixes arrive in a record: they come at steps 0, M, 2 M, ..."""
+    """Return the number of position fixes that arrive in a record of `steps` steps.
+
+    Fixes arrive at steps 0, M, 2 M, ..., where M is `fix_interval`.
+    """
     return -(-steps // fix_interval)
 
 
 def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
-    """The part of Eqs. (3) and (4) that comes from motion: R' vdot and p(t - tau_d).
+    """Compute the part of the measurements that is due to motion, without gravity and noise.
+
+    Sources: the term R' vdot in Eq. (3) and the term p(t - tau_d) in Eq. (4) of Ren et al. (2019).
 
     Parameters
     ----------
     motion
-        The displacement along `direction`, which is (2,) in NED.
+        The motion along a direction.
+    direction
+        Unit vector (2,) of this direction, north and east.
     """
     force = motion.acceleration[:, None] * (sensors.rotation.T @ direction)
     count = fix_count(len(motion.position), sensors.fix_interval)
@@ -61,10 +72,11 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
 
 
 class ForceNoise:
-    """All of the specific force that is not motion: gravity -R' g, bias and white noise.
+    """The part of the specific force that is not due to motion: gravity, bias and white noise.
 
-    It is drawn piece by piece from the streams bias_x, imu_x, bias_y and imu_y, which `stream`
-    gives by name. They yield unit normals that are scaled here (`owtsweep.sensing.noise`).
+    The noise is drawn piece by piece from the random streams bias_x, imu_x, bias_y and imu_y, which
+    `stream` returns by name. The streams give unit normals, which are scaled as in
+    `owtsweep.sensing.noise`. Gravity enters as -R' g.
     """
 
     def __init__(
@@ -82,16 +94,16 @@ class ForceNoise:
         self.gravity = sensors.rotation.T @ np.array(sensors.gravity)
 
     def draw(self, normals: Array) -> None:
-        """Write the next unit normals of bias_x, imu_x, bias_y, imu_y to `normals` (4, steps).
+        """Draw the next unit normals of bias_x, imu_x, bias_y, imu_y into `normals` (4, steps).
 
-        The kernels scale them. For one record, use either this or `next`.
+        Kernels scale these numbers. For one record, use either this method or `next`, not both.
         """
         for axis in range(2):
             self.bias[axis].generator.standard_normal(out=normals[2 * axis])
             self.white[axis].generator.standard_normal(out=normals[2 * axis + 1])
 
     def next(self, steps: int) -> Array:
-        """The noise of the next steps, (steps, 2) in the IMU's frame, m/s^2."""
+        """Draw the noise of the next steps: shape (steps, 2), IMU's frame, m/s^2."""
         force = np.empty((steps, 2))
         for axis in range(2):
             total = self.white[axis].draw(steps)
@@ -106,13 +118,19 @@ def noise(
     steps: int,
     stream: Callable[[str], np.random.Generator],
 ) -> Measurements:
-    """The part of a whole record's measurements that does not come from motion."""
+    """Draw the part of a whole record's measurements that is not due to motion.
+
+    `stream` returns a random generator for a name.
+    """
     force = ForceNoise(config, sensors, stream).next(steps)
     return Measurements(force, fix_noise(sensors, steps, stream))
 
 
 def fix_noise(sensors: Sensors, steps: int, stream: Callable[[str], np.random.Generator]) -> Array:
-    """(fixes, 2) white noise of the fixes of a record, m, from the stream gnss."""
+    """Draw the white noise of a record's position fixes, m, shape (fixes, 2).
+
+    The noise is drawn from `stream("gnss")`; `steps` is the length of the record in IMU steps.
+    """
     white = WhiteNoise(stream("gnss"), sensors.position_sigma)
     return white.draw(fix_count(steps, sensors.fix_interval), 2)
 
@@ -125,15 +143,15 @@ def simulate_bias(
     *,
     piece: int | None = None,
 ) -> Iterator[Array]:
-    """Yield R b^b of a record, (steps, 2) m/s^2 in NED, in pieces.
+    """Yield the IMU's bias R b^b in a record, in pieces (steps, 2), NED, m/s^2.
 
     Parameters
     ----------
     stream
-        Gives the random generator for a name. With the streams of a record's noise, the bias is
-        the one in that noise.
+        Function that returns a random generator for a name. With the streams of a record, the bias
+        equals the bias in this record's noise.
     piece
-        Steps of a piece; the whole record at once by default.
+        Number of steps of a piece; None for the whole record at once.
     """
     biases = ForceNoise(config, sensors, stream).bias
     size = piece or steps

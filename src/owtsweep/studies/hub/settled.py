@@ -1,4 +1,7 @@
-"""Chains with settled gains, and the limits of sequences that are slow to settle."""
+"""Makes chains with settled gains, and extrapolates sequences that are slow to settle.
+
+A chain is a scheme's form for the batch engine.
+"""
 
 from __future__ import annotations
 
@@ -14,16 +17,16 @@ from owtsweep.studies.hub.chain import Chain
 
 Complex = NDArray[np.complex128]
 
-#: Cycles from which a limit is extrapolated: two more than the modes that it removes.
+#: Number of cycles from which a limit is extrapolated: two more than the modes that are removed.
 KEPT_CYCLES = 10
 #: No run is longer than this many cycles.
 MOST_CYCLES = 4096
 
 
 def settled(chain: Chain) -> Chain:
-    """The chain after its transient: it uses the last cycle of its gains from the start.
+    """Return a chain that uses, from its first step on, the last cycle of the given chain's gains.
 
-    The growing windows of an MHE at the start are kept.
+    The MHE's windows still grow at the start, if there is an MHE.
     """
     gains, last = chain.gains, slice(-chain.gains.cycle, None)
     filter_arrays = chain.filter
@@ -40,41 +43,42 @@ def settled(chain: Chain) -> Chain:
 
 
 def cycle_of(chain: Chain) -> int:
-    """Steps after which everything in the chain repeats: gains, fixes and MHE."""
+    """Return the number of steps after which everything in a chain repeats: gains, fixes, MHE."""
     return lcm(chain.gains.cycle, chain.filter.fix_interval, chain.mhe.interval)
 
 
 def filling(chain: Chain) -> int:
-    """Steps until every register of the chain holds data."""
+    """Return the number of steps until every register of a chain holds data."""
     fixes = chain.mhe.horizon + 1 if chain.mhe.active else 1
     return fixes * chain.filter.fix_interval + chain.filter.window + chain.predictor.steps
 
 
 def longest(chain: Chain) -> int:
-    """The most steps that a run may take to settle."""
+    """Return the greatest number of steps that a run may take to settle."""
     return MOST_CYCLES * cycle_of(chain)
 
 
 def limit(sequence: Complex) -> tuple[Complex, Array]:
-    """The limit of a sequence that comes from a linear system with few modes.
+    """Extrapolate sequences that come from a linear system with few modes to their limits.
 
-    This is reduced rank extrapolation. The weights have the sum 1 and minimise the weighted sum of
-    the differences between terms. The limit is the weighted sum of the terms. It removes as many
-    modes as there are differences, less one. (Smith, Ford and Sidi, 1987, Extrapolation methods for
-    vector sequences, SIAM Review 29, 199-233.)
+    The method is reduced rank extrapolation. The limit is a weighted sum of the terms. The weights
+    have the sum 1 and minimise the norm of the weighted sum of the differences between successive
+    terms. As many modes are removed as there are differences, less one. Source: Smith, Ford and
+    Sidi (1987), Extrapolation methods for vector sequences, SIAM Review 29, 199-233.
 
     Parameters
     ----------
     sequence
-        (terms, m, n): n sequences of vectors of length m.
+        n sequences of vectors of length m, shape (terms, m, n).
 
     Returns
     -------
     limit
-        (m, n).
+        The limits, shape (m, n).
     remainder
-        (n,): norm of the weighted sum of the differences over that of the limit. It bounds the
-        error of the limit as long as no mode stays in phase with the sequence.
+        Norm of the weighted sum of the differences, divided by the norm of the limit, shape (n,).
+        The remainder bounds the limit's relative error as long as no mode stays in phase with the
+        sequence.
     """
     differences = np.diff(sequence, axis=0)
     n = sequence.shape[2]
@@ -82,7 +86,7 @@ def limit(sequence: Complex) -> tuple[Complex, Array]:
     remainder = np.empty(n)
     for i in range(n):
         D = differences[:, :, i].T
-        # so that the weights sum to 1: the last difference, and the others minus it
+        # the last weight is 1 minus the others, so that all sum to 1
         step = D[:, :-1] - D[:, -1:]
         g = np.linalg.lstsq(step, -D[:, -1], rcond=1e-12)[0]
         g = np.append(g, 1.0 - np.sum(g))

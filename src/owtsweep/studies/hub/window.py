@@ -1,4 +1,7 @@
-"""Solves one window of the MHE with constraints, by CasADi, for both forms of HME2."""
+"""Solves one window of the MHE by CasADi, with constraints if there are any.
+
+Both forms of HME2 use it: the one in Python and the compiled one.
+"""
 
 from __future__ import annotations
 
@@ -29,21 +32,24 @@ def solve(
     x0: Array,
     covariance: Array | None,
 ) -> Array:
-    """Return the states of a window's nodes, (6, nodes): x, y, v_x, v_y, b_x, b_y.
+    """Solve a window of the MHE; return the states of its nodes, one column per node, (6, nodes).
+
+    The states are x, y, v_x, v_y, b_x, b_y: position, velocity and bias.
 
     Parameters
     ----------
     since_fix
-        Steps since the last node at a fix. If above zero, the present is one more node.
+        Number of steps since the last node at a fix. If positive, the present is one more node.
     fixes, have
-        (fix nodes, 2) fixes in m, and (fix nodes,) whether each arrived.
+        Position fixes in m, shape (fix nodes, 2), and whether each has arrived, (fix nodes,).
     effects
-        (links, 6) effect B u of the inputs between two nodes. If `since_fix` is above zero, the
-        last one ends at the present.
+        Effects of the inputs on the state between two nodes, shape (links, 6). If `since_fix` is
+        positive, the last link ends at the present.
     filled
-        Whether the arrival state comes from the filter's past. It then includes the oldest fix.
+        Whether the arrival state comes from the filter's past and so includes the oldest fix.
     x0, covariance
-        (6,) arrival state and its (3, 3) covariance; a covariance of None means no arrival term.
+        Arrival state (6,) and its covariance (3, 3) along one axis; None if there is no arrival
+        term.
 
     Raises
     ------
@@ -84,10 +90,11 @@ def solve(
 
 
 def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Array]:
-    """Constraint rows (rows, 6) on a node's states and their lower and upper limits (rows,) each.
+    """Return the constraints lower <= rows x <= upper on the state x (6,) of a node.
 
-    Only finite bounds give rows. The bias is bounded in the IMU's frame: b^b = R' g - R' x4 by
-    Eq. (6).
+    The result is rows (count, 6), lower (count,) and upper (count,). `bounds` are the largest
+    magnitudes of position, velocity and bias; only finite bounds give rows. The bias is bounded in
+    the IMU's frame: b^b = R' g - R' x4 by Eq. (6) of Ren et al. (2019).
     """
     rows, shift = np.kron(np.eye(3), _I), np.zeros(6)
     rows[4:, 4:] = -sensors.rotation.T
@@ -99,5 +106,5 @@ def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Arra
 
 @lru_cache(maxsize=256)
 def _problem(intervals: int, **kind: Any) -> CasadiWindow:
-    """The problem of a window on two axes. It holds no data, so all estimators can share it."""
+    """Return the optimisation problem of a window; it holds no data, so all estimators share it."""
     return CasadiWindow(intervals, states=6, outputs=2, **kind)

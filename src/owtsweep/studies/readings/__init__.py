@@ -16,24 +16,24 @@ __all__ = ["ReadingsStudy"]
 
 
 class ReadingsStudy:
-    """The study of the search. A block is a search with one seed."""
+    """The study that searches readings of the paper; a block is one search with one seed."""
 
     name = "readings"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
 
     def config_type(self) -> type[ReadingsConfig]:
-        """The hub study's configuration and the section `calibration`."""
+        """Return the configuration's type: the hub study's, with a section `calibration`."""
         from owtsweep.studies.readings.config import ReadingsConfig
 
         return ReadingsConfig
 
     def conditions(self, config: ReadingsConfig) -> tuple[Condition, ...]:
-        """Empty, because a search has no grid of conditions."""
+        """Return no conditions, because a search has no grid."""
         return ()
 
     def engine(self, config: ReadingsConfig) -> Engine:
-        """The only engine."""
+        """Return the study's only engine."""
         from owtsweep.studies.readings.engine import SearchEngine
 
         return SearchEngine()

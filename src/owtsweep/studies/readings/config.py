@@ -9,7 +9,7 @@ from owtsweep.studies.hub.public import HubConfig
 
 
 class Calibration(Section):
-    """What to search."""
+    """The section `calibration`: what to search, with how many trials, on how many records."""
 
     #: A parameter is a key, or keys joined by "+" that share one value.
     targets: dict[str, Any] = key(
@@ -22,13 +22,13 @@ class Calibration(Section):
         "name: overrides (sensor truth, record length, normalisation) under which published "
         "targets are searched, each on its own"
     )
-    trials: int = key("trials of each search: the same budget for every scheme", ge=1)
-    replicates: int = key("records per period that a trial is judged on", ge=1)
+    trials: int = key("trials of each search: the same budget for every scheme", ge=1, le=1_000_000)
+    replicates: int = key("records per period that a trial is judged on", ge=1, le=10_000)
     sampler_seeds: list[int] = key("a search is repeated with each of them", min_length=1)
 
 
 class ReadingsConfig(HubConfig):
-    """All keys of the search."""
+    """The configuration of the study `readings`: the hub study's keys and `calibration`."""
 
     #: Each target names its own tuning, so these keys have no effect.
     inert: ClassVar[frozenset[str]] = Config.inert | {
@@ -38,7 +38,7 @@ class ReadingsConfig(HubConfig):
     calibration: Calibration = key("what to search")
 
     def check(self) -> None:
-        """Raise `InputError` for values that cannot work together."""
+        """Check that the values can work together; otherwise raise `InputError`."""
         super().check()
         require(
             self.engine != "expected",

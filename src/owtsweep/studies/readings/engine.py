@@ -1,10 +1,10 @@
-"""The engine of the searches: their tables, and the score drawn over each parameter."""
+"""The engine of the searches: makes their tables, and draws the score against each parameter."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import pandas as pd
 
@@ -23,28 +23,33 @@ KEPT = 5
 
 
 class SearchEngine:
-    """`owtsweep.sweep.study.Engine` for the searches; a row is a trial."""
+    """The engine of the searches (`owtsweep.sweep.study.Engine`); a row is one trial."""
 
     samples = True
+    #: Columns without which no table can be made.
+    row_types: ClassVar[Mapping[str, type]] = {
+        **dict.fromkeys(("target", "truth", "search"), str),
+        **dict.fromkeys(("trial", "score"), float),
+    }
     plan = staticmethod(searches.plan)
     run = staticmethod(searches.run)
 
     def backend(self, config: ReadingsConfig) -> str:
-        """Processes, because a search runs Python code around kernels."""
+        """Return joblib's backend for processes, because a search runs much Python code."""
         return "loky"
 
     def sort_columns(self) -> list[str]:
-        """The columns that identify a trial."""
+        """Return the columns that identify a trial."""
         return ["target", "search", "trial"]
 
     def tables(self, config: ReadingsConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """The tables trials (all, in order of time) and best (of each search, best first)."""
+        """Make the tables "trials" (all rows) and "best" (the best trials of each search)."""
         return {"trials": rows.reset_index(drop=True), "best": rank_trials(rows)}
 
     def terminal(
         self, config: ReadingsConfig, tables: Mapping[str, pd.DataFrame]
     ) -> RenderableType:
-        """The best trial of each target, with its parameters."""
+        """Show the best trial of each target, with the values of the trial's parameters."""
         from rich.table import Table
 
         best = tables["best"]
@@ -65,7 +70,7 @@ class SearchEngine:
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """The scores of all trials: one figure per target, under one name."""
+        """Return one function, which draws the scores of all trials as one figure per target."""
 
         def draw(folder: Path, name: str) -> list[Path]:
             from owtsweep.figures import style
@@ -81,19 +86,19 @@ class SearchEngine:
         return {"score_over_parameters": draw}
 
     def overview(self, config: ReadingsConfig) -> str:
-        """The name of the figure of score over each parameter."""
+        """Return the name of the figure that shows the score against each parameter."""
         return "score_over_parameters"
 
 
 def rank_trials(rows: pd.DataFrame) -> pd.DataFrame:
-    """The best trial of each search and its runners-up, per target, best first."""
+    """Return the `KEPT` best trials of each search, sorted by target, then from best to worst."""
     done = rows[rows.status == OK]
     ranked = done.sort_values(["target", "score", "search", "trial"], kind="stable")
     return ranked.groupby("search", sort=False).head(KEPT).reset_index(drop=True)
 
 
 def list_parameters(table: pd.DataFrame) -> list[str]:
-    """The columns that hold parameters."""
+    """Return the columns of a table of trials that hold parameters."""
     return [column for column in table.columns if column not in searches.COLUMNS]
 
 

@@ -1,7 +1,9 @@
-"""Search with Optuna: every trial is a reading of the paper, judged on the same records.
+"""Search with Optuna for the best parameters; all trials of a search are judged on equal records.
 
-The score of a published target is computed by the hub's `fidelity.score`, for the schemes that the
-target judges. All trials are kept, including bad ones.
+A target says what to search: the parameters, the schemes and the kind of score. For the kind
+"published" a trial is a reading of the paper, and the score is its distance from the paper's
+results (the hub's `fidelity.score`). For the kind "settled" the score is the settled position MSE.
+All trials are kept, including bad ones.
 """
 
 from __future__ import annotations
@@ -36,10 +38,10 @@ COLUMNS = (
 
 KINDS = ("published", "settled")
 
-#: Initial standard deviation of CMA-ES as a fraction of each parameter's range.
+#: Initial standard deviation of the optimizer CMA-ES, as a fraction of each parameter's range.
 SPREAD = 0.03
 
-#: Keys that change no number, and keys that a search takes from its target.
+#: Keys that do not belong to a search's content: they change no number, or the target sets them.
 _NOT_SHARED = ReadingsConfig.inert - {"study", "config_version"} | {"calibration", "schemes"}
 
 #: The score of a trial that diverges.
@@ -47,7 +49,16 @@ DIVERGED = 50.0
 
 
 def plan(config: ReadingsConfig) -> list[Block]:
-    """One block per target, truth and sampler seed; a settled target has a single truth."""
+    """Return the blocks of the study: one per target, truth and sampler seed.
+
+    A truth is a set of overrides, e.g. of the sensors' true errors, under which a target is
+    searched. A target of kind "settled" has a single truth.
+
+    Raises
+    ------
+    InputError
+        If Optuna is not installed, or if a target has an unknown kind, truth, tuning or key.
+    """
     _require_optuna()
     calibration = config.calibration
     shared = {key: value for key, value in as_mapping(config).items() if key not in _NOT_SHARED}
@@ -82,7 +93,10 @@ def plan(config: ReadingsConfig) -> list[Block]:
 def _choose_truths(
     name: str, target: Mapping[str, Any], truths: Mapping[str, Any]
 ) -> Mapping[str, Mapping[str, Any]]:
-    """The truths for a target: those that it names, or all; for a settled target its single one."""
+    """Return the truths of a target, by name: those listed in the target, or all if it lists none.
+
+    A target of kind "settled" has a single truth, called "own".
+    """
     if target["kind"] == "settled":
         return {"own": target.get("truth", {})}
     wanted = target.get("truths", list(truths))
@@ -95,16 +109,35 @@ def _choose_truths(
 
 
 def read_tuning(name: str) -> dict[str, Any]:
-    """The values of a tuning file by dotted key."""
+    """Read the values of the tuning file `conf/tuning/<name>.yaml`, by dotted key.
+
+    Raises
+    ------
+    InputError
+        If there is no such file.
+    """
     files = {path.stem: path for path in sorted((conf_directory() / "tuning").glob("*.yaml"))}
     require(name in files, f"tuning: there is no {name!r}; use {' or '.join(files)}")
     return flatten(read(files[name], resolve=False))
 
 
 def take_fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]:
-    """Values in a target's tuning file, for the target's schemes, that are not searched.
+    """Return the values of a target's tuning file that hold for its schemes and are not searched.
 
-    Searched values are left out, so results stay valid when they are written into the file.
+    Searched values are left out, so that a search stays valid after its result has been written
+    into the tuning file.
+
+    Parameters
+    ----------
+    target
+        The target, an entry of the key `calibration.targets`.
+    default
+        Name of the tuning file for a target that names none.
+
+    Returns
+    -------
+    dict
+        Dotted key -> value.
     """
     searched = {key for keys in target["parameters"] for key in keys.split("+")}
     sections = {name.lower() for name in target["schemes"]} | {"hme"}
@@ -127,7 +160,7 @@ def _require_optuna() -> None:
 
 
 def run(config: ReadingsConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Run each search; its rows are its trials."""
+    """Run the search of each block; yield the block and a table with one row per trial."""
     for block in blocks:
         yield block, _search(config, block.content)
 
@@ -177,7 +210,10 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def _make_sampler(target: Mapping[str, Any], seed: int) -> Any:
-    """CMA-ES around the start, which finds better scores here; TPE if a parameter is a choice."""
+    """Make Optuna's sampler: TPE if a parameter has a list of options, otherwise CMA-ES.
+
+    CMA-ES begins at the target's start values. It finds better scores here, but only for numbers.
+    """
     import optuna
 
     if any(isinstance(bounds, Mapping) for bounds in target["parameters"].values()):
@@ -189,7 +225,18 @@ def _make_sampler(target: Mapping[str, Any], seed: int) -> Any:
 
 
 def suggest(trial: Any, key: str, bounds: Any) -> Any:
-    """Ask Optuna for a value of one parameter."""
+    """Ask Optuna for a value of one parameter in a trial.
+
+    Parameters
+    ----------
+    trial
+        The trial (`optuna.Trial`).
+    key
+        Name of the parameter.
+    bounds
+        [low, high, scale], where scale is "linear", "log" or "int"; or a mapping with the list
+        `options`.
+    """
     if isinstance(bounds, Mapping):
         return trial.suggest_categorical(key, list(bounds["options"]))
     low, high, scale = bounds
@@ -213,7 +260,11 @@ def _score_settled(
 def _score_published(
     config: ReadingsConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
 ) -> dict[str, Any]:
-    """The score of the judged schemes; with HME1 and HME2 it includes winners and boundaries."""
+    """Compute the score of a trial for a target of kind "published".
+
+    The score is the mean |log2(reproduced / published)| of the schemes' numbers. If the schemes
+    include HME1 and HME2, penalties for winners and boundaries are added.
+    """
     products = {scheme: scheme_products(config, scheme, lanes) for scheme in schemes}
     logs = compare(products).log2.abs()
     result: dict[str, Any] = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.studies.hub.public import ROOMS
 from owtsweep.sweep.study import Block, add_versions
@@ -20,35 +20,43 @@ __all__ = ["ReplayStudy"]
 
 
 class ReplayStudy:
-    """The study of records, and also its only engine. A block is one record with one scheme."""
+    """The study of recorded data, which is also its only engine; a block is a record and a scheme.
+
+    A further block per record has no scheme: it describes the record itself.
+    """
 
     name = "replay"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
     samples = True
+    #: Columns without which no table can be made.
+    row_types: ClassVar[Mapping[str, type]] = {
+        **dict.fromkeys(("file", "scheme", "measure", "window"), str),
+        **dict.fromkeys(("replicate", "value", "n_samples"), float),
+    }
 
     def config_type(self) -> type[ReplayConfig]:
-        """The hub study's configuration, with keys on how to read a record."""
+        """Return the configuration's type: the hub study's, with keys on how to read a record."""
         from owtsweep.studies.replay.config import ReplayConfig
 
         return ReplayConfig
 
     def conditions(self, config: ReplayConfig) -> tuple[Condition, ...]:
-        """Empty, because a record has no grid of conditions."""
+        """Return no conditions, because a record has no grid."""
         return ()
 
     def engine(self, config: ReplayConfig) -> ReplayStudy:
-        """The study itself, which is the only engine."""
+        """Return the study itself, which is the only engine."""
         return self
 
     def plan(self, config: ReplayConfig) -> list[Block]:
-        """One block for the record itself and one per scheme, for every file."""
+        """Return the blocks: for every file one for the record itself and one per scheme."""
         from owtsweep.studies.replay.blocks import plan
 
         return plan(config)
 
     def backend(self, config: ReplayConfig) -> str:
-        """Threads for kernels; processes if a scheme is Python code."""
+        """Return joblib's backend: threads for kernels, processes if a scheme is Python code."""
         from owtsweep.studies.hub.public import backend, resolve_all
 
         return backend(config, resolve_all(config.schemes, config))
@@ -56,23 +64,23 @@ class ReplayStudy:
     def run(
         self, config: ReplayConfig, blocks: Sequence[Block]
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
-        """Run blocks of one record."""
+        """Run the blocks of one record; yield each block with its rows."""
         from owtsweep.studies.replay.blocks import run
 
         return run(config, blocks)
 
     def sort_columns(self) -> list[str]:
-        """The columns that identify a row."""
+        """Return the columns that identify a row."""
         return ["file", "scheme", "measure", "window", "replicate"]
 
     def tables(self, config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """The tables replay, errors, records and advice."""
+        """Make the tables replay, errors, records and advice, by name."""
         from owtsweep.studies.replay.results import aggregate
 
         return aggregate(config, rows)
 
     def terminal(self, config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """The errors and the advice."""
+        """Show the errors, if there is one record, and the advice."""
         from owtsweep.studies.replay.terminal import render_answer
 
         return render_answer(config, tables)
@@ -84,13 +92,13 @@ class ReplayStudy:
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """The figures of a single record, or the map over many records."""
+        """List the figures by name: those of a single record, or the map over many records."""
         from owtsweep.studies.replay.figures import drawings
 
         return drawings(config, tables, metadata)
 
     def overview(self, config: ReplayConfig) -> str:
-        """The estimates over time, zoomed in; for many records, the map over them."""
+        """Return the name of the main figure: the position zoomed in, or the map over records."""
         from owtsweep.studies.replay.figures import overview
 
         return overview(config)

@@ -1,7 +1,7 @@
-"""Which scheme to run, by how much it is better than the runner-up, and whether that matters.
+"""Advise which scheme to run, by how much it beats the runner-up, and whether that matters.
 
 Schemes are compared in pairs on the same data: replicate by replicate if noise was simulated. If
-everything was recorded there is one replicate, and the comparison uses parts of its settled record.
+everything was recorded, there is one replicate, and the settled record is compared part by part.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from owtsweep.statistics.sums import mean_and_error
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A relative margin of at least this is given as a factor, not in per cent.
+#: A margin (runner-up's MSE / best MSE - 1) of at least this is stated as a factor, not in percent.
 MARGIN_IN_TIMES = 2.0
-#: A smaller relative margin does not matter for the choice of a scheme.
+#: A smaller margin does not matter for the choice of a scheme.
 LEAST_MARGIN = 0.05
 
 COLUMNS = (
@@ -33,24 +33,26 @@ COLUMNS = (
 def compare(
     samples: Array, schemes: Sequence[str], *, whole: Array | None = None
 ) -> dict[str, Any] | None:
-    """Find the best scheme and the runner-up.
+    """Find the best scheme and the runner-up, and whether their difference matters.
 
     Parameters
     ----------
     samples
-        (schemes, n) mean squares on the same n replicates or parts; NaN where a scheme has none.
+        Mean squared errors, shape (schemes, n), on the same n replicates or parts of a record; NaN
+        where a scheme has no value.
     schemes
-        Their names.
+        Names of the schemes.
     whole
-        (schemes,) the values to compare; by default the means of the samples. Needed if the samples
-        are parts of a record, which only give the interval.
+        The values by which schemes are ranked, shape (schemes,); by default the means of the
+        samples. Needed if the samples are parts of a record: they then only give the interval.
 
     Returns
     -------
     dict or None
-        Columns `best` to `matters` of the advice, without numbers of a runner-up if there is none;
-        None if no scheme has a value. With a single sample there is no interval, and only the
-        margin decides.
+        The advice from column `best` to column `matters` (`COLUMNS`). Without a runner-up, its
+        numbers are left out. None if no scheme has a value. The difference matters if its 95 %
+        interval lies above zero and the margin is at least `LEAST_MARGIN`. With a single sample
+        there is no interval, and only the margin decides.
     """
     common = np.isfinite(samples).any(axis=0)
     took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
@@ -92,12 +94,19 @@ def compare(
 def advise_from_record(
     values: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str
 ) -> dict[str, Any] | None:
-    """The advice from the errors on one record; without a reference, from its fixes.
+    """Advise from the schemes' errors on one record.
+
+    Without a reference position, the squared distances to later position fixes take the place of
+    errors. Returns None if no scheme has a value.
 
     Parameters
     ----------
     values
-        Rows of one file: scheme, replicate, measure, window, value.
+        Rows of one file with the columns scheme, replicate, measure, window, value.
+    schemes
+        Names of the schemes to compare.
+    criterion, window
+        The measure and the window to compare.
     """
     measures = set(values["measure"])
     source = "record"
@@ -124,7 +133,7 @@ def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
 
 
 def write_sentence(row: Any) -> str:
-    """One line of advice, for the report and the terminal."""
+    """Write a row of the advice as one sentence, for the report and the terminal."""
     where = {
         "record": "this record's own errors",
         "fixes": "the distance from the fixes that came later",
@@ -147,7 +156,7 @@ def write_sentence(row: Any) -> str:
 
 
 def _describe_margin(row: Any) -> str:
-    """How much larger the error of the runner-up is: in per cent, or as a factor if large."""
+    """Say how much larger the runner-up's MSE is: in per cent, or as a factor if it is large."""
     parts = [row["margin"]]
     if row["source"] != "map" and np.isfinite(row["ci_low"]):
         parts += [row[key] / row["value_best"] for key in ("ci_low", "ci_high")]

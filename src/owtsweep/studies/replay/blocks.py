@@ -41,12 +41,13 @@ Row = tuple[str, str, str, str, int, float, int, str, str]
 STEPS_AT_ONCE = 2_000_000
 #: At most two schemes run on long records at once, to save memory.
 _LONG_RUNS = BoundedSemaphore(2)
-#: Values in the column `scheme` for the record itself, and for holding the last fix.
+#: Values in the column `scheme`: for facts about the record itself, and for the baseline that takes
+#: the last position fix as its estimate.
 RECORD, LAST_FIX = "", "last_fix"
 
 
 def plan(config: ReplayConfig) -> list[Block]:
-    """For every file, one block for the record itself, then one per scheme."""
+    """Return the blocks: for every file one for the record itself, then one per scheme."""
     shared = _collect_shared_content(config)
     schemes = resolve_all(config.schemes, config)
     # Threads share a record, so each scheme is a group. Processes would each have to read it.
@@ -82,7 +83,7 @@ def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
 
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Run blocks of one record, which is read once."""
+    """Run blocks of one record, which is read once; yield each block with its rows."""
     import pandas as pd
 
     sensors = make_sensors(config.sensors)
@@ -104,7 +105,10 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
 def _describe_record(
     config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
 ) -> list[Row]:
-    """The rows for the record itself, and for holding the last fix."""
+    """Make the rows of facts about the record, and of the errors of holding the last fix.
+
+    `label` names the record in the rows; `settled` is the first settled step.
+    """
     rows = [_make_row(label, RECORD, 0, fact) for fact in facts.measure_record(config, record)]
     for replicate in range(count_replicates(config, record)):
         fixes = listen(config, sensors, record, replicate).fixes
@@ -121,7 +125,10 @@ def _run_scheme(
     sensors: Sensors,
     settled: int,
 ) -> list[Row]:
-    """The rows of all replicates (several run at once), or a row for the failed replicate."""
+    """Run a scheme on all replicates and make the rows of measures.
+
+    If the scheme fails, a single row with the status "failed" and the reason is returned.
+    """
     rows: list[Row] = []
     count = count_replicates(config, record)
     edges = measures.cut_into_parts(settled, record.steps)
@@ -144,9 +151,10 @@ def _run_scheme(
 
 
 def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int) -> int:
-    """How many replicates to run at once, given the steps of the longest piece.
+    """Return the number of replicates to run at once; `longest` is the steps of the longest piece.
 
-    A kernel always runs `WIDTH` series at once, and a replicate has two: x and y.
+    A kernel always runs `WIDTH` series at once, and a replicate has two: x and y. Without a kernel,
+    replicates run one by one.
     """
     if config.engine != "batch" or not hasattr(scheme, "kernel"):
         return 1

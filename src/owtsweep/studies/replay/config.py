@@ -9,13 +9,13 @@ from owtsweep.studies.hub.public import Grid, HubConfig
 
 
 class ReplayGrid(Grid):
-    """The axes: the records, and the axes of the expected map."""
+    """The section `grid`: the records, and the axes of the map of expected errors."""
 
     files: list[str] = key("the records; the command line fills it from its FILE words")
 
 
 class Roles(Section):
-    """A text or null for each role that a channel of a file can have."""
+    """The sections `columns` and `units`: a text or null for each role of a channel in a file."""
 
     time: str | None = key("time", default=None)
     position_x: str | None = key("the motion, or a reference beside a specific force", default=None)
@@ -32,12 +32,12 @@ class Roles(Section):
     reference_y: str | None = key("a position to measure the errors against", default=None)
 
     def given(self) -> dict[str, str]:
-        """The texts that are not null, by role."""
+        """Return the texts that are not null, by role."""
         return {role: text for role, text in vars(self).items() if text is not None}
 
 
 class ReplaySettings(Section):
-    """How a record is read and used."""
+    """The section `replay`: how a record is read and used."""
 
     input: Literal["auto", "motion", "sensors"] = key(
         "what the file holds; auto: sensors where there is a specific force"
@@ -59,7 +59,7 @@ class ReplaySettings(Section):
 
 
 class ReplayConfig(HubConfig):
-    """All keys of a replay."""
+    """The configuration of a replay: the hub study's keys, and those on how to read a record."""
 
     #: Keys that describe the simulation of a record have no effect here.
     inert: ClassVar[frozenset[str]] = HubConfig.inert - {"measures.window"} | {
@@ -77,7 +77,7 @@ class ReplayConfig(HubConfig):
     replay: ReplaySettings = key("how a record is taken")
 
     def check(self) -> None:
-        """Raise `InputError` for values that cannot work together."""
+        """Check that the values can work together; otherwise raise `InputError`."""
         super().check()
         band = self.replay.band
         require(
@@ -87,6 +87,6 @@ class ReplayConfig(HubConfig):
 
     @property
     def fit_band(self) -> tuple[float, float]:
-        """Edges (Hz) within which a record's spectrum is fitted and judged."""
+        """The lower and upper edge (Hz) of the band in which a record's spectrum is fitted."""
         edges = self.band if self.replay.band is None else self.replay.band
         return edges[0], edges[1]

@@ -1,4 +1,4 @@
-"""Reduce a long series to few points, as `decimate` does, but piece by piece."""
+"""Reduce a long series to few points, as `figures.lines.decimate` does, but piece by piece."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from owtsweep.figures.lines import POINTS
 
 
 class Envelope:
-    """The least and the greatest value of each span of a series, and its first and last value.
+    """The points kept of a series: least and greatest value of each span, first and last value.
 
-    The points are those of `decimate`.
+    They are the points that `figures.lines.decimate` keeps.
 
     Parameters
     ----------
     steps
-        Length of the series. Its values must be finite; values beyond this length are left out.
+        Length of the series. The values must be finite; values beyond this length are left out.
     points
-        A series that is no longer than this is kept as it is.
+        A series of at most this many values is kept as it is. A longer one has points / 2 spans.
     """
 
     def __init__(self, steps: int, points: int = POINTS) -> None:
@@ -32,7 +32,7 @@ class Envelope:
         self._added = 0
 
     def add(self, values: Array) -> None:
-        """Take the next values, (n,)."""
+        """Add the next values of the series, shape (n,)."""
         begin = self._added
         values = values[: max(self.steps - begin, 0)]
         self._added = end = begin + len(values)
@@ -53,7 +53,7 @@ class Envelope:
         self._ends[1] = values[-1]
 
     def points(self) -> tuple[Array, Array]:
-        """Steps and values, (n,) each, in order of time."""
+        """Return the steps and the values of the points, in order of time; shape (n,) each."""
         steps = np.concatenate([[0, self.steps - 1], *self._at]).astype(int)
         values = np.concatenate([self._ends, self._least, self._greatest])
         steps, first = np.unique(steps, return_index=True)

@@ -24,23 +24,29 @@ from owtsweep.studies.replay.session import SchemeFailed, run_scheme
 
 STATES = ("x", "y", "vx", "vy")
 COLUMNS = ("time", "scheme", *STATES, *(f"{name}_std" for name in STATES))
-#: Rows of a piece.
+#: Rows written at once.
 PIECE = 500_000
 #: Approximate bytes of a row in CSV and in Parquet.
 ROW = (160, 60)
 
 
 def write(config: ReplayConfig, file: str, folder: Path, say: Callable[[str], None]) -> None:
-    """Write estimates.parquet and estimates/<scheme>.csv of a record.
+    """Write the estimates of a record in replicate 0: estimates.parquet, estimates/<scheme>.csv.
 
-    Columns `COLUMNS`, replicate 0: time in s on the file's clock; x, y in m with the origin added
-    again, so that they can be compared with the positions in the file; velocities in m/s; standard
-    deviations of these four (NaN for a scheme without covariance).
+    The columns are `COLUMNS`: time in s on the file's clock; x and y in m in the coordinates of the
+    file; vx and vy in m/s; standard deviations of these four (NaN for a scheme without covariance).
+    The CSV files have no column `scheme`. A scheme that fails is left out.
 
     Parameters
     ----------
+    config
+        The configuration of the replay.
+    file
+        The file that holds the record.
+    folder
+        Where to write; made if it does not exist.
     say
-        A function that shows the user a line; it announces slow work on a long record.
+        Function that shows the user a line. It is called before slow work on a long record.
     """
     record = load_record(config, file)
     sensors = make_sensors(config.sensors)
@@ -93,7 +99,10 @@ def _write_all(
 
 @contextmanager
 def _replace_when_written(path: Path) -> Iterator[str]:
-    """Name of a temporary file that replaces `path` if the context ends without an error."""
+    """Give the name of a temporary file inside a `with` block; then rename this file to `path`.
+
+    After an error, the temporary file is deleted and `path` stays as it was.
+    """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         yield str(temporary)

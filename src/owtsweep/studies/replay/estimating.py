@@ -31,20 +31,25 @@ def estimate_pieces(
 ) -> Iterator[tuple[Trajectory, ...]]:
     """Run a scheme over some replicates of a record, piece by piece.
 
-    If every fix arrived, the batch engine runs all replicates at once. If some are missing, the
-    gains depend on which ones, and the online form computes them step by step. The reference
-    engine, and a user's scheme without these two forms, runs one `update` per step. The estimates
-    depend neither on the pieces nor on how many replicates run at once.
+    If every position fix arrived, the batch engine runs all replicates at once. If fixes are
+    missing, the gains depend on which ones, and the scheme's online form computes them step by
+    step. With engine=reference, or if the scheme lacks these two forms, the scheme's `update` is
+    called at every step. The estimates depend neither on the pieces nor on the number of
+    replicates.
 
     Parameters
     ----------
+    config, scheme, sensors
+        The configuration, the scheme to run, and the sensors' parameters.
+    replicates
+        The measurements of each replicate.
     edges
-        0, ..., steps: the steps at which pieces begin and end.
+        The steps at which pieces begin and end: 0, ..., number of steps.
 
     Yields
     ------
     tuple
-        The estimates of each replicate for the steps between two edges.
+        For each piece, the estimates of each replicate.
 
     Raises
     ------
@@ -66,12 +71,16 @@ def estimate_pieces(
 
 
 def rotate_force(signals: Signals, sensors: Sensors) -> Iterator[Array]:
-    """The specific force in NED, (steps, 2) m/s^2, piece by piece."""
+    """Yield the specific force in NED coordinates, in m/s^2, in pieces of shape (n, 2)."""
     return (piece @ sensors.rotation.T for piece in signals.force(PIECE))
 
 
 def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[OnePassSeries, Array]:
-    """Specific force in NED and fixes, two lanes (x, y) per replicate, for the batch engine."""
+    """Arrange the measurements of several replicates as columns side by side, for the batch engine.
+
+    Returns the specific force in NED (m/s^2, one row per step) and the position fixes (m, one row
+    per fix). Both have the columns x, y of the first replicate, x, y of the second, and so on.
+    """
     pieces = zip(*(rotate_force(signals, sensors) for signals in replicates), strict=True)
     side_by_side = (np.concatenate(parts, axis=1) for parts in pieces)
     fixes = np.concatenate([signals.fixes for signals in replicates], axis=1)
@@ -81,7 +90,7 @@ def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[OnePass
 def _run_kernel(
     chain: Chain, sensors: Sensors, replicates: Sequence[Signals], edges: Sequence[int]
 ) -> Iterator[tuple[Trajectory, ...]]:
-    """Cut the chunks that the batch engine gives into the pieces between the edges."""
+    """Run the batch engine, and cut its results into the pieces between the edges."""
     estimates = chunks(chain, *make_lanes(replicates, sensors))
     covariances = spread_to_both_axes(chain.covariance)
     first, count, chunk = next(estimates)

@@ -1,4 +1,4 @@
-"""Facts about a record itself: duration, size, direction, and the spectrum fitted to it."""
+"""Measure a record itself: duration, size and direction of the motion, and the fitted spectrum."""
 
 from __future__ import annotations
 
@@ -23,6 +23,14 @@ from owtsweep.studies.replay.record import ReplayRecord, release_memory
 BEYOND = 2.0
 
 
+#: The measures of a record, which are columns of records.csv beside those of `replay.table`.
+FACTS = (
+    "duration", "rms", "peak", "direction", "direction_share", "natural_period",
+    "natural_period_error", "half_bandwidth", "half_bandwidth_error", "a", "b", "c", "band_share",
+    "fit_p",
+)  # fmt: skip
+
+
 @dataclass(frozen=True)
 class MotionSummary:
     """The horizontal motion of a record, in numbers.
@@ -30,16 +38,18 @@ class MotionSummary:
     Attributes
     ----------
     source
-        Where the displacement comes from, in words.
+        Where the displacement comes from, in words: the truth, or the estimate of a scheme.
     samples
         Number of samples of the displacement.
     size
-        Rms and peak (m) of the displacement, its main direction (deg) and the share of the
-        variance along that direction.
+        "rms" and "peak" of the displacement (m), "direction" of greatest variance (deg from x), and
+        "direction_share", the share (0 to 1) of the variance along this direction.
     frequency, power
-        Periodogram of the displacement, Hz and m^2/Hz, up to `BEYOND` times the band.
+        Periodogram of the displacement in Hz and m^2/Hz, shape (n,) each, a little beyond `BEYOND`
+        times the upper edge of the band.
     fit
-        Eq. (1) fitted inside the band, or the reason why it cannot be fitted.
+        The paper's Eq. (1) fitted to the periodogram inside the band, or the reason why it cannot
+        be fitted.
     """
 
     source: str
@@ -56,7 +66,7 @@ _MOST_KEPT = 4
 
 
 def summarise_motion(config: ReplayConfig, file: str) -> MotionSummary:
-    """Summarise the motion of a file's record."""
+    """Summarise the motion of the record in a file; the last few summaries are kept in memory."""
     key = (file, hash_file(file), repr(config))
     summary = _SUMMARIES.get(key)
     if summary is None:
@@ -89,11 +99,11 @@ def _summarise(config: ReplayConfig, file: str) -> MotionSummary:
 
 
 def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Array, str]:
-    """(n, 2) m around its mean, without gaps; and its source, in words.
+    """Return the displacement around its mean, shape (n, 2) in m, and its source in words.
 
-    It is the truth in the window `measures.window`, because simulations begin with a transient.
-    Without a truth it is the settled estimate of a scheme. Gaps of a reference are filled with
-    straight lines.
+    The displacement is the true one in the window `measures.window`, because simulations begin with
+    a transient. Without a truth, it is the settled estimate of a scheme. Gaps of the truth are
+    filled with straight lines.
     """
     settled = round(config.measures.settling_time / record.step)
     if record.position is not None:
@@ -107,7 +117,7 @@ def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Arra
 
 
 def _estimate_position(config: ReplayConfig, record: ReplayRecord, scheme: Scheme) -> Array:
-    """(steps, 2) a scheme's estimate of the position, m."""
+    """Return a scheme's estimate of the position in replicate 0, shape (steps, 2) in m."""
     sensors = make_sensors(config.sensors)
     signals = [listen(config, sensors, record, 0)]
     pieces = estimate_pieces(config, scheme, sensors, signals, cut_into_pieces(record.steps))
@@ -120,13 +130,19 @@ def _estimate_position(config: ReplayConfig, record: ReplayRecord, scheme: Schem
 
 
 def choose_describer(config: ReplayConfig) -> int:
-    """Index of the scheme that estimates the motion without a reference: HME1, else the last."""
+    """Return the index of the scheme that stands in for a missing reference: HME1, or the last.
+
+    The motion of a record without a reference position is described by this scheme's estimates.
+    """
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     return names.index("HME1") if "HME1" in names else len(names) - 1
 
 
 def bridge_gaps(xy: Array) -> Array:
-    """(n, 2) with straight lines in place of NaN rows, and the nearest value at both ends."""
+    """Fill NaN rows of a series of shape (n, 2) by straight lines in time.
+
+    NaN rows at an end of the series take the nearest value.
+    """
     finite = np.isfinite(xy[:, 0])
     if np.all(finite):
         return xy
@@ -135,7 +151,10 @@ def bridge_gaps(xy: Array) -> Array:
 
 
 def find_main_direction(xy: Array) -> tuple[float, float]:
-    """Direction of greatest variance, deg from x in (-90, 90], and its share of the variance."""
+    """Return the direction of greatest variance and its share (0 to 1) of the variance.
+
+    The direction is an angle from the x axis in degrees, in (-90, 90]. `xy` has shape (n, 2).
+    """
     variance, directions = np.linalg.eigh(xy.T @ xy / len(xy))
     x, y = directions[:, 1]
     angle = float(np.rad2deg(np.arctan2(y, x)))
@@ -145,9 +164,11 @@ def find_main_direction(xy: Array) -> tuple[float, float]:
 
 
 def measure_record(config: ReplayConfig, record: ReplayRecord) -> Iterator[Measured]:
-    """Facts as measures: duration (s), rms and peak (m), direction (deg), the fit of Eq. (1).
+    """Yield facts about a record as measures.
 
-    The measures `..._error` of the fit are standard errors; the report shows ± 1.96 times these.
+    They are duration (s), rms and peak (m) of the displacement, its direction (deg), and the fit of
+    the paper's Eq. (1), if there is one. The measures `..._error` are standard errors of the fit;
+    the report shows ± 1.96 times these.
     """
     summary = summarise_motion(config, record.file)
     facts = {"duration": record.steps * record.step, **summary.size}

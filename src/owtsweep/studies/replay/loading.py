@@ -1,4 +1,4 @@
-"""Load the record in a file; labels and hashes of files."""
+"""Load the record in a file; label and hash files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from threading import Lock
 from typing import Any
 
 from owtsweep.config import require
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
+from owtsweep.io.reading import require_regular
 from owtsweep.motion.recorded import Recording, read
 from owtsweep.studies.hub.public import make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
@@ -27,10 +28,14 @@ _LOCK = Lock()
 
 
 def label_files(files: Sequence[str]) -> dict[str, str]:
-    """Label -> file. A label is the file's name without endings, numbered if two are equal."""
+    """Label files: a mapping from label to file, in the order of the files.
+
+    A label is the file's name without extensions. Of equal labels, the second gets the ending "-2",
+    and so on.
+    """
     labels: dict[str, str] = {}
     for file in files:
-        stem = Path(file).name.split(".")[0] or Path(file).name
+        stem = printable(Path(file).name.split(".")[0] or Path(file).name)
         label, number = stem, 2
         while label in labels:
             label, number = f"{stem}-{number}", number + 1
@@ -39,18 +44,20 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
 
 
 def hash_file(file: str) -> str:
-    """Hash of the bytes of a file and of its companion file (a HAWC2 .sel has a .dat).
+    """Compute the hash of a file's bytes; HAWC2's pair of .sel and .dat files has one hash.
 
     Raises
     ------
     InputError
-        If it cannot be read.
+        If the file cannot be read.
     """
     path = Path(file)
     try:
         parts = [path]
         if path.suffix.lower() in (".sel", ".dat"):
             parts = [p for p in (path.with_suffix(".sel"), path.with_suffix(".dat")) if p.exists()]
+        for part in parts:
+            require_regular(part)
         states = tuple((str(p), p.stat().st_size, p.stat().st_mtime_ns) for p in parts)
         return _hash(states)
     except OSError as error:
@@ -68,12 +75,14 @@ def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
 
 
 def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
-    """Read, check and resample a file. Keeps the last two records in memory, or one if long.
+    """Read, check and resample the record in a file.
+
+    The last two records are kept in memory, or only the last one if they are large.
 
     Raises
     ------
     InputError
-        For any error in the file; the one-line message names it.
+        For any error in the file; the one-line message names the file.
     """
     settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
     key = (file, hash_file(file), repr(settings), config.measures.settling_time)
@@ -126,7 +135,7 @@ def _holds_sensors(config: ReplayConfig, recording: Recording) -> bool:
 
 
 def _rename(recording: Recording, old: str, new: str) -> Recording:
-    """Move the channels of one quantity to another, unless that one has channels already."""
+    """Rename the channels of quantity `old` to `new`; nothing changes if `new` has channels."""
     if recording.has(new) or not recording.has(old):
         return recording
     swap = {f"{old}_{axis}": f"{new}_{axis}" for axis in "xy"}

@@ -1,9 +1,9 @@
-"""Measures of estimates: errors, coverage, consistency, and measures without a reference.
+"""Measure estimates: errors, coverage, consistency, and distances to later position fixes.
 
-Without a reference an estimate is compared with a later fix: the fix that arrives `delay` later
-reports the position at the time of the estimate, and the estimate has not used it. Their mean
-squared distance is the MSE at those times plus the variance of a fix, which is the same for every
-scheme.
+If there is no reference position, an estimate is compared with a later fix: the fix that arrives
+`delay` later reports the position at the time of the estimate, and the estimate has not used this
+fix. The mean squared distance is the estimate's MSE plus the variance of a fix. This variance is
+equal for all schemes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ WINDOWS = ("full", "settled")
 PARTS = 20
 #: 95 % of normal errors lie within this many standard deviations.
 QUANTILE = 1.959963984540054
-#: Lags of the whiteness test.
+#: Number of lags in the whiteness test.
 LAGS = 10
 
 #: Measure, window, value, number of samples.
@@ -42,7 +42,9 @@ class Tally:
     record
         The record, with its truth if there is one.
     fixes
-        (fixes, 2) measured in this replicate.
+        Position fixes measured in this replicate, shape (fixes, 2) in m; NaN where no fix came.
+    sensors
+        The sensors' parameters.
     settled
         The first settled step.
     """
@@ -62,7 +64,7 @@ class Tally:
         self._residual = np.empty(len(self._reported))
 
     def add(self, estimated: Trajectory) -> None:
-        """Take the next piece: the steps between two of `edges`."""
+        """Add the estimates of the next piece: the steps between two neighbours of `edges`."""
         begin, end = self.edges[len(self._sums) : len(self._sums) + 2]
         self._sums.append(_sum_errors(self.record, estimated, begin))
         inside = slice(*np.searchsorted(self._reported, [begin, end]))
@@ -75,7 +77,7 @@ class Tally:
             self._innovations.append((begin + at, innovation[at], variance))
 
     def measures(self) -> Iterator[Measured]:
-        """All measures; the last piece must have been added."""
+        """Yield all measures; call it after the last piece has been added."""
         yield from _average_errors(self._sums)
         at, innovation, variance = map(np.concatenate, zip(*self._innovations, strict=True))
         for window, begin in {"full": 0, "settled": self.settled}.items():
@@ -90,7 +92,10 @@ class Tally:
 def measure_last_fix(
     record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int
 ) -> Iterator[Measured]:
-    """The position error of holding the last fix: the baseline for an estimator."""
+    """Yield the mean squared position errors (m^2) of holding the last fix, a baseline for schemes.
+
+    Before the first fix, the position is taken to be zero. Without a truth, nothing is yielded.
+    """
     if record.position is None:
         return
     last = np.where(np.isfinite(fixes[:, 0]), np.arange(len(fixes)), -1)
@@ -109,7 +114,10 @@ def measure_last_fix(
 
 
 def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured]:
-    """Errors and coverage over both windows and over the parts of the settled window."""
+    """Average errors and coverage over both windows, and errors over the parts of the settled one.
+
+    `pieces` are the results of `_sum_errors`, the first one before settling.
+    """
     for window, chosen in (("full", pieces), ("settled", pieces[1:])):
         for name in pieces[0]:
             count = sum(piece[name][1] for piece in chosen)
@@ -125,9 +133,11 @@ def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[
 def _sum_errors(
     record: ReplayRecord, estimated: Trajectory, begin: int
 ) -> dict[str, tuple[float, int]]:
-    """Measure -> sum and number of its values where there is a truth; empty without a truth.
+    """Sum the squared errors, hits and NEES of one piece, which begins at step `begin`.
 
-    Computed axis by axis on contiguous arrays, because a replay spends most of its time here.
+    Returns for each measure the sum and the number of its values, at the steps with a truth; an
+    empty dict without a truth. Axes are processed one by one on contiguous arrays, because a replay
+    spends most of its time here.
     """
     if record.position is None:
         return {}
@@ -161,20 +171,26 @@ def _sum_errors(
 
 
 def _sum_finite(values: Array) -> tuple[float, int]:
-    """Sum and number of the finite values."""
+    """Return the sum and the number of the finite values."""
     finite = np.isfinite(values)
     count = int(np.count_nonzero(finite))
     return float(np.sum(values if count == len(values) else values[finite])), count
 
 
 def _weigh(p: Array, v: Array, pp: Array, pv: Array, vv: Array) -> Array:
-    """(n,) part of NEES from one axis: (p, v) P^-1 (p, v)' with P = [[pp, pv], [pv, vv]]."""
+    """Compute one axis' part of NEES: (p, v) P^-1 (p, v)' with P = [[pp, pv], [pv, vv]].
+
+    p and v are the errors of position and velocity; all arrays have shape (n,).
+    """
     weighted = vv * p**2 - 2.0 * pv * p * v + pp * v**2
     return np.asarray(weighted / (pp * vv - pv**2))
 
 
 def _judge_innovations(innovation: Array, variance: Array, window: str) -> Iterator[Measured]:
-    """NIS, size and whiteness of (n, 2) innovations."""
+    """Yield NIS, mean square and whiteness of the innovations of a window; nothing if none came.
+
+    `innovation` (m) and its `variance` (m^2) have shape (n, 2), one row per position fix.
+    """
     if len(innovation) == 0:
         return
     yield from _average("nis", window, np.sum(innovation**2 / variance, axis=1))
@@ -187,15 +203,21 @@ def _judge_innovations(innovation: Array, variance: Array, window: str) -> Itera
 
 
 def check_whiteness(innovation: Array) -> tuple[float, float]:
-    """Autocorrelation at lag 1 (mean of the axes) and the p value of Ljung and Box (1978).
+    """Test whether innovations are white, by the test of Ljung and Box (1978).
 
-    Q = n (n + 2) sum_k r_k^2 / (n - k) over k = 1, ..., `LAGS`, summed over the axes. If the
-    innovations are white, Q is chi-squared with `LAGS` times the number of axes degrees of freedom.
+    Q is n (n + 2) r_k^2 / (n - k), summed over the lags k = 1, ..., `LAGS` and over the axes; r_k
+    is the autocorrelation. If the innovations are white, Q is chi-squared with `LAGS` times the
+    number of axes degrees of freedom.
 
     Parameters
     ----------
     innovation
-        (n, axes), without NaN.
+        Innovations, shape (n, axes), without NaN.
+
+    Returns
+    -------
+    tuple of float
+        The autocorrelation at lag 1 (mean of the axes), and the p-value of the test.
     """
     from scipy.special import gammaincc
 
@@ -209,7 +231,10 @@ def check_whiteness(innovation: Array) -> tuple[float, float]:
 
 
 def cut_into_parts(settled: int, steps: int) -> list[int]:
-    """Edges of the parts of a record: one part before settling, then `PARTS` settled parts."""
+    """Return the steps at which the parts of a record begin and end.
+
+    The first part lies before the step `settled`; then come `PARTS` equal parts of the rest.
+    """
     return [0, *(int(edge) for edge in np.linspace(settled, steps, PARTS + 1))]
 
 

@@ -1,4 +1,4 @@
-"""The measurements of a record: recorded, or simulated in a replicate."""
+"""Give the measurements of a record: as recorded, or simulated for a replicate."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ class Signals:
     steps
         Number of IMU samples.
     fixes
-        (fixes, 2) in NED, m; NaN where no fix came.
+        Position fixes in NED, shape (fixes, 2) in m; NaN where no fix came.
     force
-        A function of the length of a piece. It yields the pieces, (n, 2) in the IMU's frame, m/s^2.
-        Each call begins at the start of the record.
+        Function of a number of steps. It yields the specific force in the IMU's frame (m/s^2) in
+        pieces of that many steps, shape (n, 2). Each call begins at the start of the record.
     """
 
     steps: int
@@ -45,12 +45,12 @@ class Signals:
 
 
 def count_replicates(config: ReplayConfig, record: ReplayRecord) -> int:
-    """The number of replicates of a record: 1 if nothing is simulated."""
+    """Return the number of replicates of a record, which is 1 if nothing is simulated."""
     return 1 if record.gnss == "recorded" else config.replay.replicates
 
 
 def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replicate: int) -> Signals:
-    """The measurements of one replicate; the specific force is made piece by piece.
+    """Return the measurements of one replicate; sensors that were not recorded are simulated.
 
     The noise of a replicate depends neither on the file nor on the length of the pieces.
     """
@@ -78,14 +78,17 @@ def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replica
 
 
 def cut_into_pieces(steps: int, size: int = PIECE) -> list[int]:
-    """The steps at which the pieces of a record begin, and the one at which the last ends."""
+    """Return the steps at which pieces of `size` steps begin, and the step where the last ends."""
     return [*range(0, steps, size), steps]
 
 
 def simulate_true_bias(
     config: ReplayConfig, sensors: Sensors, steps: int, replicate: int
 ) -> Iterator[Array]:
-    """R b^b of a replicate of a motion, (steps, 2) m/s^2, in pieces."""
+    """Yield the simulated accelerometer bias R b^b of a replicate, in pieces of shape (n, 2).
+
+    The bias is in NED, in m/s^2.
+    """
     streams = _streams_of(config, replicate)
     return simulate_bias(config.sensors, sensors, steps, streams, piece=PIECE)
 

@@ -1,4 +1,4 @@
-"""Make a record from recorded motion; its sensors are simulated later."""
+"""Make a record from recorded motion; the sensors are simulated later."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from owtsweep.studies.replay.record import ReplayRecord
 def make_record_of_motion(
     config: ReplayConfig, recording: Recording, sensors: Sensors
 ) -> ReplayRecord:
-    """Position, velocity and acceleration on the IMU's grid, and fixes without noise.
+    """Make a record of position, velocity and acceleration on the IMU's grid, and noiseless fixes.
 
     Raises
     ------
     InputError
-        If the record is too slow for the band, or shorter than the fixes' delay.
+        If the record's rate is too low for the band, or the record is shorter than the GNSS delay.
     """
     rate = config.sensors.imu.rate
     gridded = derive(recording, rate, cutoff=config.replay.cutoff)
@@ -61,17 +61,21 @@ def make_record_of_motion(
 
 
 def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Array:
-    """Make fixes without noise: the reference `delay` steps before each moment, (fixes, 2) m.
+    """Make position fixes without noise, shape (fixes, 2) in m.
+
+    A fix that arrives at some step reports the position `sensors.delay` steps earlier.
 
     Parameters
     ----------
     position
-        (n, 2) the reference in m on the IMU's grid, NaN in its gaps. It begins `first` steps
-        before the first moment.
+        The true position on the IMU's grid, shape (n, 2) in m; NaN in gaps. It begins `first` steps
+        before the first fix arrives.
     first
-        At least `sensors.delay`.
+        Number of steps, at least `sensors.delay`.
     steps
-        IMU steps from the first moment on.
+        Number of IMU steps from the arrival of the first fix to the end.
+    sensors
+        The sensors' parameters.
     """
     count = fix_count(steps, sensors.fix_interval)
     at = first - sensors.delay + sensors.fix_interval * np.arange(count)
@@ -79,7 +83,7 @@ def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Arr
 
 
 def derive(recording: Recording, rate: float, **settings: Any) -> Gridded:
-    """Call `to_motion`; in its errors, `cutoff` becomes the key replay.cutoff."""
+    """Call `to_motion`; its error messages on `cutoff` then name the key replay.cutoff."""
     try:
         return to_motion(recording, rate, **settings)
     except InputError as error:

@@ -22,18 +22,19 @@ LARGEST_JITTER = 0.25
 
 
 class Aligned(NamedTuple):
-    """Recorded fixes, moved to the moments at which fixes are due.
+    """Recorded position fixes, moved to the regular moments at which fixes are due.
 
     Attributes
     ----------
     offset
-        Time of the first moment, s after the beginning of the record; less than one GNSS interval.
+        Time in s from the beginning of the record to the first due moment; less than one GNSS
+        interval.
     values
-        (fixes, 2) m, NaN where no fix came.
+        One fix per due moment, shape (fixes, 2) in m; NaN where no fix came.
     jitter
-        The largest time between a fix and its moment, s.
+        Largest time in s between the arrival of a fix and the due moment to which it was moved.
     dropped
-        How many fixes were left out because another fix was nearer to the same moment.
+        Number of fixes left out because another fix was nearer to the same due moment.
     """
 
     offset: float
@@ -45,14 +46,14 @@ class Aligned(NamedTuple):
 def make_record_of_sensors(
     config: ReplayConfig, recording: Recording, sensors: Sensors
 ) -> ReplayRecord:
-    """Specific force, fixes and reference from the first moment at which a fix is due.
+    """Make a record of specific force, fixes and reference, from the first moment a fix is due.
 
-    To save memory, each channel is removed from the recording once it has been read.
+    To save memory, each channel is removed from the recording once it has been resampled.
 
     Raises
     ------
     InputError
-        If there are neither fixes nor a reference, or the fixes have another rate.
+        If there are neither fixes nor a reference, or the fixes do not come at sensors.gnss.rate.
     """
     rate = config.sensors.imu.rate
     forces = [role for role in recording.channels if role.startswith("specific_force")]
@@ -108,7 +109,7 @@ def make_record_of_sensors(
 
 
 def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
-    """Where the fixes come from: "recorded" or "from_reference"."""
+    """Return where the fixes come from: "recorded" or "from_reference"."""
     wanted = config.replay.gnss
     if wanted == "auto":
         wanted = "recorded" if recording.has("fix") else "from_reference"
@@ -150,19 +151,21 @@ def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> Alig
 
 
 def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Aligned:
-    """Move irregular fixes to the grid of the GNSS, each to the nearest moment.
+    """Move irregular position fixes to regular moments, each fix to the nearest.
 
-    The phase of the grid is the circular mean of the phases of the fixes, so the grid follows a
-    constant offset of the fixes.
+    The moments are one GNSS interval apart. Their phase is the circular mean of the fixes' phases,
+    so a constant offset of all fixes does not matter.
 
     Parameters
     ----------
     time
-        (n,) times of the fixes, s after the beginning of the record.
+        Times of the fixes, shape (n,), in s after the beginning of the record.
     values
-        (n, 2) m, without NaN.
+        The fixes, shape (n, 2) in m, without NaN.
     duration
         Duration of the record, s.
+    sensors
+        The sensors' parameters.
     """
     interval = sensors.fix_step
     phase = np.angle(np.mean(np.exp(2j * np.pi * time / interval))) / (2.0 * np.pi)
@@ -208,7 +211,10 @@ def _note_fixes(aligned: Aligned, sensors: Sensors) -> list[str]:
 def _derive_reference(
     config: ReplayConfig, recording: Recording, grid: TimeGrid
 ) -> tuple[Array, Array, list[str]]:
-    """Position and velocity of the reference on the grid, NaN in its gaps; and notes."""
+    """Return position and velocity of the reference on the grid, and notes for the user.
+
+    Position (m) and velocity (m/s) have shape (steps, 2), and are NaN in gaps of the reference.
+    """
     gridded = derive(
         recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
         grid=grid,

@@ -1,4 +1,4 @@
-"""The place of a record in the expected best-scheme map, and what is expected of a scheme there."""
+"""Find a record's place in the map of expected errors, and compute the errors expected there."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ NODES = 64
 
 @dataclass(frozen=True)
 class Expectation:
-    """A scheme's settled error per unit of motion, and its error from sensor noise."""
+    """The errors expected of a scheme: `spectrum` per unit of motion, `floor` from sensor noise."""
 
     spectrum: ErrorSpectrum
     floor: NoiseFloor
@@ -42,14 +42,16 @@ class Expectation:
     def mse(
         self, density: Callable[[Array], Array], band: tuple[float, float], rms: float
     ) -> tuple[float, float]:
-        """Expected MSE of position (m^2) and velocity ((m/s)^2), x + y.
+        """Compute the expected MSE of position (m^2) and of velocity ((m/s)^2), x + y.
 
         Parameters
         ----------
         density
-            Spectral density S(f) in any unit, zero outside `band` (Hz).
+            Function that gives the motion's spectral density S(f), in any unit.
+        band
+            Lower and upper edge of the spectrum in Hz; outside, the spectrum is zero.
         rms
-            Root mean square of the displacement, m.
+            Root mean square of the displacement in m.
         """
         position, velocity = expected_mse(self.spectrum, density, band, rms=rms)
         return position + self.floor.of("position"), velocity + self.floor.of("velocity")
@@ -58,12 +60,14 @@ class Expectation:
 def expect_errors(
     config: HubConfig, scheme: Scheme, sensors: Sensors, steps: int, band: tuple[float, float]
 ) -> Expectation:
-    """The expectation of a scheme under a configuration, for motions inside a band (Hz).
+    """Compute the errors expected of a scheme, for motions inside a band (Hz).
+
+    `steps` is the length of the record.
 
     Raises
     ------
     InputError
-        If the scheme has no kernel, or does not settle.
+        If the scheme has no kernel, or its errors do not settle.
     """
     kernel: Any = getattr(scheme, "kernel", None)
     if kernel is None:
@@ -79,13 +83,20 @@ def _compute(chain: Chain, sensors: Sensors, low: float, high: float) -> Expecta
 
 
 def find_place(config: ReplayConfig, record: Any) -> Spectrum | None:
-    """The fit of Eq. (1) to a record if it has its peak inside the band, else None."""
+    """Return the spectrum of Eq. (1) fitted to a record, if its peak is inside the band.
+
+    `record` is the record's row of records.csv. Returns None if there is no fit, or if the peak is
+    outside the band.
+    """
     shape, (low, high) = read_fit(record), config.fit_band
     return shape if shape is not None and low <= shape.peak_frequency <= high else None
 
 
 def read_fit(record: Any) -> Spectrum | None:
-    """The fit of Eq. (1) to a record, or None; `record` is its line of records.csv."""
+    """Return the spectrum of Eq. (1) fitted to a record; None if there is no fit.
+
+    `record` is the record's row of records.csv.
+    """
     values = [record.get(name, np.nan) for name in "abc"]
     if not np.all(np.isfinite(values)):
         return None
@@ -93,14 +104,18 @@ def read_fit(record: Any) -> Spectrum | None:
 
 
 def compute_rms_in_band(record: Any) -> float:
-    """Root mean square (m) of the displacement inside the frequency band."""
+    """Compute the root mean square (m) of a record's displacement inside the frequency band.
+
+    `record` is the record's row of records.csv.
+    """
     return float(record["rms"]) * float(np.sqrt(record["band_share"]))
 
 
 def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
-    """Scheme -> expected settled MSE of position and velocity for the spectrum of the record.
+    """Compute for each scheme the expected settled MSE of position (m^2) and velocity (m^2/s^2).
 
-    None if the fit has no peak inside the band.
+    The motion has the spectrum of Eq. (1) fitted to the record, whose row of records.csv is
+    `record`. Returns None if the fit has no peak inside the band.
     """
     shape = find_place(config, record)
     if shape is None:
@@ -115,10 +130,22 @@ def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float
 def expect_map(
     config: ReplayConfig, record: Any, periods: Array, amplitudes: Array
 ) -> dict[str, Array]:
-    """Scheme -> expected settled MSE by `measures.criterion`, array (periods, amplitudes).
+    """Compute the map of each scheme's expected settled MSE, shape (periods, amplitudes).
 
-    Motions have the spectrum of the configuration, and the ratio of largest to root mean square
-    displacement of the record. Amplitudes are largest displacements.
+    The measure is `measures.criterion`. The motions have the spectrum kind "translated" with the
+    configuration's bandwidth. The ratio of their largest to their rms displacement is that of the
+    record.
+
+    Parameters
+    ----------
+    config
+        The configuration of the replay.
+    record
+        The record's row of records.csv.
+    periods
+        Natural periods in s.
+    amplitudes
+        Largest displacements in m.
     """
     band = config.fit_band
     ratio = compute_rms_in_band(record) / float(record["peak"])
@@ -135,7 +162,7 @@ def expect_map(
 
 
 def _expect_all(config: ReplayConfig, record: Any) -> Iterator[tuple[str, Expectation]]:
-    """The name and the expectation of each scheme, for the duration of a record."""
+    """Yield each scheme's name and expected errors, for a record of the same duration."""
     sensors = make_sensors(config.sensors)
     steps = round(float(record["duration"]) / sensors.step)
     for scheme in resolve_all(config.schemes, config):

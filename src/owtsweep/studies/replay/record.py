@@ -1,4 +1,4 @@
-"""A recording on the IMU's grid, from the first moment at which a fix is due."""
+"""The record of a replay: a recording on the IMU's grid, from the first moment a fix is due."""
 
 from __future__ import annotations
 
@@ -15,28 +15,29 @@ LONG = 1_000_000
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayRecord:
-    """A record for a replay: series in NED relative to the origin, SI units.
+    """A record for a replay: series in SI units, in NED coordinates relative to the origin.
 
     Attributes
     ----------
     file
-        The file that it was read from.
+        The file from which the record was read.
     gnss
-        Where the fixes come from: "simulated" (motion), "recorded" or "from_reference" (sensors).
+        Where the fixes come from: "simulated" for recorded motion; "recorded" or "from_reference"
+        for recorded sensors.
     begin, step, steps
         Time of step 0 on the file's clock (s), interval (s), and number of IMU steps.
     origin
-        (2,) offset subtracted from the positions, m.
+        Offset subtracted from the positions, shape (2,) in m.
     position, velocity
-        (steps, 2) the truth; NaN in gaps of a reference, None without a reference.
+        The truth, shape (steps, 2); NaN in gaps of a reference, None if there is no truth.
     acceleration
-        (steps, 2), for recorded motion.
+        The true acceleration, shape (steps, 2); None for recorded sensors.
     specific_force
-        (steps, 2) in the IMU's frame, for recorded sensors.
+        The recorded specific force in the IMU's frame, shape (steps, 2); None for recorded motion.
     fixes
-        (fixes, 2) as recorded, or made without noise; NaN where there is no fix.
+        Position fixes as recorded, or made without noise, shape (fixes, 2); NaN where none came.
     truth
-        The source of the truth, in words.
+        The source of the truth, in words; "" if there is no truth.
     notes
         What the user should know about the recording, one sentence each.
     """
@@ -57,21 +58,21 @@ class ReplayRecord:
 
     @property
     def end(self) -> float:
-        """Time of the last step, s, on the file's clock."""
+        """The time of the last step on the file's clock, in s."""
         return self.begin + self.step * (self.steps - 1)
 
     def time_at(self, part: slice) -> Array:
-        """Times of some steps, s, on the file's clock."""
+        """Return the times of a slice of steps on the file's clock, in s."""
         return np.asarray(self.begin + self.step * np.arange(*part.indices(self.steps)))
 
     @property
     def nbytes(self) -> int:
-        """Size of all series in bytes."""
+        """The size of all series in bytes."""
         series = (self.position, self.velocity, self.acceleration, self.specific_force, self.fixes)
         return sum(0 if one is None else one.nbytes for one in series)
 
     def given(self, name: str) -> Array:
-        """The series of a name; it must not be None."""
+        """Return the series called `name`; raise TypeError if the record has none."""
         series: Array | None = getattr(self, name)
         if series is None:
             raise TypeError(f"{self.file}: the record has no {name}")
@@ -79,6 +80,6 @@ class ReplayRecord:
 
 
 def release_memory(record: ReplayRecord) -> None:
-    """Return freed memory (some 100 MB) to the system after the pieces of a long record."""
+    """Give freed memory (some 100 MB) back to the system if the record is long."""
     if record.steps > LONG:
         give_back_freed_memory()

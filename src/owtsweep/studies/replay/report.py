@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from owtsweep.errors import printable
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.studies.replay.config import ReplayConfig
@@ -40,9 +42,23 @@ CAPTIONS = {
 def write(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], figures: Sequence[Path], folder: Path
 ) -> Path:
-    """Write report.md into a run folder that holds its tables and figures; return its path."""
+    """Write report.md into a run folder, and return the file's path.
+
+    Parameters
+    ----------
+    config
+        The configuration of the replay.
+    tables
+        The run's tables by name: errors, advice and records.
+    figures
+        The run's figure files, inside `folder`.
+    folder
+        The run folder.
+    """
     parts = ["# Replay\n", "## Advice\n"]
-    parts += [f"- {line}" for line in make_sentences(tables["advice"])] or ["- none: no scheme ran"]
+    parts += [f"- {_escape(line)}" for line in make_sentences(tables["advice"])] or [
+        "- none: no scheme ran"
+    ]
     if len(config.grid.files) == 1:
         record = load_record(config, config.grid.files[0])
         parts += ["", *_describe_one(config, tables, record)]
@@ -67,12 +83,12 @@ def _describe_one(
     headings, rows = make_error_cells(config, tables["errors"])
     return [
         "## The record\n",
-        f"- {Path(record.file).name}: {KINDS[record.gnss].format(n=count)}",
+        f"- {_escape(Path(record.file).name)}: {KINDS[record.gnss].format(n=count)}",
         f"- {record.steps} IMU steps at {1.0 / record.step:g} Hz "
         f"({record.steps * record.step:.6g} s), fixes at {config.sensors.gnss.rate:g} Hz, "
         f"{config.sensors.gnss.delay:g} s late; tuning {config.tuning}",
         *(f"- {line}" for line in _state_facts(config, tables["records"])),
-        *(f"- {note}" for note in record.notes),
+        *(f"- {_escape(note)}" for note in record.notes),
         "",
         f"## Errors, {config.measures.window} record\n",
         markdown.table(headings, rows),
@@ -119,7 +135,12 @@ def _describe_many(records: pd.DataFrame) -> str:
     kept = [name for name in records.columns if not name.startswith("spectrum_") or
             name == "spectrum_natural_period"]  # fmt: skip
     rows = [
-        [f"{v:.4g}" if isinstance(v, float) else str(v) for v in line]
+        [f"{v:.4g}" if isinstance(v, float) else printable(str(v)) for v in line]
         for line in records[kept].itertuples(index=False)
     ]
-    return markdown.table([str(name) for name in kept], rows)
+    return markdown.table([printable(str(name)) for name in kept], rows)
+
+
+def _escape(text: str) -> str:
+    """A text of other people's, in which Markdown sees no link, picture, formula or HTML."""
+    return re.sub(r"([\\`*\[\]<>$&])", r"\\\1", printable(text))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """The tables replay, errors, records and advice; docs/replay.md describes their columns."""
+    """Make the tables replay, errors, records and advice; docs/replay.md describes the columns."""
     import pandas as pd
 
     done = rows[rows["status"] == OK]
@@ -47,7 +47,21 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
 def average_errors(
     rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]
 ) -> pd.DataFrame:
-    """Means over the replicates with 95 % intervals, per file, scheme, measure and window."""
+    """Average the rows over the replicates, with 95 % intervals.
+
+    Parameters
+    ----------
+    rows
+        Rows of finished cases.
+    files, schemes
+        Labels of the files and names of the schemes, in the order of the result.
+
+    Returns
+    -------
+    DataFrame
+        One row per file, scheme, measure and window ("full" or "settled"). Columns file, scheme,
+        measure, window, mean, ci_low, ci_high, n (number of replicates).
+    """
     import pandas as pd
 
     kept = rows[rows["window"].isin(WINDOWS)]
@@ -72,7 +86,10 @@ def average_errors(
 
 
 def list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """One row per record: its sea state from the table, and facts about the record."""
+    """Make the table of records, one row per record, in the order of the labels `files`.
+
+    The columns are the sea state, if `replay.table` gives one, and the facts about the record.
+    """
     wide = rows.pivot_table(index="file", columns="measure", values="value", sort=False)
     table = wide.reindex([file for file in files if file in wide.index])
     table.columns.name = None
@@ -106,12 +123,15 @@ def _advise(
 def advise_from_map(
     config: ReplayConfig, schemes: Sequence[str], record: Any
 ) -> dict[str, Any] | None:
-    """The advice from the expected map at the period and amplitude of a record, after settling.
+    """Advise by the settled errors that are expected of the schemes for a record's spectrum.
+
+    `record` is the record's row of records.csv. Returns None if the spectrum fitted to the record
+    has no peak inside the band, or if there is nothing to compare.
 
     Raises
     ------
     InputError
-        If a scheme has no expectation.
+        If no errors can be computed for one of the schemes.
     """
     from owtsweep.studies.replay.place import expect_at_record
 

@@ -1,8 +1,9 @@
-"""Run a replay: from the command line to a run folder with estimates."""
+"""Run a replay: compose the configuration, check the records, run the schemes, write estimates."""
 
 from __future__ import annotations
 
 import glob
+import os
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -10,7 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import changed, require
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
+from owtsweep.io.reading import require_regular
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import label_files, load_record
@@ -23,9 +25,12 @@ if TYPE_CHECKING:
     from owtsweep.sweep.run import Outcome
     from owtsweep.sweep.runs import Run
 
+#: Bytes of the name of a replay; its folder's name has 11 more, and file systems allow 255.
+LONGEST_EXPERIMENT = 244
+
 
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
-    """Compose and check the configuration of a replay, without its files.
+    """Compose and check the configuration of a replay, without the list of files.
 
     Raises
     ------
@@ -46,7 +51,7 @@ def configure(
     Parameters
     ----------
     files
-        Paths or patterns; by default the files that `replay.table` names.
+        Paths or patterns. If there are none, the files in the table `replay.table` are taken.
 
     Raises
     ------
@@ -66,12 +71,12 @@ def configure(
     experiment = config.experiment
     if len(paths) == 1 and experiment == "replay":
         stem = re.sub(r"[^\w.+,-]", "_", Path(paths[0]).name.split(".")[0])
-        experiment = f"replay-{stem}"
+        experiment = f"replay-{stem}".encode()[:LONGEST_EXPERIMENT].decode(errors="ignore")
     return changed(config, grid=grid, experiment=experiment)
 
 
 def expand(words: Sequence[str]) -> list[str]:
-    """Absolute paths of files and of all files that match patterns, in order and once each.
+    """Return the absolute paths of files, and of all files that match patterns, each only once.
 
     Raises
     ------
@@ -81,8 +86,9 @@ def expand(words: Sequence[str]) -> list[str]:
     paths: dict[str, None] = {}
     for word in words:
         path = Path(word).expanduser()
-        if path.exists():
-            require(path.is_file(), f"{word}: this is a folder; name files, e.g. {word}/*.csv")
+        if os.path.exists(path):
+            require(not path.is_dir(), f"{word}: this is a folder; name files, e.g. {word}/*.csv")
+            require_regular(path)
             matches = [path]
         else:
             pattern = any(sign in word for sign in "*?[")
@@ -95,20 +101,20 @@ def expand(words: Sequence[str]) -> list[str]:
 
 
 def verify(config: ReplayConfig) -> list[str]:
-    """Read every record once, so that a bad one is refused before anything is written.
+    """Read every record once, so that a bad record is refused before anything is written.
 
-    Returns the notes on the records, each only once. With many records, each note begins with the
-    name of the file.
+    Returns the notes on the records, each only once. If there are several records, each note begins
+    with the name of the file.
 
     Raises
     ------
     InputError
-        The one-line message names the file.
+        If a record or the table of sea states cannot be used; the one-line message names the file.
     """
     read_sea_states(config)
     notes: dict[str, None] = {}
     for file in config.grid.files:
-        name = f"{Path(file).name}: " if len(config.grid.files) > 1 else ""
+        name = f"{printable(Path(file).name)}: " if len(config.grid.files) > 1 else ""
         notes |= {f"{name}{note}": None for note in load_record(config, file).notes}
     return list(notes)
 
@@ -125,14 +131,18 @@ def execute(
 
     Parameters
     ----------
+    config
+        The configuration of the replay.
+    fresh, progress, argv
+        As for `owtsweep.sweep.run.sweep`.
     say
-        A function that shows the user a line: notes on the records before anything runs, and
+        Function that shows the user a line: notes on the records before anything runs, and
         announcements of slow work.
 
     Raises
     ------
     InputError
-        Before anything is written, for a bad record or configuration.
+        If a record or the configuration cannot be used; nothing has been written then.
     """
     from owtsweep.studies.replay import estimates
     from owtsweep.sweep.run import sweep
@@ -147,7 +157,10 @@ def execute(
 
 
 def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
-    """Label -> folder of a record's estimates: the run's, or records/<label> if there are many."""
+    """Return the folder of each record's estimates, by the record's label.
+
+    The folder is the run folder for a single record, otherwise records/<label> in the run folder.
+    """
     labels = list(label_files(config.grid.files))
     return {label: run if len(labels) == 1 else run / "records" / label for label in labels}
 
@@ -164,29 +177,36 @@ class Replay:
         return self.run.folder
 
     def errors(self) -> pd.DataFrame:
-        """Means over replicates, 95 % intervals: file, scheme, measure, window, mean, ..., n."""
+        """Return the table of errors: means over the replicates with 95 % intervals.
+
+        Columns file, scheme, measure, window, mean, ci_low, ci_high, n (number of replicates).
+        """
         return self.run.table("errors")
 
     def advice(self) -> pd.DataFrame:
-        """The best scheme and the runner-up, by the record itself and by the expected map."""
+        """Return the best scheme and the runner-up, by the record itself and by expected errors."""
         return self.run.table("advice")
 
     def records(self) -> pd.DataFrame:
-        """One row per record: duration, size, direction and fitted spectrum."""
+        """Return a table with one row per record: duration, size, direction, fitted spectrum."""
         return self.run.table("records")
 
     def estimates(self, record: str | None = None) -> pd.DataFrame:
-        """Columns time, scheme, x, y, vx, vy and their standard deviations (replicate 0).
+        """Return the estimates of a record in replicate 0, one row per scheme and time.
+
+        Columns time (s), scheme, x, y (m), vx, vy (m/s), and the standard deviations x_std, y_std,
+        vx_std, vy_std.
 
         Parameters
         ----------
         record
-            The record's name, a value of `records().file`; needed if there are several.
+            The record's name, a value of the column `file` of `records()`. It may be left out if
+            there is only one record.
 
         Raises
         ------
         InputError
-            If there are several records and none is named, or none has that name.
+            If there are several records and `record` is None, or no record has this name.
         """
         import pandas as pd
 

@@ -1,38 +1,54 @@
-"""The table of sea states: one row per record, and the axes of the map over records."""
+"""Read the table of sea states: one row per record; two columns are the axes of the map."""
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import require
 from owtsweep.errors import InputError
+from owtsweep.motion.recorded.checks import LARGEST_VALUE
+from owtsweep.motion.recorded.formats.streams import TextStream
+from owtsweep.motion.recorded.formats.table import number_repeats, shorten, tidy
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.facts import FACTS
 from owtsweep.studies.replay.loading import label_files
 
 if TYPE_CHECKING:
     import pandas as pd
 
+#: Bytes of a table of records.
+MOST_BYTES = 10_000_000
+
 
 def read_table(path: str) -> pd.DataFrame:
     """Read a CSV table with the column `file` and at least one column of numbers.
 
-    File names in it are relative to the folder of the table.
+    File names in the table are relative to the folder of the table; the result has full paths.
 
     Raises
     ------
     InputError
-        If it cannot be read, lacks one of these columns, or has no row.
+        If the table cannot be read, lacks one of these columns, has no row, or has a row without a
+        file.
     """
     import pandas as pd
 
     where = f"replay.table: {path}"
-    require(Path(path).is_file(), f"{where}: there is no such file")
     try:
-        table = pd.read_csv(path, skipinitialspace=True)
-    except (ValueError, OSError) as error:
-        text = " ".join(str(error).split())
-        raise InputError(f"{where}: it cannot be read as CSV ({text})") from None
+        with TextStream(Path(path)) as stream:
+            raw = stream.read(MOST_BYTES + 1)
+    except InputError as error:
+        raise InputError(f"replay.table: {error}") from None
+    require(len(raw) <= MOST_BYTES, f"{where}: it is larger than {MOST_BYTES / 1e6:g} MB")
+    require(b"\0" not in raw, f"{where}: it holds binary data, not text")
+    try:
+        table = pd.read_csv(io.BytesIO(raw), skipinitialspace=True)
+    except ValueError as error:
+        raise InputError(f"{where}: it cannot be read as CSV ({shorten(error)})") from None
+    _make_printable(table)
+    _check_columns(table, where)
     columns = ", ".join(str(name) for name in table.columns[:8])
     require("file" in table.columns, f"{where}: it has no column `file`; it has {columns}")
     require(len(table) > 0, f"{where}: it has no row")
@@ -49,14 +65,39 @@ def read_table(path: str) -> pd.DataFrame:
     return table
 
 
+def _make_printable(table: pd.DataFrame) -> None:
+    """Names of columns and texts, for the terminal, reports and figures; not the names of files."""
+    table.columns = list(number_repeats([tidy(str(name)) for name in table.columns]))
+    for name in table.select_dtypes(exclude="number").columns:
+        if name != "file":
+            table[name] = [tidy(c) if isinstance(c, str) else c for c in table[name]]
+
+
+def _check_columns(table: pd.DataFrame, where: str) -> None:
+    """Raise for a column that clashes with another, and for numbers that no map can show."""
+    require("file.1" not in table.columns, f"{where}: it has two columns `file`; keep one")
+    clash = next((name for name in table.columns if name in FACTS), None)
+    require(clash is None, f"{where}: records.csv has a column `{clash}` of its own; rename this")
+    for name in find_axes(table):
+        large = table[name].abs() > LARGEST_VALUE
+        row = int(large.argmax())
+        require(
+            not large.any(),
+            f"{where}: column {name}, row {row + 1}: {table[name].iloc[row]:g} is beyond "
+            f"{LARGEST_VALUE:g}; leave the field empty if there is no number",
+        )
+
+
 def find_axes(table: pd.DataFrame) -> list[str]:
-    """Names of the columns of numbers, in order; the first two are the axes of the map."""
+    """Return the names of the columns of numbers, in order; the first two are the map's axes."""
     numbers = table.select_dtypes("number").columns
     return [str(name) for name in numbers if name != "file"]
 
 
 def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
-    """The rows of the replayed records, with labels in place of files; None without a table.
+    """Read the rows of `replay.table` on the replayed records, with labels in the column `file`.
+
+    Returns None if the configuration names no table.
 
     Raises
     ------

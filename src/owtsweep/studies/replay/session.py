@@ -1,7 +1,7 @@
-"""The data of a record that its figures show (replicate 0), without the whole record in memory.
+"""Collect the data that a record's figures show (replicate 0), without keeping the whole record.
 
 All schemes run through the record together, piece by piece. Only the steps that a figure shows are
-kept. From all other steps two results are kept: the largest errors, and which schemes are alike.
+kept. Two results on all steps are kept too: the largest errors, and which schemes are alike.
 """
 
 from __future__ import annotations
@@ -33,16 +33,19 @@ class Session:
 
     Attributes
     ----------
+    record, sensors, signals
+        The record, the sensors' parameters, and the measurements in replicate 0.
     windows
-        Name of a window -> its steps.
+        Name of a window ("whole", "zoom" or "acceleration") -> the steps of this window.
     seen
-        Name of a window -> scheme -> its estimates in the window.
+        Name of a window -> scheme -> estimates in the window.
     repeated
-        "position" or "velocity" -> schemes whose line equals that of a later scheme.
+        "position" or "velocity" -> schemes whose estimates equal those of a later scheme.
     bounds
-        "position" or "velocity" -> scheme -> its largest error of x after the first fifth.
+        "position" or "velocity" -> scheme -> largest absolute error of x after the first fifth of
+        the record.
     failed
-        Scheme -> why it has no estimates.
+        Scheme without estimates -> the reason.
     """
 
     record: ReplayRecord
@@ -61,13 +64,13 @@ class Session:
 
 
 class Alike:
-    """Compares named series; two series are alike if all their pieces are equal."""
+    """A comparison of named series piece by piece; two series are alike if all pieces are equal."""
 
     def __init__(self, names: Iterable[str]) -> None:
         self._pairs = list(combinations(names, 2))
 
     def add(self, pieces: Mapping[str, Array]) -> None:
-        """Take the next piece of every series, by name."""
+        """Compare the next piece of every series; `pieces` are by name."""
         self._pairs = [
             (one, other)
             for one, other in self._pairs
@@ -75,17 +78,17 @@ class Alike:
         ]
 
     def repeated(self) -> frozenset[str]:
-        """Names of the series that are equal to a later one."""
+        """Return the names of the series that are equal to a later series."""
         return frozenset(one for one, _ in self._pairs)
 
 
 def skip_start(record: ReplayRecord) -> int:
-    """The step after a fifth of the record; only later errors determine the range of an axis."""
+    """Return the step after a fifth of the record; only later errors set the range of an axis."""
     return record.steps // 5
 
 
 def run_session(config: ReplayConfig, file: str) -> Session:
-    """Run all schemes over replicate 0 of a record.
+    """Run all schemes over replicate 0 of a record; a scheme that fails is left out.
 
     Raises
     ------
@@ -106,7 +109,7 @@ def run_session(config: ReplayConfig, file: str) -> Session:
 
 
 class SchemeFailed(Exception):
-    """The scheme of this name cannot estimate this record."""
+    """The error for a scheme, `name`, that cannot estimate the record."""
 
     def __init__(self, name: str, cause: BaseException) -> None:
         self.name = name
@@ -116,12 +119,12 @@ class SchemeFailed(Exception):
 def run_scheme(
     config: ReplayConfig, scheme: Scheme, sensors: Sensors, signals: Signals, edges: list[int]
 ) -> Iterator[Trajectory]:
-    """Yield the estimates of a scheme piece by piece.
+    """Yield the estimates of a scheme piece by piece; pieces begin and end at the steps `edges`.
 
     Raises
     ------
     SchemeFailed
-        For any error in a scheme, e.g. a user's, so that the other schemes can continue.
+        For any error in the scheme, so that the caller can continue with the other schemes.
     """
     try:
         for (piece,) in estimate_pieces(config, scheme, sensors, [signals], edges):
@@ -181,5 +184,5 @@ def _run_side_by_side(
 
 
 def raise_bound(bound: float, values: Array) -> float:
-    """The maximum of a bound and the finite ones of some values."""
+    """Return the greatest of a bound and some values; values that are not finite do not count."""
     return float(np.max(values, initial=bound, where=np.isfinite(values)))

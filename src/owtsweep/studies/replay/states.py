@@ -1,4 +1,4 @@
-"""The other states of the filters, for figures: acceleration and bias."""
+"""Collect the filters' estimates of acceleration and accelerometer bias, for figures."""
 
 from __future__ import annotations
 
@@ -29,20 +29,25 @@ from owtsweep.studies.replay.session import Alike, Session, raise_bound, skip_st
 
 @dataclass
 class FilterState:
-    """The states of one filter in NED, SI units. Each is stored at the time that it estimates.
+    """One filter's estimates of acceleration and bias, in NED and SI units.
+
+    An estimate is stored at the time to which it refers, which may be earlier than the time at
+    which the filter computed it.
 
     Attributes
     ----------
     acceleration
-        (n, 2) in the window "acceleration"; None for a model without that state.
+        Estimates in the window "acceleration", shape (n, 2); None if the filter's model has no
+        acceleration.
     acceleration_bound, bias_bound
-        The largest error of x after the first fifth of the record; 0 without a truth.
+        Largest absolute error of x after the first fifth of the record; 0 without a truth.
     bias
-        Envelopes of x and y of R b^b over the whole record.
+        Envelopes of x and y of the bias R b^b over the whole record.
     bias_error
-        Envelope of the error of x, if the bias is simulated.
+        Envelope of the bias error of x; without values if the bias is not simulated.
     bias_range
-        (2, 2) least and greatest bias of x and of y after the first fifth of the record.
+        Ranges of the bias after the first fifth of the record, shape (2, 2): rows x and y, columns
+        least and greatest.
     """
 
     acceleration: Array | None
@@ -55,18 +60,18 @@ class FilterState:
 
 @dataclass(frozen=True)
 class FilterStates:
-    """The states of all filters.
+    """All filters' estimates of acceleration and bias.
 
     Attributes
     ----------
     of
-        Scheme -> the states of its filter.
+        Scheme -> estimates of the scheme's filter.
     repeated
-        "acceleration" or "bias" -> schemes whose line equals that of a later scheme.
+        "acceleration" or "bias" -> schemes whose estimates equal those of a later scheme.
     true_bias
         Envelopes of x and y of the simulated bias; None for recorded sensors.
     true_range
-        (2, 2) the least and greatest true bias of x and of y.
+        Ranges of the true bias, shape (2, 2): rows x and y, columns least and greatest.
     """
 
     of: Mapping[str, FilterState]
@@ -76,7 +81,10 @@ class FilterStates:
 
 
 def collect_filter_states(config: ReplayConfig, session: Session) -> FilterStates:
-    """The states of all filters; none if fixes are missing, because kernels need every fix."""
+    """Run all filters over the record and collect their estimates of acceleration and bias.
+
+    If fixes are missing, no filter is run, because kernels need every fix.
+    """
     record = session.record
     simulated = record.gnss == "simulated"
     true_bias = (Envelope(record.steps), Envelope(record.steps)) if simulated else None
@@ -122,9 +130,11 @@ def _new_state(chain: Chain, steps: int) -> FilterState:
 
 
 def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[Array]:
-    """Pieces of (n, 4, 2) p, v, a and R b^b; each holds the steps between two edges.
+    """Yield the filter's states in pieces of shape (n, 4, 2), one piece between two edges each.
 
-    Estimates come `lag_of(chain)` steps late, so the last steps of the record are NaN.
+    The middle axis holds position, velocity, acceleration and the bias R b^b, the last one x and y.
+    A state is computed `lag_of(chain)` steps late and moved back to the step to which it refers, so
+    the last steps of the record are NaN.
     """
     lag, steps = lag_of(chain), session.record.steps
     chunks = state_chunks(chain, *make_lanes([session.signals], session.sensors))
@@ -142,7 +152,10 @@ def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[A
 def _add_piece(
     state: FilterState, piece: Array, truth: Array | None, begin: int, session: Session
 ) -> None:
-    """Keep the values of a piece that figures show."""
+    """Add a piece, which begins at step `begin`, to the values that figures show.
+
+    `truth` is the true bias in this piece; None for recorded sensors.
+    """
     end, late = begin + len(piece), slice(max(skip_start(session.record) - begin, 0), None)
     acceleration, bias = piece[:, 2], piece[:, 3]
     if state.acceleration is not None:
@@ -162,12 +175,16 @@ def _add_piece(
 
 
 def _empty_range() -> Array:
-    """(2, 2) least and greatest value of x and of y, before any values are added."""
+    """Return the range of no values, shape (2, 2): rows x and y, columns +inf and -inf."""
     return np.array([[np.inf, -np.inf], [np.inf, -np.inf]])
 
 
 def _widen(limits: Array, values: Array) -> None:
-    """Widen the ranges of x and of y to (n, 2) further values; only finite ones count."""
+    """Widen the ranges of x and y in place, so that they include further values.
+
+    `limits` has shape (2, 2): rows x and y, columns least and greatest. `values` has shape (n, 2),
+    columns x and y; values that are not finite do not count.
+    """
     finite = np.isfinite(values)
     limits[:, 0] = np.minimum(limits[:, 0], np.min(values, axis=0, initial=np.inf, where=finite))
     limits[:, 1] = np.maximum(limits[:, 1], np.max(values, axis=0, initial=-np.inf, where=finite))

@@ -1,4 +1,4 @@
-"""Text that the command `replay` prints at its end: errors of every scheme, and advice."""
+"""Make the text that the command `replay` prints at its end: errors of every scheme, and advice."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MOST_RECORDS = 8
 
 
 def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-    """The table of errors if there is one record, and the advice."""
+    """Make the terminal's output: the table of errors if there is one record, and the advice."""
     from rich.console import Group
     from rich.text import Text
 
@@ -45,7 +45,7 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
 
 
 def _count_advice(advised: pd.DataFrame) -> str:
-    """How often each scheme is best by the errors on the records."""
+    """Say in a sentence on how many records each scheme is best, by the errors on the records."""
     by_record = advised[advised["source"] != "map"]
     counts = by_record["best"].value_counts()
     best = ", ".join(f"{name} in {count}" for name, count in counts.items())
@@ -56,7 +56,10 @@ def _count_advice(advised: pd.DataFrame) -> str:
 
 
 def make_sentences(advised: pd.DataFrame) -> list[str]:
-    """One line per advice; with many records each line begins with the name of its record."""
+    """Write one sentence per row of the advice.
+
+    If there are several records, each sentence begins with the name of the record.
+    """
     texts = ["same_as", "runner_up"]  # NaN where a file that was read back has no text
     clean = advised.astype(dict.fromkeys(texts, object)).fillna(dict.fromkeys(texts, ""))
     many = clean["file"].nunique() > 1
@@ -67,14 +70,20 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
 
 
 def list_spectrum_notes(config: ReplayConfig) -> list[str]:
-    """Warnings about the fitted spectrum of a single record; empty for many records."""
+    """List the warnings about the spectrum fitted to the run's record.
+
+    If the run has several records, the list is empty.
+    """
     if len(config.grid.files) > 1:
         return []
     return [f"spectrum: {warning}" for warning in list_fit_warnings(config, config.grid.files[0])]
 
 
 def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
-    """Warnings about the spectrum fitted to a record, or the reason why none could be fitted."""
+    """List the warnings about the spectrum fitted to a record.
+
+    If no spectrum could be fitted, the single warning is the reason.
+    """
     from owtsweep.studies.replay.facts import summarise_motion
 
     fit = summarise_motion(config, file).fit
@@ -84,7 +93,10 @@ def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
 def make_error_cells(
     config: ReplayConfig, errors: pd.DataFrame
 ) -> tuple[list[str], list[list[str]]]:
-    """Headings and rows of the error table of one record, in the configured window."""
+    """Make the table of errors of one record: return the headings, and the rows of texts.
+
+    The errors are those in the window `measures.window`.
+    """
     shown = errors[errors["window"] == config.measures.window]
     names = [name for name in SHOWN if name in set(shown["measure"])]
     rows = []

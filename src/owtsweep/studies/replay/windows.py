@@ -18,14 +18,17 @@ SETTLING = 20.0
 
 
 def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str, slice]:
-    """Name of a window -> its steps: "whole", "zoom" and "acceleration".
+    """Choose the steps of the windows "whole", "zoom" and "acceleration", by name.
 
-    Zoomed views lie around the largest motion.
+    The window "whole" begins with the record and is at most `SPAN` s long. The others lie around
+    the largest motion after the start.
 
     Parameters
     ----------
+    record
+        The record.
     positions
-        The positions of the record in pieces, (n, 2) m each; NaN where there is none.
+        The positions of the record in pieces of shape (n, 2) in m; NaN where there is none.
     """
     windows = {"whole": _select(record, record.begin, min(record.begin + SPAN, record.end))}
     for name, step in _find_largest_motion(record, positions).items():
@@ -36,7 +39,10 @@ def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str
 
 
 def _find_largest_motion(record: ReplayRecord, positions: Iterable[Array]) -> dict[str, int]:
-    """Zoomed view -> the step of largest motion around which it fits; else the middle step."""
+    """Find for each zoomed view the step of the largest motion around which the view fits.
+
+    If there is none, the step is the middle one of the record.
+    """
     found = dict.fromkeys(ZOOMS, (0.0, record.steps // 2))
     begin = 0
     for xy in positions:
@@ -53,7 +59,7 @@ def _find_largest_motion(record: ReplayRecord, positions: Iterable[Array]) -> di
 
 
 def _select(record: ReplayRecord, start: float, end: float) -> slice:
-    """The steps from start to end (s), both included."""
+    """Return the slice of steps from `start` to `end` (s on the file's clock), both included."""
     near = slice(
         max(int((start - record.begin) / record.step) - 2, 0),
         min(int((end - record.begin) / record.step) + 3, record.steps),

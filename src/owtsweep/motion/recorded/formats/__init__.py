@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
+from owtsweep.io.reading import require_regular
 from owtsweep.motion.recorded.formats.arrays import open_npz, open_parquet
 from owtsweep.motion.recorded.formats.fast_binary import open_fast_binary
 from owtsweep.motion.recorded.formats.gtsdf import open_gtsdf
 from owtsweep.motion.recorded.formats.hawc2 import find_companion, open_hawc2
-from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
+from owtsweep.motion.recorded.formats.table import ChannelTable, make_safe, refuse
 from owtsweep.motion.recorded.formats.text import open_text
 
 #: Extensions of text tables. Only these may be compressed (.gz).
@@ -32,15 +34,18 @@ def open_table(path: str | Path) -> ChannelTable:
     Raises
     ------
     InputError
-        If the file does not exist, is empty, or is not what its extension says.
+        If it is no file, is empty, is not what its extension says, or has too many channels.
     """
     path = Path(path)
-    if not path.exists():
-        raise refuse(path, "no such file")
-    if path.is_dir():
-        raise refuse(path, "is a folder, not a file")
+    require_regular(path)
+    if not os.access(path, os.R_OK):
+        raise refuse(path, "you may not read it")
     if path.stat().st_size == 0:
         raise refuse(path, "is empty")
+    return make_safe(_open(path))
+
+
+def _open(path: Path) -> ChannelTable:
     suffix = path.suffix.lower()
     if suffix == ".gz":
         suffix = Path(path.stem).suffix.lower()

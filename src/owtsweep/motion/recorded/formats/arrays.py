@@ -1,59 +1,129 @@
-"""Reads NumPy archives (.npz, without pickled objects) and Parquet files."""
+"""Read NumPy archives (.npz, without pickled objects) and Parquet files."""
 
 from __future__ import annotations
 
+import math
+import tokenize
 import zipfile
-from collections.abc import Mapping, Sequence
+import zlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse, shorten
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.formats.table import (
+    MOST_CHANNELS,
+    MOST_VALUES,
+    ChannelTable,
+    number_repeats,
+    refuse,
+    require_room,
+    shorten,
+)
 
 AXES = "xyz"
+#: Version of a .npy header -> its reader. Version 3 is for named fields, which are no channels.
+HEADERS: dict[tuple[int, int], Callable[[Any], tuple[Any, ...]]] = {
+    (1, 0): np.lib.format.read_array_header_1_0,
+    (2, 0): np.lib.format.read_array_header_2_0,
+}
 
 
 def open_npz(path: Path) -> ChannelTable:
-    """Open an archive of arrays of equal length; an (n, 2) array becomes name_x and name_y.
+    """Open a NumPy archive of arrays of equal length n.
+
+    An array of shape (n,) is one channel. An array of shape (n, 2) becomes the channels name_x and
+    name_y.
 
     Raises
     ------
     InputError
         For a damaged archive, pickled objects, or arrays of different lengths.
     """
-    arrays: dict[str, Array] = {}
-    if not zipfile.is_zipfile(path):  # np.load would treat any other file as a pickle
-        raise refuse(path, "is not a whole .npz archive")
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            for key in archive.files:
-                array = archive[key]
-                if array.dtype.kind not in "fiub" or array.ndim not in (1, 2):
-                    continue
-                if array.ndim == 1:
-                    arrays[key] = array
-                    continue
-                for column in range(array.shape[1]):
-                    axis = AXES[column] if array.shape[1] <= len(AXES) else str(column + 1)
-                    arrays[f"{key}_{axis}"] = array[:, column]
-    except ValueError as error:
-        if "allow_pickle" in str(error):
-            reason = "holds pickled objects, which can run code: save plain arrays instead"
-        else:
-            reason = f"cannot be read ({shorten(error)})"
-        raise refuse(path, reason) from None
-    except (OSError, EOFError, zipfile.BadZipFile, AttributeError) as error:
-        raise refuse(path, f"is not a whole .npz archive ({error})") from None
-    lengths = sorted({len(array) for array in arrays.values()})
-    if len(lengths) != 1:
-        said = f"arrays of different lengths ({', '.join(map(str, lengths[:5]))})"
-        raise refuse(path, f"has {said if lengths else 'no array of numbers'}")
+    places: dict[str, tuple[str, int | None]] = {}  # channel -> member, column
+    lengths: set[int] = set()
+    with _reading(path), zipfile.ZipFile(path) as archive:
+        for member in archive.infolist():
+            shape = _find_shape(path, archive, member)
+            if shape is None:
+                continue
+            lengths.add(shape[0])
+            key, columns = member.filename.removesuffix(".npy"), shape[1:]
+            if not columns:
+                places[key] = (member.filename, None)
+                continue
+            require_channels(path, columns[0])
+            for column in range(columns[0]):
+                axis = AXES[column] if columns[0] <= len(AXES) else str(column + 1)
+                places[f"{key}_{axis}"] = (member.filename, column)
+    if len(lengths) != 1 or not places:
+        listed = ", ".join(map(str, sorted(lengths)[:5]))
+        said = f"arrays of different lengths ({listed})"
+        raise refuse(path, f"has {said if places else 'no array of numbers'}")
 
     def load(names: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        return {name: np.array(arrays[name][:rows], dtype=float) for name in names}
+        result: dict[str, Array] = {}
+        with _reading(path), zipfile.ZipFile(path) as archive:
+            for file in dict.fromkeys(places[name][0] for name in names):
+                with archive.open(file) as stream:
+                    array = np.lib.format.read_array(stream, allow_pickle=False)
+                for name in names:
+                    if places[name][0] == file:
+                        column = places[name][1]
+                        values = array if column is None else array[:, column]
+                        result[name] = np.array(values[:rows], dtype=float)
+        return result
 
-    return ChannelTable(path, "NumPy archive", tuple(arrays), ("",) * len(arrays), load)
+    units = ("",) * len(places)
+    return ChannelTable(path, "NumPy archive", tuple(places), units, load, lengths.pop())
+
+
+def require_channels(path: Path, count: int) -> None:
+    """Check that a file does not announce more than `MOST_CHANNELS`."""
+    if count > MOST_CHANNELS:
+        raise refuse(path, f"has {count} channels; at most {MOST_CHANNELS} are read")
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    """Turn the errors that a damaged archive raises into one line."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (
+        zipfile.BadZipFile, zlib.error, OSError, EOFError, ValueError, RuntimeError, TypeError,
+        KeyError, OverflowError, tokenize.TokenError,
+    ) as error:  # fmt: skip
+        raise refuse(path, f"is not a whole .npz archive ({shorten(error)})") from None
+
+
+def _find_shape(
+    path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo
+) -> tuple[int, ...] | None:
+    """The shape that a member's header announces; None if it holds no channels.
+
+    The header may lie, so it is held against the size of the member before numpy believes it.
+    """
+    with archive.open(member) as stream:
+        read_header = HEADERS.get(np.lib.format.read_magic(stream))
+        if read_header is None:
+            return None
+        shape, _, dtype = read_header(stream)
+        if dtype.hasobject:
+            raise refuse(path, "holds pickled objects, which can run code: save plain arrays")
+        if dtype.kind not in "fiub" or len(shape) not in (1, 2):
+            return None
+        size = math.prod(shape) * dtype.itemsize
+        if stream.tell() + size > member.file_size:
+            name, there = member.filename, member.file_size
+            raise refuse(path, f"{name} is to hold {size} bytes of numbers; {there} are there")
+        require_room(path, shape[0], math.prod(shape[1:]), shape[0])
+        return tuple(shape)
 
 
 def open_parquet(path: Path) -> ChannelTable:
@@ -65,39 +135,68 @@ def open_parquet(path: Path) -> ChannelTable:
     Raises
     ------
     InputError
-        For a damaged file, or when a column without numbers is loaded.
+        If the file is damaged; on loading, also if a column does not hold numbers.
     """
     import pyarrow as pa
     from pyarrow import parquet
 
+    damaged = (pa.ArrowException, OSError, ValueError)
     try:
-        schema = parquet.read_schema(path)
-    except (pa.ArrowInvalid, OSError) as error:
+        with parquet.ParquetFile(path) as file:
+            schema, rows = file.schema_arrow, file.metadata.num_rows
+    except damaged as error:
         raise refuse(path, f"is not a whole Parquet file ({shorten(error)})") from None
+    require_channels(path, len(schema))
     units = []
     for field in schema:
         metadata = field.metadata or {}
-        stated = metadata.get(b"unit", metadata.get(b"units", b"")).decode()
+        stated = metadata.get(b"unit", metadata.get(b"units", b"")).decode(errors="replace")
         units.append("s" if pa.types.is_timestamp(field.type) else stated)
+    names = number_repeats(schema.names)
+    # Texts may hold numbers. As a dictionary, one long text that stands in all rows is read once.
+    is_text = (pa.types.is_string, pa.types.is_large_string)
+    texts = [field.name for field in schema if any(test(field.type) for test in is_text)]
 
-    def load(names: Sequence[str], rows: int | None) -> Mapping[str, Array]:
+    def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
         try:
-            table = parquet.read_table(
-                path, columns=list(names), page_checksum_verification=True
-            ).slice(0, rows)
-        except (pa.ArrowInvalid, OSError) as error:
+            with parquet.ParquetFile(
+                path, page_checksum_verification=True, read_dictionary=texts
+            ) as file:
+                return {name: _load_column(path, file, names.index(name), rows) for name in wanted}
+        except InputError:
+            raise
+        except damaged as error:
             raise refuse(path, f"is damaged ({shorten(error)})") from None
-        result: dict[str, Array] = {}
-        for name in names:
-            column = table.column(name)
-            if pa.types.is_timestamp(column.type):
-                ticks = column.cast(pa.timestamp("ns")).cast(pa.int64()).to_numpy()
-                result[name] = (ticks - ticks[0]) * 1e-9
-                continue
-            try:
-                result[name] = np.array(column.cast(pa.float64()).to_numpy(), dtype=float)
-            except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
-                raise refuse(path, f"column {name} holds no numbers ({column.type})") from None
-        return result
 
-    return ChannelTable(path, "Parquet", number_repeats(schema.names), tuple(units), load)
+    return ChannelTable(path, "Parquet", names, tuple(units), load, rows)
+
+
+def _load_column(path: Path, file: Any, place: int, rows: int | None) -> Array:
+    """One column, read in batches: a page may unpack to far more rows than are wanted."""
+    import pyarrow as pa
+
+    field = file.schema_arrow.field(place)
+    number = file.schema_arrow.names[:place].count(field.name)  # among columns of that name
+    is_time = pa.types.is_timestamp(field.type)
+    parts: list[Any] = []
+    count, most = 0, MOST_VALUES if rows is None else rows
+    for batch in file.iter_batches(batch_size=1 << 20, columns=[field.name], use_threads=False):
+        part = batch.column(number)
+        try:
+            if is_time:
+                part = part.cast(pa.timestamp("ns")).cast(pa.int64())
+            elif pa.types.is_dictionary(part.type):
+                part = part.dictionary.cast(pa.float64()).take(part.indices)
+            else:
+                part = part.cast(pa.float64())
+        except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
+            kind = field.type.value_type if pa.types.is_dictionary(field.type) else field.type
+            raise refuse(path, f"column {field.name} holds no numbers ({kind})") from None
+        parts.append(part.to_numpy(zero_copy_only=False)[: most - count])
+        count += len(parts[-1])
+        if count >= most:
+            break
+    values = np.concatenate(parts) if parts else np.empty(0)
+    if is_time and len(values):
+        return np.asarray((values - values[0]) * 1e-9, dtype=float)
+    return np.array(values, dtype=float)

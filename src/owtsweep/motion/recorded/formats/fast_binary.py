@@ -1,4 +1,4 @@
-"""Reads FAST and OpenFAST binary output (.outb), file kinds 1 to 4.
+"""Read FAST and OpenFAST binary output (.outb), file kinds 1 to 4.
 
 The layout, little-endian and without padding (OpenFAST, NWTC library, subroutine WrBinFAST):
 
@@ -54,11 +54,11 @@ def open_fast_binary(path: Path) -> ChannelTable:
     Raises
     ------
     InputError
-        If it is not a FAST binary file, or is cut short.
+        If the file is not a FAST binary file, or is cut short.
     """
     header = _read_header(path)
     load = partial(_load, path, header)
-    return ChannelTable(path, "FAST binary", header.names, header.units, load)
+    return ChannelTable(path, "FAST binary", header.names, header.units, load, header.steps)
 
 
 def _read_header(path: Path) -> Header:
@@ -130,7 +130,7 @@ def _load(
 
 
 def _decode(raw: bytes) -> str:
-    """A name or unit. Some versions write the middle dot of N·m in UTF-8, others in Latin-1."""
+    """Decode a name or unit from UTF-8, else from Latin-1; FAST versions write N·m differently."""
     try:
         return raw.decode("utf-8").strip("\0 ")
     except UnicodeDecodeError:

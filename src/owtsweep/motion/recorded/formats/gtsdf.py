@@ -1,4 +1,4 @@
-"""Reads HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
+"""Read HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
 
 The groups block0000, block0001, ... hold `data` (observations, attributes) and the attributes
 `time_step` and `time_start`. They may also hold `time` (0, 1, 2, ... if absent), `gains` and
@@ -10,16 +10,27 @@ the format.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse, shorten
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.formats.table import (
+    MOST_CHANNELS,
+    MOST_VALUES,
+    ChannelTable,
+    number_repeats,
+    refuse,
+    shorten,
+)
 
 TIME = "Time"
+#: Bytes of a name or unit; an array of longer ones is not read.
+LONGEST_WORD = 1024
 
 
 def open_gtsdf(path: Path) -> ChannelTable:
@@ -28,65 +39,131 @@ def open_gtsdf(path: Path) -> ChannelTable:
     Raises
     ------
     InputError
-        If h5py is not installed, or the file is not HDF5 or not gtsdf.
+        If h5py is not installed, the file is not HDF5 or not gtsdf, or it links to other files.
     """
     try:
         import h5py
     except ImportError:
         raise refuse(path, "HDF5 needs h5py: pip install 'owtsweep[recorded]'") from None
-    try:
-        with h5py.File(path, "r") as file:
-            blocks = sorted(name for name in file if name.startswith("block"))
-            if not blocks or any("data" not in file[block] for block in blocks):
-                raise refuse(path, "is HDF5 but not gtsdf (no block0000/data)")
-            count = file[blocks[0]]["data"].shape[1]
-            names = _read_words(file, "attribute_names", count)
-            units = _read_words(file, "attribute_units", count)
-    except OSError as error:
-        raise refuse(path, f"is not a whole HDF5 file ({shorten(error)})") from None
+    with _reading(path), h5py.File(path, "r") as file:
+        blocks = sorted(name for name in file if name.startswith("block"))
+        shapes = [_open_data(path, file, block).shape for block in blocks]
+        if not blocks:
+            raise refuse(path, "is HDF5 but not gtsdf (no block0000/data)")
+        count = shapes[0][1]
+        if any(shape[1] != count for shape in shapes):
+            raise refuse(path, "is HDF5 but not gtsdf (its blocks differ in their channels)")
+        if count > MOST_CHANNELS:
+            raise refuse(path, f"has {count} channels; at most {MOST_CHANNELS} are read")
+        names = _read_words(path, file, "attribute_names", count)
+        units = _read_words(path, file, "attribute_units", count)
     names = list(number_repeats([TIME, *(name or str(k + 1) for k, name in enumerate(names))]))
     units = ["s", *("" if unit == "-" else unit for unit in units)]
 
     def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
-        with h5py.File(path, "r") as file:
-            return _load(file, blocks, {name: names.index(name) for name in wanted}, rows)
+        with _reading(path), h5py.File(path, "r") as file:
+            return _load(path, file, blocks, {name: names.index(name) for name in wanted}, rows)
 
-    return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), load)
+    rows = sum(shape[0] for shape in shapes)
+    return ChannelTable(path, "gtsdf (HDF5)", tuple(names), tuple(units), load, rows)
 
 
-def _read_words(file: Any, key: str, count: int) -> list[str]:
-    """The names or the units of `count` channels; "" where the file states none."""
-    raw = file[key][:] if key in file else []
-    words = [text.decode("utf-8") if isinstance(text, bytes) else str(text) for text in raw]
-    return [word.strip() for word in words] if len(words) == count else [""] * count
+@contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    """Turn the errors that h5py raises for a damaged file into one line."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (
+        OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, MemoryError,
+    ) as error:  # fmt: skip
+        raise refuse(path, f"is not a whole HDF5 file ({shorten(error)})") from None
+
+
+def _open_data(path: Path, file: Any, block: str) -> Any:
+    """The table of numbers of a block."""
+    import h5py
+
+    group = _follow(path, file, block)
+    data = _follow(path, group, "data") if isinstance(group, h5py.Group) else None
+    if not isinstance(data, h5py.Dataset) or data.ndim != 2 or data.dtype.kind not in "fiub":
+        raise refuse(path, f"is HDF5 but not gtsdf (no {block}/data)")
+    return data
+
+
+def _follow(path: Path, group: Any, name: str) -> Any:
+    """A member of a group; None if there is none.
+
+    Raises
+    ------
+    InputError
+        If it would read another file, which may be anything, or unpack to more than fits.
+    """
+    import h5py
+
+    if name not in group:
+        return None
+    item = None
+    if isinstance(group.get(name, getlink=True), h5py.HardLink):
+        item = group[name]
+    if item is None or (isinstance(item, h5py.Dataset) and (item.external or item.is_virtual)):
+        raise refuse(path, f"{name} is a link, perhaps to another file; copy what it links to")
+    if isinstance(item, h5py.Dataset) and item.chunks is not None:
+        size = int(np.prod(item.chunks, dtype=float)) * item.dtype.itemsize
+        if size > MOST_VALUES * 8:
+            raise refuse(path, f"{name} comes in pieces of {size / 1e9:.3g} GB; that is too much")
+    return item
+
+
+def _read_words(path: Path, file: Any, key: str, count: int) -> list[str]:
+    """Read the names or the units of `count` channels; each is "" if the file states none."""
+    words = _follow(path, file, key)
+    if words is None or words.shape != (count,) or words.dtype.itemsize > LONGEST_WORD:
+        return [""] * count
+    texts = (t.decode("utf-8", "replace") if isinstance(t, bytes) else str(t) for t in words[:])
+    return [text.strip() for text in texts]
+
+
+def _read_vector(path: Path, group: Any, name: str, count: int) -> Array | None:
+    """(count,) the first numbers of a member of a block; None if there is none."""
+    vector = _follow(path, group, name)
+    if vector is None:
+        return None
+    if vector.ndim != 1 or len(vector) < count or vector.dtype.kind not in "fiub":
+        raise refuse(path, f"{name} does not hold {count} numbers")
+    return np.asarray(vector[:count], dtype=float)
 
 
 def _load(
-    file: Any, blocks: list[str], places: Mapping[str, int], rows: int | None
+    path: Path, file: Any, blocks: list[str], places: Mapping[str, int], rows: int | None
 ) -> dict[str, Array]:
     parts: dict[str, list[Array]] = {name: [] for name in places}
     read = 0
     for block in blocks:
+        data = _open_data(path, file, block)
         group = file[block]
-        data = group["data"]
         steps = data.shape[0] if rows is None else min(data.shape[0], rows - read)
         if steps <= 0:
             break
+        gains = _read_vector(path, group, "gains", data.shape[1])
+        offsets = _read_vector(path, group, "offsets", data.shape[1])
         for name, place in places.items():
             if place == 0:
-                count = group["time"][:steps] if "time" in group else np.arange(steps)
+                count = _read_vector(path, group, "time", steps)
+                count = np.arange(steps, dtype=float) if count is None else count
                 step = float(np.asarray(group.attrs.get("time_step", 1.0)).item())
                 start = float(np.asarray(group.attrs.get("time_start", 0.0)).item())
-                parts[name].append(start + step * np.asarray(count, dtype=float))
+                parts[name].append(start + step * count)
                 continue
             packed = data[:steps, place - 1]
             values = np.asarray(packed, dtype=float)
             if np.issubdtype(packed.dtype, np.integer):
                 values[packed == np.iinfo(packed.dtype).max] = np.nan
-            if "gains" in group:
-                values *= float(group["gains"][:][place - 1])
-            if "offsets" in group:
-                values += float(group["offsets"][:][place - 1])
+            if gains is not None:
+                values *= gains[place - 1]
+            if offsets is not None:
+                values += offsets[place - 1]
             parts[name].append(values)
         read += steps
-    return {name: np.concatenate(parts[name]) for name in places}
+    return {name: np.concatenate(parts[name] or [np.empty(0)]) for name in places}

@@ -1,14 +1,15 @@
-"""Reads HAWC2 output: a .sel file that lists the channels, and a .dat file with their numbers.
+"""Read HAWC2 output: a .sel file that lists the channels, and a .dat file with their numbers.
 
 Line 9 of the .sel file holds the number of scans, the number of channels, the duration in s, and
 ASCII or BINARY. From line 13 on there is one line per channel: its name in columns 13 to 43, its
 unit in columns 44 to 54, then a description. Binary values are little-endian int16: all scans of
-the first channel, then all of the second, and so on. The .sel file gives the factors by which they
-are multiplied, below the line "Scale factors".
+the first channel, then all of the second, and so on. The .sel file lists the factors by which the
+channels are to be multiplied, below the line "Scale factors".
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -17,16 +18,24 @@ from pathlib import Path
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.io.reading import read_bytes, require_regular
+from owtsweep.motion.recorded.formats.streams import TextStream
 from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse, shorten
 
 SUMMARY_LINE = 8
 FIRST_CHANNEL = 12
+#: A .sel file takes some 150 bytes a channel.
+MOST_BYTES = 1 << 24
 NAME, UNIT = slice(12, 43), slice(43, 54)
 
 
 @dataclass(frozen=True)
 class Selection:
-    """The content of a .sel file; `factors` is None for ASCII."""
+    """The content of a .sel file: number of scans, channels, scale factors, duration in s.
+
+    `factors` is None if the numbers in the .dat file are ASCII.
+    """
 
     scans: int
     names: tuple[str, ...]
@@ -36,7 +45,10 @@ class Selection:
 
 
 def find_companion(path: Path, suffix: str) -> Path | None:
-    """The file of the same name with another extension, in lower or upper case, if it exists."""
+    """Return the file of equal name with the extension `suffix`, in lower or upper case.
+
+    Returns None if there is no such file.
+    """
     candidates = (path.with_suffix(suffix), path.with_suffix(suffix.upper()))
     return next((candidate for candidate in candidates if candidate.exists()), None)
 
@@ -53,16 +65,18 @@ def open_hawc2(path: Path) -> ChannelTable:
     other = find_companion(path, wanted)
     if other is None:
         raise refuse(path, f"HAWC2 output is two files; {path.with_suffix(wanted).name} is missing")
+    require_regular(other)
     sel, dat = (path, other) if wanted == ".dat" else (other, path)
     selection = _read_selection(sel)
     _check_length(dat, selection)
     load = partial(_load, dat, selection)
     kind = "ASCII" if selection.factors is None else "binary"
-    return ChannelTable(path, f"HAWC2, {kind}", selection.names, selection.units, load)
+    names, units = selection.names, selection.units
+    return ChannelTable(path, f"HAWC2, {kind}", names, units, load, selection.scans)
 
 
 def _read_selection(sel: Path) -> Selection:
-    lines = sel.read_text(encoding="latin-1").splitlines()
+    lines = read_bytes(sel, MOST_BYTES).decode("latin-1").splitlines()
     strange = refuse(sel, "is not a HAWC2 .sel file (line 9: scans, channels, time, ASCII/BINARY)")
     try:
         words = lines[SUMMARY_LINE].split()
@@ -70,7 +84,8 @@ def _read_selection(sel: Path) -> Selection:
     except (IndexError, ValueError):
         raise strange from None
     rows = lines[FIRST_CHANNEL : FIRST_CHANNEL + count]
-    if len(rows) != count or kind.upper() not in ("ASCII", "BINARY") or scans < 1:
+    possible = scans > 0 and count > 0 and 0.0 < duration < math.inf
+    if len(rows) != count or kind.upper() not in ("ASCII", "BINARY") or not possible:
         raise strange
     names = number_repeats([row[NAME].strip() or str(place + 1) for place, row in enumerate(rows)])
     units = (row[UNIT].strip() for row in rows)
@@ -120,22 +135,27 @@ def _load_text(
     import pandas as pd
 
     try:
-        frame = pd.read_csv(
-            dat, sep=r"\s+", header=None, names=range(len(selection.names)), usecols=places,
-            nrows=rows, dtype="float64",
-        )  # fmt: skip
+        with TextStream(dat) as stream:
+            frame = pd.read_csv(
+                stream, sep=r"\s+", header=None, names=range(len(selection.names)),
+                usecols=places, nrows=rows, dtype="float64", encoding_errors="replace",
+            )  # fmt: skip
+    except InputError:
+        raise
     except (ValueError, pd.errors.ParserError) as error:
         raise refuse(dat, f"cannot be read as numbers ({shorten(error, 160)})") from None
-    if rows is None and len(frame) < selection.scans:
+    wanted = selection.scans if rows is None else min(rows, selection.scans)
+    if len(frame) < wanted:
         raise refuse(dat, f"is cut short: {selection.scans} scans announced, {len(frame)} there")
     return {k: frame[k].to_numpy(dtype=float) for k in places}
 
 
 def _restore_time(values: Array, place: int, selection: Selection) -> Array:
-    """A channel's values; for the time channel, at full resolution.
+    """Return the time channel at full resolution, and any other channel as it is.
 
-    The file stores time in 16 bits or 6 digits, so values repeat in a long file. Time is restored
-    as multiples of duration / scans, if those equal the stored values apart from rounding.
+    The file stores time in 16 bits or 6 digits, so times repeat in a long file. They are replaced
+    by uniform times, duration / scans apart, if these equal the stored times apart from rounding.
+    `place` is the number of the channel, from 0.
     """
     if place != 0 or not selection.names[0].lower().startswith("time") or not len(values):
         return values

@@ -1,14 +1,22 @@
-"""An opened file of channels: names and units have been read, numbers are read on demand."""
+"""The opened file of channels: names and units have been read, numbers are read on demand."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from owtsweep.arrays import Array
-from owtsweep.errors import InputError
+from owtsweep.errors import InputError, printable
 
+#: At most this many numbers are read from a file: rows times channels that are used, 8 bytes each.
+MOST_VALUES = 200_000_000
+#: A regular grid of times, the record's own or the IMU's, has at most this many steps. A replay
+#: takes some 160 bytes a step.
+MOST_STEPS = 50_000_000
+MOST_CHANNELS = 10_000
+#: Longer names and units of channels are cut.
+LONGEST_NAME = 200
 #: `load(names, rows)` returns name -> (n,) float64. It reads at most `rows` rows; None reads all.
 Load = Callable[[Sequence[str], int | None], Mapping[str, Array]]
 
@@ -29,6 +37,8 @@ class ChannelTable:
         Unit of each channel as in the file; "" if the file states none.
     load
         Reads the named channels in the file's units; missing values are NaN.
+    rows
+        The number of rows that the file announces; None if only reading it tells.
     """
 
     path: Path
@@ -36,14 +46,15 @@ class ChannelTable:
     names: tuple[str, ...]
     units: tuple[str, ...]
     load: Load
+    rows: int | None = None
 
     def unit(self, name: str) -> str:
-        """The unit that the file states for a channel; "" if it states none."""
+        """Return the unit that the file states for a channel; "" if the file states none."""
         return self.units[self.names.index(name)]
 
 
 def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
-    """The same names, with repeated ones numbered: `a, a` becomes `a, a (2)`."""
+    """Return the names with repetitions numbered: `a, a` becomes `a, a (2)`."""
     seen: dict[str, int] = {}
     result = []
     for name in names:
@@ -52,11 +63,60 @@ def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(result)
 
 
+def make_safe(table: ChannelTable) -> ChannelTable:
+    """A table that never loads more than `MOST_VALUES`, with names and units that can be printed.
+
+    Raises
+    ------
+    InputError
+        If it has more than `MOST_CHANNELS`; and `load`, if it would load more than `MOST_VALUES`.
+    """
+    if len(table.names) > MOST_CHANNELS:
+        many = len(table.names)
+        raise refuse(table.path, f"has {many} channels; at most {MOST_CHANNELS} are read")
+    names = number_repeats([tidy(name) for name in table.names])
+    raw = dict(zip(names, table.names, strict=True))
+
+    def load(wanted: Sequence[str], rows: int | None) -> Mapping[str, Array]:
+        one_too_many = MOST_VALUES // max(len(wanted), 1) + 1
+        rows = one_too_many if rows is None else min(rows, one_too_many)
+        if table.rows is not None:
+            require_room(table.path, min(table.rows, rows), len(wanted), table.rows)
+        loaded = table.load([raw[name] for name in wanted], rows)
+        for values in loaded.values():
+            require_room(table.path, len(values), len(wanted))
+        return {name: loaded[raw[name]] for name in wanted}
+
+    return replace(table, names=names, units=tuple(map(tidy, table.units)), load=load)
+
+
+def require_room(path: Path, rows: int, channels: int, whole: int | None = None) -> None:
+    """Check that so many rows of so many channels are not more than `MOST_VALUES`.
+
+    `whole` is the number of all rows, for the message; None if it is not clear.
+    """
+    if rows * channels <= MOST_VALUES:
+        return
+    many = f"{rows - 1} rows or more" if whole is None else f"{whole} rows"
+    size = 8e-9 * channels * (whole or rows)
+    raise refuse(
+        path,
+        f"{many} of {channels} channels need {size:.3g} GB; at most {8e-9 * MOST_VALUES:g} GB are "
+        "read: cut the record into parts, or use fewer channels",
+    )
+
+
+def tidy(text: str) -> str:
+    """A name or unit that can be printed, cut to `LONGEST_NAME`."""
+    text = printable(text)
+    return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."
+
+
 def shorten(error: Exception, length: int = 120) -> str:
-    """A library's message as one line of at most `length` characters."""
+    """Return an error's message as one line of at most `length` characters."""
     return " ".join(str(error).split())[:length]
 
 
 def refuse(path: Path, reason: str) -> InputError:
-    """The error to raise for a file: its path, then the reason."""
+    """Make the error to raise for a file; the message is the file's path, then the reason."""
     return InputError(f"{path}: {reason}")

@@ -1,4 +1,4 @@
-"""Reads text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed.
+"""Read text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed.
 
 The reader finds the layout from the first lines. Data begin at the first two lines that hold mostly
 numbers and have the same number of fields. The line above them holds the names; if it holds units,
@@ -7,19 +7,27 @@ the names are one line higher. Anything above the names is skipped.
 
 from __future__ import annotations
 
-import gzip
+import codecs
+import csv
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import IO
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats, refuse, shorten
+from owtsweep.motion.recorded.formats.streams import TextStream, read_blocks
+from owtsweep.motion.recorded.formats.table import (
+    LONGEST_NAME,
+    ChannelTable,
+    number_repeats,
+    refuse,
+    shorten,
+)
+from owtsweep.motion.recorded.units import find_dimension
 
 #: The layout is found from this many bytes at the start of the file.
 HEAD = 1 << 18
@@ -29,8 +37,12 @@ MISSING = (
     *("null", "NULL", "None", "none", "-", "inf", "-inf", "Inf", "-Inf"),
 )
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?$")
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?$")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?$")
+#: Such a number may also have a comma between its thousands.
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}$")
+_INTEGER = re.compile(r"[+-]?\d+$")
+_TIME = re.compile(r"\W*(t|time.*)$", re.IGNORECASE)
 _UNIT_AT_END = re.compile(r"^(.*?)[\s_]*[\[(]([^\[\]()]*)[\])]\s*$")
 _BRACKETED = re.compile(r"^[\[(].*[\])]$")
 
@@ -47,12 +59,15 @@ class Layout:
         Number of lines above the data.
     names, units
         Of each column; a unit is "" if the file states none.
+    decimal
+        "." or ",": the character between the whole part of a number and the rest.
     """
 
     delimiter: str
     first: int
     names: tuple[str, ...]
     units: tuple[str, ...]
+    decimal: str
 
 
 def open_text(path: Path) -> ChannelTable:
@@ -61,33 +76,28 @@ def open_text(path: Path) -> ChannelTable:
     Raises
     ------
     InputError
-        If the file is empty, has no two lines of numbers, or has decimal commas.
+        If the file is empty, has no two lines of numbers, or what its commas mean is not clear.
     """
     layout = find_layout(path, _read_head(path))
     load = partial(_load_blanks if layout.delimiter == " " else _load_delimited, path, layout)
     word = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks"}[layout.delimiter]
+    if layout.decimal == ",":
+        word += ", decimal commas"
     return ChannelTable(path, f"text, columns between {word}", layout.names, layout.units, load)
 
 
-def _open(path: Path) -> IO[bytes]:
-    if path.suffix.lower() == ".gz":
-        return gzip.open(path)  # type: ignore[return-value]
-    return path.open("rb")
-
-
 def _read_head(path: Path) -> list[str]:
-    """The first lines of the file, without a last line that may be cut."""
-    try:
-        with _open(path) as file:
-            raw = file.read(HEAD)
-    except (OSError, EOFError) as error:
-        raise refuse(path, f"cannot be read ({error})") from None
+    """Read the first lines of a file, at most `HEAD` bytes; an incomplete last line is dropped."""
+    with TextStream(path) as stream:
+        raw = stream.read(HEAD)
     if not raw.strip():
         raise refuse(path, "is empty")
+    if raw.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        raise refuse(path, "is text in UTF-16; save it as UTF-8")
     if b"\0" in raw:
         raise refuse(path, "holds binary data, not text; give it the extension of its format")
     try:
-        text = raw.decode("utf-8-sig")
+        text = codecs.getincrementaldecoder("utf-8-sig")().decode(raw)  # its end may be cut
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
@@ -95,38 +105,38 @@ def _read_head(path: Path) -> list[str]:
 
 
 def split_fields(line: str, delimiter: str) -> list[str]:
-    """The fields of a line, without surrounding blanks and quotes."""
+    """Split a line into fields, and remove blanks and quotes around each field."""
     if delimiter == " ":
         return [field.strip('"') for field in line.split()]
+    if '"' in line and len(line) < 100_000:  # the module csv has a limit to a field
+        quoted = next(csv.reader([line.strip("\r\n")], delimiter=delimiter, skipinitialspace=True))
+        return [field.strip() for field in quoted]
     return [field.strip().strip('"').strip() for field in line.rstrip("\r\n").split(delimiter)]
 
 
 def find_layout(path: Path, lines: list[str]) -> Layout:
-    """Find delimiter, names, units and the first line of the data.
+    """Find delimiter, names, units, the decimal character and the first line of the data.
 
     Raises
     ------
     InputError
-        If there is no table of numbers, or it has decimal commas.
+        If there is no table of numbers, or what its commas mean is not clear.
     """
-    for first, line in enumerate(lines):
-        if not line.strip():
-            continue
+    written = [(number, line) for number, line in enumerate(lines) if line.strip()]
+    for place, (first, line) in enumerate(written):
         delimiter = _find_delimiter(line)
         fields = split_fields(line, delimiter)
-        follower = next((text for text in lines[first + 1 :] if text.strip()), line)
+        follower = written[min(place + 1, len(written) - 1)][1]
         below = split_fields(follower, delimiter)
         if not len(fields) == len(below) > 1 or not (_is_data(fields) and _is_data(below)):
             continue
-        with_comma = [field for field in fields if _DECIMAL_COMMA.match(field)]
-        if delimiter != "," and with_comma:
-            raise refuse(
-                path,
-                f"line {first + 1} has decimal commas ({with_comma[0]}): "
-                "write numbers with a point",
-            )
-        names, units = _read_header(lines[:first], delimiter, len(fields))
-        return Layout(delimiter, first, names, units)
+        data = [split_fields(text, delimiter) for _, text in written[place:]]
+        decimal = _find_decimal(path, first, data)
+        header = [text for _, text in written[:place]]
+        if delimiter == "," and header and decimal == ".":
+            _refuse_commas_for_all(path, first, fields, header[-1])
+        names, units = _read_header(header, delimiter, len(fields))
+        return Layout(delimiter, first, names, units, decimal)
     raise refuse(
         path,
         "has no table of numbers (at least two lines and two columns, separated by commas, "
@@ -134,13 +144,54 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
     )
 
 
+def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
+    """The decimal character of the numbers at the beginning of the data.
+
+    Raises
+    ------
+    InputError
+        If some have a comma and others a point, or a comma may stand between thousands.
+    """
+    commas = [field for fields in data for field in fields if _DECIMAL_COMMA.match(field)]
+    if not commas:
+        return "."
+    points = (f for fields in data for f in fields if "." in f and _NUMBER.match(f))
+    point = next(points, None)
+    hint = "write numbers with a point, and no other character"
+    if point is not None:
+        if commas[0] not in data[0]:
+            return "."  # a text further down
+        raise refuse(path, f"line {first + 1} on has numbers like {commas[0]} and {point}: {hint}")
+    if all(_THOUSANDS.match(field) for field in commas):
+        whole = commas[0].replace(",", "")
+        point = commas[0].replace(",", ".")
+        raise refuse(path, f"is {commas[0]} from line {first + 1} on {whole} or {point}? {hint}")
+    return ","
+
+
+def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: str) -> None:
+    """Raise if commas stand between the columns and inside the numbers: `0,05,1,25` is not clear.
+
+    The sign is a header with a time and fewer names than the numbers below it have parts.
+    """
+    names = split_fields(header.lstrip("#!%").strip(), ",")
+    parts = len(fields)
+    whole = all(_INTEGER.match(field) for field in fields)
+    if whole and len(names) < parts <= 2 * len(names) and any(map(_TIME.match, names)):
+        raise refuse(
+            path,
+            f"line {first + 1} has {parts} numbers below {len(names)} names: if these are decimal "
+            "commas, write numbers with a point, or semicolons between the columns",
+        )
+
+
 def _find_delimiter(line: str) -> str:
     for candidate in (";", "\t"):
         if candidate in line.strip():
             return candidate
-    # "1,5 2,25" is separated by blanks and has decimal commas; "1,2, 3" is separated by commas
+    # "1 2,25" is separated by blanks and has decimal commas; "1,2, 3" is separated by commas
     blanks = line.split()
-    if len(blanks) > 1 and all(_DECIMAL_COMMA.match(field) for field in blanks):
+    if len(blanks) > 1 and all(_NUMBER.match(f) or _DECIMAL_COMMA.match(f) for f in blanks):
         return " "
     return "," if "," in line else " "
 
@@ -152,16 +203,19 @@ def _is_data(fields: list[str]) -> bool:
 
 
 def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
-    """Names and units from the lines above the data; without names, columns are 1, 2, 3, ..."""
-    rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above if line.strip()]
+    """Read names and units of `count` columns from the lines above the data.
+
+    Without names, the columns are called 1, 2, 3, ...
+    """
+    rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above[-2:]]
     units = [""] * count
-    if rows and len(rows[-1]) == count and all(_BRACKETED.match(f) or not f for f in rows[-1]):
+    if rows and len(rows[-1]) == count and _holds_units(rows):
         units = [field.strip("[]() ") for field in rows.pop()]
     if not rows or len(rows[-1]) != count:
         return tuple(str(number + 1) for number in range(count)), tuple(units)
     names = []
     for place, field in enumerate(rows[-1]):
-        parts = _UNIT_AT_END.match(field)
+        parts = _UNIT_AT_END.match(field[:LONGEST_NAME])
         if parts and parts[1] and not units[place]:
             names.append(parts[1])
             units[place] = parts[2].strip()
@@ -170,41 +224,51 @@ def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[st
     return number_repeats(names), tuple("" if unit in ("-", "none") else unit for unit in units)
 
 
+def _holds_units(rows: list[list[str]]) -> bool:
+    """Whether the last of these rows holds units: in brackets, or below a row of as many names."""
+    last = [field for field in rows[-1] if field not in ("", "-")]
+    if all(_BRACKETED.match(field) for field in last):
+        return True
+    named = len(rows) > 1 and len(rows[-2]) == len(rows[-1])
+    return named and all(find_dimension(field.strip("[]() ")) for field in last)
+
+
 def _load_delimited(
     path: Path, layout: Layout, names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """Load columns with pyarrow, block by block, so that only the wanted ones use memory."""
-    import pyarrow as pa
-    from pyarrow import csv
+    """Load columns with pyarrow, block by block, so that only the wanted ones use memory.
 
+    Its own streaming reader would read the file in a thread that may outlive an error.
+    """
+    import pyarrow as pa
+    from pyarrow import csv as arrow_csv
+
+    convert = arrow_csv.ConvertOptions(
+        include_columns=list(names),
+        column_types={name: pa.float64() for name in names},
+        null_values=list(MISSING),
+        decimal_point=layout.decimal,
+    )
+    parse = arrow_csv.ParseOptions(delimiter=layout.delimiter)
     columns: dict[str, Array] = {name: np.empty(0) for name in names}
-    count = 0
-    try:
-        with _open(path) as file:
-            reader = csv.open_csv(
-                pa.PythonFile(file, mode="r"),
-                read_options=csv.ReadOptions(
-                    skip_rows=layout.first, column_names=list(layout.names), block_size=1 << 22
-                ),
-                parse_options=csv.ParseOptions(delimiter=layout.delimiter),
-                convert_options=csv.ConvertOptions(
-                    include_columns=list(names),
-                    column_types={name: pa.float64() for name in names},
-                    null_values=list(MISSING),
-                ),
-            )
-            for batch in reader:
-                stop = count + batch.num_rows
-                for name in names:
-                    if stop > len(columns[name]):
-                        columns[name] = _lengthen(columns[name], count, stop)
-                    # a copy, so that Arrow can reuse its block
-                    columns[name][count:stop] = batch.column(name).to_numpy(zero_copy_only=False)
-                count = stop
-                if rows is not None and count >= rows:
-                    break
-    except (pa.ArrowInvalid, OSError, EOFError) as error:
-        raise _not_numbers(path, error) from None
+    count, skipped = 0, layout.first
+    for block in read_blocks(path):
+        if not block.strip():
+            continue
+        how = arrow_csv.ReadOptions(skip_rows=skipped, column_names=list(layout.names))
+        skipped = 0
+        try:
+            table = arrow_csv.read_csv(pa.BufferReader(block), how, parse, convert)
+        except pa.ArrowException as error:
+            raise _not_numbers(path, error) from None
+        stop = count + table.num_rows
+        for name in names:
+            if stop > len(columns[name]):
+                columns[name] = _lengthen(columns[name], count, stop)
+            columns[name][count:stop] = table.column(name).to_numpy()
+        count = stop
+        if rows is not None and count >= rows:
+            break
     stop = count if rows is None else min(rows, count)
     return {name: column[:stop] for name, column in columns.items()}
 
@@ -214,9 +278,9 @@ def _not_numbers(path: Path, error: Exception) -> InputError:
 
 
 def _lengthen(column: Array, count: int, least: int) -> Array:
-    """Copy the first `count` values to an array twice as long, of at least `least` values.
+    """Copy the first `count` values to an array twice as long, or of length `least` if longer.
 
-    The unused part takes no memory until it is written to.
+    The rest of the array takes no memory until values are written to it.
     """
     result = np.empty(max(2 * len(column), least))
     result[:count] = column[:count]
@@ -230,11 +294,14 @@ def _load_blanks(
     import pandas as pd
 
     try:
-        with _open(path) as file:
+        with TextStream(path) as stream:
             frame = pd.read_csv(
-                file, sep=r"\s+", skiprows=layout.first, header=None, names=layout.names,
+                stream, sep=r"\s+", skiprows=layout.first, header=None, names=layout.names,
                 usecols=list(names), nrows=rows, dtype="float64", na_values=list(MISSING),
+                decimal=layout.decimal, encoding_errors="replace",
             )  # fmt: skip
-    except (ValueError, OSError, EOFError, pd.errors.ParserError) as error:
+    except InputError:
+        raise
+    except (ValueError, pd.errors.ParserError) as error:
         raise _not_numbers(path, error) from None
     return {name: frame[name].to_numpy(dtype=float) for name in names}

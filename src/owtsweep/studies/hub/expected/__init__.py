@@ -1,1 +1,1 @@
-"""The expected engine: it computes the mean over infinitely many records without any record."""
+"""The expected engine: computes means over infinitely many records without making any record."""

@@ -1,4 +1,7 @@
-"""The tables of an expected study. Columns are those of a study of records, without intervals."""
+"""Makes the tables of a study that is run by the expected engine.
+
+The columns are those of a study with records, but there are no confidence intervals.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +27,8 @@ if TYPE_CHECKING:
 
     from owtsweep.studies.hub.config import HubConfig
 
-#: Two schemes are distinguishable if they differ by more than this (relative), which is the
-#: accuracy of the curves.
+#: Two schemes are distinguishable if their MSE differs by more than this, relatively. It is the
+#: accuracy of the expected errors.
 RESOLUTION = 1e-3
 #: In grids of more cells than this, summary.csv holds only the measures that the map judges. All
 #: measures would make millions of rows.
@@ -34,17 +37,18 @@ MOST_CELLS = 2000
 
 @dataclass(frozen=True)
 class Expected:
-    """Expected MSE = N^2 motion + noise at amplitude N.
+    """The expected mean square errors of schemes, of one measure in one window.
+
+    At amplitude N the expected MSE is N^2 motion + noise.
 
     Attributes
     ----------
     schemes
-        (s,) schemes with results, in the study's order.
+        The schemes with results, in the study's order.
     periods
-        (p,) natural periods, s, increasing.
+        Natural periods, s, increasing.
     motion, noise
-        (s, p) each: mean square errors from motion of 1 m and from noise, of one measure in one
-        window.
+        Mean square errors due to motion of 1 m and due to noise, shape (schemes, periods) each.
     """
 
     schemes: tuple[str, ...]
@@ -53,13 +57,13 @@ class Expected:
     noise: Array
 
     def at(self, amplitudes: Array) -> Array:
-        """Expected MSE, (s, p, amplitudes)."""
+        """Compute the expected MSE at amplitudes, shape (schemes, periods, amplitudes)."""
         N = np.asarray(amplitudes, dtype=float)
         return np.asarray(superpose(self.motion[..., None], 0.0, self.noise[..., None], N))
 
 
 def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
-    """Select one measure and one window from the rows of a study."""
+    """Select one measure and one window from the rows of a study; return the schemes' errors."""
     # plain text instead of the store's categories, which sort differently
     rows = rows.astype(dict.fromkeys(("scheme", "measure", "window"), object))
     used = rows[(rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)]
@@ -74,10 +78,11 @@ def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: s
 
 @dataclass(frozen=True)
 class Verdict:
-    """The best scheme of every cell: arrays (periods, amplitudes) of scheme numbers.
+    """The best scheme and the runner-up in every cell; arrays have the shape (periods, amplitudes).
 
-    `runner_up` is -1 where there is only one scheme. `distinguishable` says whether best and
-    runner-up differ by more than `RESOLUTION`.
+    `best` and `runner_up` are indices of schemes; `runner_up` is -1 where there is only one scheme.
+    `mse_best` and `mse_runner_up` are their MSE. `distinguishable` says whether the two MSE differ
+    by more than `RESOLUTION`.
     """
 
     best: NDArray[np.int64]
@@ -88,10 +93,10 @@ class Verdict:
 
 
 def judge(values: Array) -> Verdict:
-    """Find the least MSE and the next, from values (schemes, periods, amplitudes).
+    """Find the scheme of least MSE and the next, given MSE of shape (schemes, periods, amplitudes).
 
-    Schemes that agree up to rounding count as one, under the last of their names. The runner-up is
-    the best scheme that does not coincide with the winner (`statistics.contest`).
+    Schemes that agree up to rounding count as one scheme, under the last of their names. The
+    runner-up is the best scheme that does not coincide with the winner (`statistics.contest`).
     """
     result = contest(values.reshape(len(values), -1, 1))
     clear = result.difference > RESOLUTION * result.mse_best
@@ -100,7 +105,10 @@ def judge(values: Array) -> Verdict:
 
 
 def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """The tables summary and best_scheme. There are no records: intervals are NaN and n is 0."""
+    """Make the tables summary and best_scheme.
+
+    There are no records, so confidence intervals are NaN and the number of replicates, n, is 0.
+    """
     from owtsweep.studies.hub import criteria, scheme_names
 
     window, measure = config.measures.window, config.measures.criterion
@@ -113,7 +121,10 @@ def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
 def best_scheme(
     rows: pd.DataFrame, schemes: Sequence[str], criteria: Sequence[str], grid: Grid, window: str
 ) -> pd.DataFrame:
-    """The best scheme of every cell, as in a study of records, but by `RESOLUTION`."""
+    """Make the table of the best scheme in every cell, as in a study with records.
+
+    Unlike there, two schemes are distinguishable if their MSE differs by more than `RESOLUTION`.
+    """
     table = find_best_schemes(Cube.of_rows(rows, schemes, CONDITIONS, grid), window, criteria)
     clear = table["difference"] > RESOLUTION * table["mse_best"]
     return table.assign(distinguishable=clear)
@@ -122,7 +133,10 @@ def best_scheme(
 def coinciding(
     rows: pd.DataFrame, schemes: Sequence[str], window: str, criteria: Sequence[str]
 ) -> list[tuple[str, ...]]:
-    """Groups of schemes whose motion and noise coincide, in the order of `schemes`."""
+    """Find groups of schemes whose errors due to motion and due to noise coincide by all criteria.
+
+    The members of a group are in the order of `schemes`.
+    """
     curves = [expected(rows, schemes, criterion, window) for criterion in criteria]
     names = curves[0].schemes
     marks = np.concatenate([np.hstack([one.motion, one.noise]) for one in curves], axis=1)

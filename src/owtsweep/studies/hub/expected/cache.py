@@ -1,7 +1,7 @@
-"""A cache, in memory and in the user's cache folder, of results that take seconds to compute.
+"""Caches results that take seconds to compute, in memory and in the user's cache folder.
 
-A file's name is a hash of everything that its numbers depend on, this program's source included, so
-an edited program never reads old numbers. A damaged file is computed again.
+A file's name is a hash of everything that its numbers depend on, this program's source included.
+So an edited program never reads old numbers. If a file is damaged, its numbers are computed again.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 
-#: Greatest number of entries in memory. The folder has no limit; the user may empty it.
+#: Greatest number of entries in memory. The cache folder has no limit; the user may empty it.
 KEPT = 64
 #: Files and folders of the package with the code that the cached numbers depend on.
 SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
@@ -30,7 +30,10 @@ SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
 
 @dataclass
 class Entry:
-    """Arrays in memory, None until they are known; who computes them holds the lock."""
+    """An entry of the cache in memory: arrays by name, None until they are known.
+
+    The thread that reads or computes the arrays holds the lock.
+    """
 
     lock: threading.Lock = field(default_factory=threading.Lock)
     arrays: dict[str, Array] | None = None
@@ -38,25 +41,28 @@ class Entry:
 
 @lru_cache(KEPT)
 def find_entry(key: str) -> Entry:
-    """The entry of a key, empty at first; `find_entry.cache_clear` empties the memory."""
+    """Return the entry of a key; a new entry has no arrays.
+
+    `find_entry.cache_clear` forgets all entries.
+    """
     return Entry()
 
 
 def folder() -> Path:
-    """The folder of the cached files."""
+    """Return the folder of the cached files."""
     base = os.environ.get("XDG_CACHE_HOME")
     return (Path(base) if base else Path.home() / ".cache") / "owtsweep" / "expected"
 
 
 def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> dict[str, Array]:
-    """Return arrays by name; compute them unless they are stored.
+    """Return arrays by name: from memory, else from a file, else computed and then stored.
 
     Parameters
     ----------
     what
-        Everything that the arrays depend on besides this program; JSON-serialisable.
+        Everything that the arrays depend on besides this program; must be JSON-serialisable.
     compute
-        Computes the arrays.
+        Function that computes the arrays.
     """
     text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
@@ -96,7 +102,10 @@ def _write(path: Path, arrays: Mapping[str, Array]) -> None:
 
 @cache
 def source_hash() -> str:
-    """Hash of the code that expected errors depend on, and of the numerical libraries."""
+    """Return a hash of the code that expected errors depend on, and of the libraries' versions.
+
+    The libraries are NumPy and SciPy.
+    """
     import scipy
 
     package = Path(__file__).resolve().parents[3]

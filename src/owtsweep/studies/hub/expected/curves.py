@@ -1,8 +1,9 @@
-"""Expected errors of a scheme from motion and from each noise, for records of a given length.
+"""Computes a scheme's expected errors, due to motion and to each noise, for records of one length.
 
 Gains, initial states and windows are those of a simulated record, so the expectation holds whether
-or not the scheme settles within the record. There are two approximations: curves are interpolated
-between their nodes, and a response that has become periodic is assumed to stay periodic.
+or not the scheme settles within the record. There are two approximations. Curves (errors at each
+frequency) are interpolated between nodes. A response that has become periodic is assumed to stay
+periodic.
 """
 
 from __future__ import annotations
@@ -20,33 +21,36 @@ from owtsweep.studies.hub.expected.inputs import Probe
 from owtsweep.studies.hub.expected.probing import Workspace
 from owtsweep.studies.hub.sensors import fix_count
 
-#: An interval is halved where interpolation at its middle is wrong by more than this: relative to
-#: the curve for motion, and to the whole sum for noise.
+#: An interval between two nodes is halved if interpolation at its middle is wrong by more than
+#: this: relative to the curve (for motion), or to the whole sum (for noise).
 MOTION_TOLERANCE = 2e-3
 NOISE_TOLERANCE = 1e-4
-#: The random walk of a bias is computed up to this frequency, in units of the fix rate. Its energy
-#: at higher frequencies is at most 1e-4 of the total.
+#: The errors due to a bias' random walk are computed up to this frequency, in units of the fix
+#: rate. Higher frequencies have at most 1e-4 of the walk's energy.
 WALK_TO = 1.0
 
 
 @dataclass(frozen=True)
 class Curves:
-    """Expected errors of one scheme for records of one length, per measure and window.
+    """The expected errors of one scheme for records of one length.
 
-    Arrays have the axes (measure: position, velocity; window: full, settled).
+    Arrays have two axes of length 2: measure (position, velocity) and window (full, settled). Of
+    two units, the first is for position and the second for velocity.
 
     Attributes
     ----------
     frequency
-        (n,) Hz.
+        Frequencies, Hz, shape (n,).
     motion
-        (2, 2, n): mean square error divided by the mean square of a sinusoidal displacement of
-        random phase, along the direction of motion; m^2 per m^2 and s^-2.
+        Mean square error due to a sinusoidal displacement of random phase, divided by the
+        displacement's mean square, along the direction of motion; m^2 per m^2 and s^-2; shape
+        (2, 2, n).
     noise
-        (3, 2, 2): error variance of one axis from GNSS noise, IMU noise and the walk of the IMU's
-        bias, m^2 and (m/s)^2.
+        Error variance of one axis due to GNSS noise, IMU noise and the random walk of the IMU's
+        bias; m^2 and (m/s)^2; shape (3, 2, 2).
     constant
-        (2, 2): mean square error of one axis per squared constant force, s^4 and s^2.
+        Mean square error of one axis due to a constant specific force, divided by the square of the
+        force; s^4 and s^2; shape (2, 2).
     """
 
     frequency: Array
@@ -55,14 +59,14 @@ class Curves:
     constant: Array
 
     def at(self, frequency: Array) -> Array:
-        """`motion` at other frequencies of the band, (2, 2, n)."""
+        """Interpolate `motion` at other frequencies of the band (Hz), shape (2, 2, n)."""
         return _between(frequency, self.frequency, self.motion)
 
 
 def curves(
     chain: Chain, sensors: Sensors, *, steps: int, settled: int, band: tuple[float, float]
 ) -> Curves:
-    """Compute the curves of a chain by running it on test inputs.
+    """Compute the expected errors of a chain by running it on test inputs.
 
     Parameters
     ----------
@@ -90,7 +94,7 @@ def curves(
 
 
 class _Prober:
-    """Runs one chain on the test inputs of records of one length."""
+    """Runs one chain on test inputs that are as long as a record."""
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
         self.sensors, self.steps = sensors, steps
@@ -98,7 +102,10 @@ class _Prober:
         self.energies = Workspace(chain, sensors, steps, settled).energies
 
     def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
-        """The nodes over the band and the error energies there."""
+        """Compute the sums of squared errors due to motion at nodes in the band (Hz).
+
+        Return the frequencies of the nodes (Hz) and the sums, axes (measure, window, node).
+        """
 
         def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
             return np.asarray(
@@ -112,28 +119,37 @@ class _Prober:
         return nodes.refined(first, answer(first), answer, _between, wrong)
 
     def fixes(self) -> Array:
-        """Error energies from fixes of variance 1, (measure, window)."""
+        """Compute the sums of squared errors due to noise of variance 1 in the position fixes.
+
+        The axes of the result are measure, window.
+        """
         count = fix_count(self.steps, self.sensors.fix_interval)
         per_number = 1.0 / (count * self.sensors.fix_step)
         return self._phasors(count, per_number, lambda n: inputs.fixes(n, count, self.sensors))
 
     def forces(self) -> Array:
-        """Error energies from IMU samples of variance 1, (measure, window)."""
+        """Compute the sums of squared errors due to white noise of variance 1 in the IMU's samples.
+
+        The axes of the result are measure, window.
+        """
         per_number = 1.0 / (self.steps * self.sensors.step)
         return self._phasors(self.steps, per_number, lambda n: inputs.forces(n, self.steps))
 
     def _phasors(self, count: int, per_number: float, probe: Callable[[Array], Probe]) -> Array:
-        """Sum over a basis of `count` phasors; numbers n and count - n have equal energies."""
+        """Sum squared errors over a basis of `count` phasors, given by `probe(number)`.
+
+        The phasors number n and count - n have equal errors.
+        """
         number = np.arange(1.0, count // 2 + 1.0)
         weight = np.where(2.0 * number == count, 1.0, 2.0) / count
         constant = self.energies(probe(np.zeros(1)))[..., 0] / count
         return constant + self._sum(weight, per_number, probe)
 
     def walks(self) -> Array:
-        """Error energies from a Wiener process with increments of variance 1, (measure, window).
+        """Compute the sums of squared errors due to a Wiener process with increments of variance 1.
 
-        Its covariance min(k, l) has the eigenvectors sin(angle k) with the eigenvalues 1 / (2 - 2
-        cos angle).
+        The axes of the result are measure, window. The covariance min(k, l) of the Wiener process
+        has the eigenvectors sin(angle k) with the eigenvalues 1 / (2 - 2 cos angle).
         """
         last = self.steps - 1
         per_number = 0.5 / (self.steps * self.sensors.step)
@@ -144,7 +160,10 @@ class _Prober:
         return self._sum(weight, per_number, lambda n: inputs.walks(n, self.steps))
 
     def _sum(self, weight: Array, per_number: float, probe: Callable[[Array], Probe]) -> Array:
-        """Sum of weight x energy over all basis vectors 1, 2, ...; most are interpolated."""
+        """Sum weight x squared error over the basis vectors number 1, 2, ...
+
+        The chain is run on some basis vectors; the squared errors of the others are interpolated.
+        """
 
         def answer(number: Array) -> Array:
             return self.energies(probe(number))
@@ -171,7 +190,11 @@ class _Prober:
 
 
 def _between(x: Array, at: Array, values: Array) -> Array:
-    """Interpolate positive curves (..., n): monotone cubic in the logarithms of both axes."""
+    """Interpolate positive curves at x, given their values (..., n) at the n nodes `at`.
+
+    Interpolation is by monotone cubics in the logarithms of both axes. Beyond the first and the
+    last node, curves are constant.
+    """
     from scipy.interpolate import PchipInterpolator
 
     logs = np.log(np.maximum(values, np.finfo(float).tiny))

@@ -1,4 +1,4 @@
-"""The figures of an expected study."""
+"""Draws the figures of a study that is run by the expected engine."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
     from owtsweep.studies.hub.config import HubConfig
 
-#: Points of a smooth map along each axis.
+#: Number of points along each axis of a smooth map (picture of the best schemes).
 FINE = 200
-#: In grids of more periods than this, no figure per period is drawn.
+#: In grids of more natural periods than this, no figure per period is drawn.
 MOST_PERIODS = 12
 
 
@@ -33,7 +33,10 @@ def drawings(
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """Figure name -> function that draws it: the maps, MSE over amplitude and the error spectra."""
+    """Return figure name -> function that draws the figure.
+
+    The figures are the maps of the best schemes, MSE against amplitude, and the error spectra.
+    """
     from owtsweep.studies.hub.figures import error_spectra
 
     same = answers.coinciding(rows, scheme_names(config), config.measures.window, criteria(config))
@@ -51,7 +54,11 @@ def drawings(
 def draw_map(
     config: HubConfig, tables: Mapping[str, pd.DataFrame], rows: pd.DataFrame, criterion: str
 ) -> Figure:
-    """Draw a smooth map over the grid's range, or cells if the range is a point or has gaps."""
+    """Draw the map of the best schemes: amplitude (upwards) against natural period (across).
+
+    The map is smooth. If the grid has only one period or amplitude, or the spectrum exists only at
+    some periods, cells are drawn instead.
+    """
     from owtsweep.figures import smooth_map, style
 
     names, window, grid = scheme_names(config), config.measures.window, config.grid

@@ -1,7 +1,7 @@
-"""The engine `expected`: the blocks of work of a study without records, and the rows they give.
+"""The engine `expected`: plans the blocks of work of a study without records, and makes their rows.
 
 There is one block per scheme, with all natural periods. Most of the time goes into the curves of a
-scheme, which do not depend on the period.
+scheme (its errors at each frequency), which do not depend on the period.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}
 
 
 def plan(config: HubConfig) -> list[Block]:
-    """One block per scheme."""
+    """Return the blocks of a study: one block per scheme, with all natural periods."""
     shared = sampled.shared_content(config)
     if config.normalise == "peak":
         shared["peak_records"] = RECORDS
@@ -64,14 +64,14 @@ def plan(config: HubConfig) -> list[Block]:
 
 
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Compute the rows of some schemes."""
+    """Compute the rows of some blocks; yield each block with its rows."""
     for block in blocks:
         name, periods = block.content["scheme"], block.content["natural_periods"]
         yield block, rows(config, name, periods)
 
 
 def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -> pd.DataFrame:
-    """`rows` of several schemes; curves that are not in the cache are computed on all cores.
+    """Compute the rows of several schemes, on all cores, as `rows` does for one scheme.
 
     The kernels release the GIL, so threads run in parallel.
     """
@@ -79,17 +79,18 @@ def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -
         if config.normalise == "peak":
             for rung in ladder(config, periods):  # ready by the time that the rows need them
                 pool.submit(factor_at, config, rung)
-        # The slowest schemes are usually listed last. Start with them, so that no core is idle at
-        # the end.
+        # The slowest schemes are usually listed last. They are started first, so that no core is
+        # idle at the end.
         parts = list(pool.map(lambda name: rows(config, name, periods), names[::-1]))
     return pd.concat(parts[::-1], ignore_index=True)
 
 
 def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame:
-    """One row per natural period, measure and window: motion at 1 m, noise, and a cross term of 0.
+    """Compute the rows of a scheme: one row per natural period (s), measure and window.
 
-    Each further natural period costs only a sum over the scheme's curves, without a loop over
-    steps.
+    A row has the mean square errors due to motion of 1 m and due to noise, and 0 as their mean
+    product. Each further natural period costs only a sum over the scheme's curves, without a loop
+    over steps. If an error is not finite, there is one row with the status "failed".
     """
     sensors = sensing.sensors(config.sensors)
     curve = curves_of(config, name)
@@ -134,7 +135,10 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
 
 
 def curves_of(config: HubConfig, name: str) -> Curves:
-    """The curves of a scheme of the study, cached."""
+    """Compute the curves (expected errors) of a scheme of the study, or read them from the cache.
+
+    `name` is the scheme's name.
+    """
     sensors = sensing.sensors(config.sensors)
     steps = round(config.record.duration / sensors.step)
     settled = round(config.measures.settling_time / sensors.step)
@@ -161,7 +165,10 @@ def curves_of(config: HubConfig, name: str) -> Curves:
 
 
 def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Array:
-    """Expected mean square error from motion of amplitude 1 m, (periods, measure, window)."""
+    """Compute the expected mean square error due to motion of amplitude 1 m.
+
+    The axes of the result are natural period, measure, window.
+    """
     lines = lines_of((config.band[0], config.band[1]), config.record.duration)
     at_lines = curve.at(lines.frequency)
     kind, bandwidth = config.spectrum.kind, config.spectrum.bandwidth

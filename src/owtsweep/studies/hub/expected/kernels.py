@@ -1,8 +1,9 @@
-"""Compiled loops of the expected engine: sinusoids, the chain's estimates, and squared errors.
+"""The compiled loops of the expected engine: sinusoids, the chain's estimates, squared errors.
 
-One call runs two groups of eight lanes through a long part of the record. Sinusoids are made just
-before the chain needs them, in buffers that stay in the processor's cache, and errors are squared
-as soon as they are computed. The structures are those of `expected.layout` and `kernels.layout`.
+One call runs two groups of eight lanes (a cosine or a sine in each lane) through a long part of the
+record. Sinusoids are made just before the chain needs them, in buffers that stay in the processor's
+cache, and errors are squared as soon as they are computed. The structures are those of
+`expected.layout` and `kernels.layout`.
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ from owtsweep.vectors.lanes import borrowed, groups, load, store
 
 @njit
 def advance(k0, stop, judged, course, waves, buffers, chain, memory):
-    """Run two groups from step k0 until their response repeats, or up to the step `stop`.
+    """Run two groups of lanes from step k0 until their response repeats, or up to the step `stop`.
 
-    Whether it repeats is first tested after the chunk that reaches the step `judged`, and then
-    every `course.every` steps.
+    Whether the response repeats is first tested after the chunk that reaches the step `judged`, and
+    then every `course.every` steps.
 
     Returns
     -------
@@ -53,9 +54,11 @@ def advance(k0, stop, judged, course, waves, buffers, chain, memory):
 
 @njit
 def repeats(newest, lanes, tolerance, ring):
-    """Whether the sums of all complete cycles in the ring are equal, in each of the first `lanes`.
+    """Return whether, in each of the first `lanes` lanes, all complete cycles have equal sums.
 
-    `newest` is the number of the cycle that is not complete.
+    `ring` holds the sums of squared errors of the newest cycles; sums are equal if they agree to
+    the relative tolerance. `newest` is the number of the last cycle, which is not complete and does
+    not count.
     """
     slots = ring.shape[0] // 4
     for row in range(4):
@@ -75,7 +78,7 @@ def repeats(newest, lanes, tolerance, ring):
 
 @njit
 def _move(buffers, first, stop):
-    """Move the rows first ... stop - 1 to the beginning of each buffer."""
+    """Copy the rows first ... stop - 1 to the beginning of each buffer."""
     rows = borrowed(buffers)
     for i in range(first, stop):
         store(rows, i - first, load(rows, i))
@@ -83,10 +86,12 @@ def _move(buffers, first, stop):
 
 @njit
 def make_waves(stop, waves, buffers):
-    """Fill the rows of force (and wave, if there is a truth) up to the step stop - 1.
+    """Fill the rows of `buffers.force` with sinusoids, up to the step stop - 1.
 
-    The sinusoids are rotated by their angle from step to step. They start afresh from `starts` in
-    every block, so that rounding errors do not accumulate. Between calls `now` holds them.
+    If the estimates should follow the sinusoids (waves.truth), `buffers.wave` is filled too. The
+    sinusoids are rotated by their angle from step to step. In every block they start anew from
+    `waves.starts`, so that rounding errors do not accumulate. Between calls `waves.now` holds the
+    sinusoids of the next step.
     """
     base, k = buffers.filled[0], buffers.filled[1]
     phasor, keep = waves.phasor, waves.truth
@@ -128,10 +133,11 @@ def make_waves(stop, waves, buffers):
 
 @njit
 def add_squares(k0, count, course, waves, buffers, output):
-    """Add the squared errors of a chunk to the sums of the record and of the cycle.
+    """Add the squared errors of a chunk to the sums of the record and of the present cycle.
 
-    If there is a truth, the wave is the true position and its time derivative the true velocity.
-    For phasors, the squares of cosine and sine are added together in group 0.
+    If waves.truth is set, the wave is the true position and its time derivative is the true
+    velocity; otherwise both are zero. For phasors, the squares of cosine and sine are added
+    together in group 0.
     """
     settled, cycle, base, ring = course.settled, course.cycle, buffers.filled[0], buffers.ring
     phasor, truth = waves.phasor, waves.truth

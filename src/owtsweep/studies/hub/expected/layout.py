@@ -12,14 +12,28 @@ from owtsweep.studies.hub.kernels.layout import Groups
 
 
 class Waves(NamedTuple):
-    """The sinusoids of two groups of lanes.
+    """The sinusoids of two groups of eight lanes.
 
-    starts (4 blocks, 8): cosines and sines of both groups where blocks begin; now (4, 8): those of
-    the step that comes next; turn_gain (6, 8): cosines and sines of an angle per step, and the
-    factors that turn sinusoids into forces; rate (1, 8): angular frequencies, rad/s; block: the
-    number of steps in a block. moving: whether there is any force. phasor: whether group 0 holds
-    cosines and group 1 their sines; else each holds eight different sines. truth: whether the
-    estimates should follow them.
+    Attributes
+    ----------
+    starts
+        Cosines and sines of both groups at the first step of each block, shape (4 blocks, 8).
+    now
+        Cosines and sines of both groups at the next step, shape (4, 8).
+    turn_gain
+        Cosines and sines of the angle per step, and factors that turn sinusoids into forces, of
+        both groups, shape (6, 8).
+    rate
+        Angular frequencies, rad/s, shape (1, 8).
+    block
+        Number of steps in a block.
+    moving
+        Whether any force differs from zero.
+    phasor
+        Whether group 0 holds cosines and group 1 the sines of the same angles. Otherwise each group
+        holds eight different sines.
+    truth
+        Whether the estimates should follow the sinusoids.
     """
 
     starts: Array
@@ -33,12 +47,24 @@ class Waves(NamedTuple):
 
 
 class Course(NamedTuple):
-    """How two groups are run, and when their response is tested for repetition. Numbers are steps.
+    """The plan by which two groups of lanes are run and tested for a response that repeats.
 
-    lead: rows that a chunk needs before its first step; chunk: steps computed at a time; settled:
-    the first settled step; cycle: steps after which the chain's gains, fixes and MHE repeat; every:
-    steps between two tests; lanes: how many are in use; tolerance: the largest relative change of a
-    cycle's energy that counts as none.
+    Attributes
+    ----------
+    lead
+        Number of steps before a chunk whose force the chunk needs.
+    chunk
+        Number of steps computed at a time.
+    settled
+        The first settled step.
+    cycle
+        Number of steps after which the chain's gains, fixes and MHE repeat.
+    every
+        Number of steps from one test to the next.
+    lanes
+        Number of lanes in use.
+    tolerance
+        Cycles repeat if their sums of squared errors differ by at most this, relatively.
     """
 
     lead: int
@@ -51,12 +77,22 @@ class Course(NamedTuple):
 
 
 class Buffers(NamedTuple):
-    """The working memory of two groups.
+    """The working memory of two groups of eight lanes.
 
-    filled (2,): the step of row 0 of force and wave, and the step up to which they are filled;
-    force, wave (rows, 8) of each group; fixes (fixes, 8) of each group; sums (8, 8) with the rows
-    (2 parts of the record, 2 measures, 2 groups); ring (4 slots, 8), slots of (2 measures, 2
-    groups): the sums of the newest cycles, with cycle q in slot q % slots.
+    Attributes
+    ----------
+    filled
+        The step in row 0 of `force` and `wave`, and the step up to which they are filled.
+    force, wave
+        Specific force, and the sinusoid itself; an array (rows, 8) for each group.
+    fixes
+        Position fixes; an array (fixes, 8) for each group.
+    sums
+        Sums of squared errors, shape (8, 8); the rows are 2 parts of the record (before and after
+        settling) x 2 measures x 2 groups.
+    ring
+        Sums of squared errors of the newest cycles, shape (4 slots, 8). Cycle number q is in slot
+        q % slots; a slot has the rows 2 measures x 2 groups.
     """
 
     filled: NDArray[np.int64]

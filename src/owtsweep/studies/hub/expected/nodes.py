@@ -1,8 +1,9 @@
-"""The nodes at which a curve is computed: first a coarse set, then more where needed.
+"""Chooses the nodes at which a curve is computed: first a coarse set, then more where needed.
 
-A curve may ripple (a memory that ends abruptly), peak (a poorly damped mode), or change over a
-frequency as small as one over the record's length (a slow mode, seen at multiples of the fix rate).
-The first nodes are dense enough to show each of these. Intervals are then halved until
+Nodes are frequencies or numbers of basis vectors. A curve may ripple (due to a memory that ends
+abruptly), have a peak (due to a poorly damped mode), or change within a range of frequencies as
+small as one over the record's duration (due to a slow mode, at multiples of the fix rate). The
+first nodes are dense enough to show all of these. Intervals between nodes are then halved until
 interpolation between two nodes is accurate enough.
 """
 
@@ -17,10 +18,10 @@ from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 
-#: First nodes per ripple, before any interval is halved.
+#: Number of first nodes per ripple, before any interval is halved.
 PER_RIPPLE = 2.5
-#: Widest spacing of the first nodes below the fix rate, in units of it, and first nodes per decade
-#: above the fix rate.
+#: Widest spacing of the first nodes below the fix rate, in units of the fix rate, and number of
+#: first nodes per decade above the fix rate.
 WIDEST = 0.02
 PER_DECADE = 8
 #: Greatest number of times that an interval is halved.
@@ -29,11 +30,17 @@ HALVINGS = 7
 
 @dataclass(frozen=True)
 class Scales:
-    """The widths (Hz) of the finest structures of a chain's curves, and its fix rate (Hz).
+    """The widths of the finest structures of a chain's curves.
 
-    `window`: the structure from its longest memory, visible below the fix rate. `lag`: the
-    structure from its smoother and predictor, visible at higher frequencies, which only the IMU
-    measures.
+    Attributes
+    ----------
+    window
+        Width due to the chain's longest memory, the MHE's window, Hz; seen below the fix rate.
+    lag
+        Width due to the smoother and the predictor, Hz; seen at higher frequencies, which only the
+        IMU measures.
+    rate
+        The fix rate: position fixes per second, Hz.
     """
 
     window: float
@@ -42,7 +49,7 @@ class Scales:
 
 
 def scales(chain: Chain, sensors: Sensors) -> Scales:
-    """The scales of a chain."""
+    """Compute the scales of a chain's curves."""
     rate = 1.0 / sensors.fix_step
     window = chain.mhe.horizon * sensors.fix_step if chain.mhe.active else 0.0
     lag = (chain.filter.window + chain.predictor.steps) * sensors.step
@@ -51,7 +58,10 @@ def scales(chain: Chain, sensors: Sensors) -> Scales:
 
 
 def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Array:
-    """First frequencies (Hz) over a band, both edges included."""
+    """Return the first nodes in a band of frequencies: increasing, both edges included, Hz.
+
+    `duration` is that of a record, s.
+    """
     low, high = band
     nodes = [np.geomspace(low, high, 8), _evenly(low, high, scales.window / PER_RIPPLE)]
     for multiple in range(1, int(high / scales.rate) + 2):
@@ -65,7 +75,10 @@ def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Arr
 
 
 def numbers(last: int, per_number: float, scales: Scales) -> Array:
-    """First nodes among the basis vectors 1 ... last, with frequencies number x per_number (Hz)."""
+    """Return the first nodes among the basis vectors number 1 ... last, increasing.
+
+    The frequency of a basis vector is its number times `per_number`, Hz.
+    """
     decades = np.log10(max(last, 2))
     nodes = [np.arange(1.0, min(last, 3) + 1.0), np.geomspace(1, last, int(PER_DECADE * decades))]
     for spacing, top in ((scales.window, scales.rate), (scales.lag, 6.0 * scales.lag)):
@@ -90,22 +103,30 @@ def refined(
     matters: Callable[[Array, Array, Array], Array] | None = None,
     whole: bool = False,
 ) -> tuple[Array, Array]:
-    """Halve intervals until interpolation is accurate; return the nodes and values of the curve.
+    """Halve the intervals between nodes until interpolation between nodes is accurate.
 
     Parameters
     ----------
     nodes, values
-        The first nodes, increasing, and the curve (..., n) there.
+        The first n nodes, increasing, and the curve's values there, shape (..., n).
     answer
-        Function that computes the curve at other nodes.
+        Function of nodes that computes the curve's values there.
     between
-        (x, nodes, values) -> interpolated values at x.
+        Function of (x, nodes, values) that interpolates the curve at x.
     wrong
-        (left, right, predicted, computed) -> (n,): whether interpolation is wrong at the middle.
+        Function of (left, right, predicted, computed): ends of intervals, and interpolated and
+        computed values in their middles. The function returns, for each interval, whether
+        interpolation is too inaccurate.
     matters
-        (left, right, predicted) -> (n,): whether to compute the middle at all.
+        Function of (left, right, predicted) that returns, for each interval, whether to compute the
+        curve in its middle; None to compute it in all.
     whole
         Whether nodes must be whole numbers.
+
+    Returns
+    -------
+    tuple of array
+        The nodes, increasing, and the curve's values there.
     """
     left, right = nodes[:-1], nodes[1:]
     for _ in range(HALVINGS):

@@ -1,8 +1,10 @@
-"""The mean square of records that are scaled to a greatest displacement of 1 m.
+"""Computes the mean square of records that are scaled to a greatest displacement of 1 m.
 
-It is (standard deviation / peak)^2, which needs synthesised records but no scheme. Its mean over
-records changes slowly with the natural period. So it is computed at a fixed ladder of periods and
-interpolated, and a result does not depend on which other periods a grid holds.
+The mean square of such a record is (standard deviation / peak)^2. The mean over records is called
+the peak factor. To compute it, records are synthesised, but no scheme is run. The peak factor
+changes slowly with the natural period. It is therefore computed at fixed periods, the rungs of a
+ladder, and interpolated between them. So a result does not depend on which other periods a grid
+holds.
 """
 
 from __future__ import annotations
@@ -24,14 +26,18 @@ from owtsweep.studies.hub.expected.cache import cached
 RECORDS = 400
 #: Rungs of the ladder per octave of period.
 PER_OCTAVE = 2
-#: Samples per shortest period of the band: a peak between two of them is at most 0.5 % higher.
+#: Samples per shortest period of the band: a peak between two samples is at most 0.5 % higher than
+#: the samples.
 SAMPLES = 32
 #: Name of the random stream; no record of a sweep uses it.
 STREAM = "phase of a peak factor"
 
 
 def peak_factors(config: HubConfig, periods: Sequence[float]) -> Array:
-    """Mean of (standard deviation / peak)^2 over the records of each natural period, (periods,)."""
+    """Compute the mean of (standard deviation / peak)^2 over records, for each natural period (s).
+
+    The factors, shape (periods,), are interpolated between the periods of `ladder`.
+    """
     result = []
     for period in periods:
         rungs = _list_rungs(config, period)
@@ -41,12 +47,15 @@ def peak_factors(config: HubConfig, periods: Sequence[float]) -> Array:
 
 
 def ladder(config: HubConfig, periods: Sequence[float]) -> list[float]:
-    """The fixed periods (rungs) from which the given periods are interpolated."""
+    """Return the fixed periods (rungs), s, that `peak_factors` needs for the given periods, s."""
     return sorted({rung for period in periods for rung in _list_rungs(config, period)})
 
 
 def _list_rungs(config: HubConfig, period: float) -> list[float]:
-    """The rungs on both sides of a period; the period itself if a spectrum has no others."""
+    """Return the rungs on both sides of a natural period, s.
+
+    A printed spectrum exists only at a few periods; then the period itself is the only rung.
+    """
     if config.spectrum.kind != "translated":
         return [period]
     rung = np.log2(period) * PER_OCTAVE
@@ -56,7 +65,10 @@ def _list_rungs(config: HubConfig, period: float) -> list[float]:
 
 
 def factor_at(config: HubConfig, period: float) -> float:
-    """Mean of (standard deviation / peak)^2 over records of exactly this period, cached."""
+    """Compute the mean of (standard deviation / peak)^2 over records of a natural period (s).
+
+    The result is cached.
+    """
     what: dict[str, Any] = {
         "what": "peak factor",
         "seed": config.seed,

@@ -1,4 +1,8 @@
-"""Runs a chain on the sinusoids of a probe and sums its squared errors over a record's windows."""
+"""Runs a chain on the sinusoids of a probe and sums its squared errors in a record's windows.
+
+A chain is a scheme as arrays for kernels. A probe is a test input: some sinusoids. Each sinusoid
+takes one or two lanes; kernels run two groups of eight lanes, a pair, at once.
+"""
 
 from __future__ import annotations
 
@@ -17,21 +21,23 @@ from owtsweep.studies.hub.kernels.layout import Memory, Registers, new_registers
 from owtsweep.studies.hub.sensors import fix_count
 from owtsweep.studies.hub.settled import cycle_of, filling
 
-#: Greatest number of lanes that run together until all have settled. Long records use fewer lanes,
-#: so that their inputs would have at most `MOST_INPUTS` numbers.
+#: Greatest number of lanes that run together until the responses of all repeat. For long records
+#: there are fewer lanes: lanes times steps is at most `MOST_INPUTS`.
 WIDTH = 32
 MOST_INPUTS = 16_000_000
-#: A response repeats if a cycle's energy changes by at most this (relative) over `JUDGED` cycles.
+#: A response repeats if a cycle's sum of squared errors changes by at most TOLERANCE, relatively,
+#: in JUDGED cycles.
 TOLERANCE = 1e-7
 JUDGED = 32
-#: Steps after which sinusoids start afresh, so that rounding errors do not accumulate.
+#: Number of steps after which sinusoids start anew, so that rounding errors do not accumulate.
 BLOCK = 2048
 
 
 class Workspace:
-    """Runs one chain on probes of records of one length.
+    """Runs one chain on probes (test inputs); all runs have the length of a record.
 
-    Its memory is reused by each run, because allocation takes time. Only one run at a time.
+    All runs use the same memory, because allocation takes time. Therefore only one run is allowed
+    at a time.
     """
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
@@ -43,7 +49,7 @@ class Workspace:
         self.pairs: list[PairMemory] = []
 
     def pair(self, number: int) -> PairMemory:
-        """The memory, set to zero, of one of the pairs that run at the same time."""
+        """Return the memory, set to zero, of one of the pairs of groups that run side by side."""
         if number == len(self.pairs):
             rows = self.lead + 2 * self.chunk
             self.pairs.append(
@@ -59,10 +65,10 @@ class Workspace:
         return pair
 
     def energies(self, probe: Probe) -> Array:
-        """Sums of squared errors over the windows of a record, (measure, window, n).
+        """Compute the sums of squared errors over a record for each of the probe's n sinusoids.
 
-        Measures are position and velocity, windows full and settled; for phasors the sums of cosine
-        and sine are added.
+        The result has the shape (2, 2, n): measures position and velocity, windows full and
+        settled. For phasors, the sums of cosine and sine are added.
         """
         lanes_each = 2 if probe.phasor else 1
         each = min(WIDTH // lanes_each, max(MOST_INPUTS // (self.steps * lanes_each), 1))
@@ -72,13 +78,16 @@ class Workspace:
         return np.concatenate(parts, axis=-1)
 
     def _run(self, probe: Probe) -> Array:
-        """Energies of a part of a probe; extrapolates a periodic response to the record's end."""
+        """Compute what `energies` returns for a part of a probe.
+
+        Once the response has become periodic, its sums are extrapolated to the record's end.
+        """
         each = LANES if probe.phasor else 2 * LANES
         pairs = [
             _Pair(self, number, probe.part(first, first + each))
             for number, first in enumerate(range(0, len(probe.angle), each))
         ]
-        # the first test for repetition; never for single sines, whose energy oscillates
+        # step of the first test for repetition; none for single sines, whose sums oscillate
         earliest = max(filling(self.chain), self.settled) + (JUDGED + 1) * self.cycle
         done = _together(pairs, self.steps, earliest if probe.phasor else self.steps + 1)
         sums = np.concatenate([pair.sums for pair in pairs], axis=-1)
@@ -90,7 +99,10 @@ class Workspace:
 
 
 class PairMemory(NamedTuple):
-    """The state of a chain for two groups of lanes, and rows of force and truth, (rows, 8) each."""
+    """The memory of a pair of groups of lanes: a chain's registers, and two series.
+
+    `force` is the specific force and `wave` the true displacement; an array (rows, 8) per group.
+    """
 
     registers: Registers
     force: tuple[Array, Array]
@@ -98,7 +110,11 @@ class PairMemory(NamedTuple):
 
 
 def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
-    """Run pairs to the first step at which the responses of all repeat, or to the end."""
+    """Run pairs of groups to the first step at which the responses of all repeat.
+
+    If the responses do not repeat, run to the record's end, `steps`. Return the step reached.
+    Repetition is tested from the step `earliest` on.
+    """
     done = place = agreeing = 0
     while agreeing < len(pairs):
         pair = pairs[place]
@@ -114,9 +130,9 @@ def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
 
 
 class _Pair:
-    """Two groups of lanes: the chain's state for them and the sums of their squared errors.
+    """A pair of groups of eight lanes: the chain's state for them, and sums of squared errors.
 
-    They hold eight cosines and their sines, or sixteen sines. Unused lanes are zero.
+    The lanes hold eight cosines and their sines, or sixteen sines. Unused lanes are zero.
     """
 
     def __init__(self, space: Workspace, number: int, probe: Probe) -> None:
@@ -139,7 +155,10 @@ class _Pair:
         self.done, self.repeats = 0, False
 
     def advance(self, stop: int, judged: int) -> None:
-        """Run until the response repeats (tested from step `judged` on) or up to step `stop`."""
+        """Run until the response repeats, but at most up to step `stop`.
+
+        Repetition is tested from step `judged` on.
+        """
         from owtsweep.studies.hub.expected.kernels import advance
 
         self.done, self.repeats = advance(
@@ -149,12 +168,12 @@ class _Pair:
 
     @property
     def sums(self) -> Array:
-        """(part of the record, measure, n): sums of squared errors."""
+        """The sums of squared errors; axes are part of the record, measure, sinusoid."""
         return self._of_lanes(self.buffers.sums)
 
     @property
     def ring(self) -> Array:
-        """(slot, measure, n): sums of squared errors of the newest cycles."""
+        """The sums of squared errors of the newest cycles; axes are slot, measure, sinusoid."""
         return self._of_lanes(self.buffers.ring)
 
     def _of_lanes(self, rows: Array) -> Array:
@@ -183,7 +202,7 @@ def _waves(probe: Probe, space: Workspace) -> Waves:
 
 
 def _fixes(probe: Probe, space: Workspace) -> tuple[Array, Array]:
-    """(fixes, 8) of each group."""
+    """Make the position fixes of a probe, an array (fixes, 8) for each of the two groups."""
     delay = space.sensors.delay if probe.truth else 0
     fix_steps = space.sensors.fix_interval * np.arange(len(space.no_fixes))[:, None] - delay
     values = np.exp(1j * (probe.angle * fix_steps + probe.shift)) * probe.fix
@@ -194,7 +213,10 @@ def _fixes(probe: Probe, space: Workspace) -> tuple[Array, Array]:
 
 
 def _in_groups(values: Array, phasor: bool) -> Array:
-    """Arrange (..., n) as (..., 2 groups, 8), padded with zeros; phasors are in both groups."""
+    """Arrange values (..., n) as (..., 2, 8), two groups of eight lanes, padded with zeros.
+
+    If `phasor`, both groups get the same eight values; otherwise they share sixteen values.
+    """
     missing = (1 if phasor else 2) * LANES - values.shape[-1]
     filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, missing)])
     if phasor:
@@ -203,7 +225,7 @@ def _in_groups(values: Array, phasor: bool) -> Array:
 
 
 def _rows(values: Array) -> Array:
-    """Copy (..., 8) to rows that are aligned to cache lines."""
+    """Copy values (..., 8) to an array (rows, 8) that is aligned to cache lines."""
     rows = aligned(values.size // LANES, LANES)
     rows[:] = values.reshape(-1, LANES)
     return rows

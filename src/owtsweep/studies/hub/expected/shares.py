@@ -1,9 +1,10 @@
-"""Computes the expectation over the records of a spectrum from a curve over frequency.
+"""Computes expected mean square errors over the records of a spectrum.
 
-A record is a sum of sinusoids (lines) of fixed amplitudes and independent random phases, so the
-expectation of its squared error is the sum over its lines. Normalised to a standard deviation of 1
-m, the record's error is a ratio of two sums that vary together: in a finite record neighbouring
-lines beat.
+A scheme's curve says how large the error due to motion is at each frequency. A record is a sum of
+sinusoids (lines) of fixed amplitudes and independent random phases, so the expectation of its
+squared error is a sum over its lines. For a record that is normalised to a standard deviation of
+1 m, the squared error is a ratio of two sums. Both vary together from record to record, because
+neighbouring lines beat in a finite record.
 """
 
 from __future__ import annotations
@@ -24,12 +25,12 @@ class Lines:
     Attributes
     ----------
     frequency
-        (n,) Hz, evenly spaced.
+        Frequencies of the lines, Hz, evenly spaced, shape (n,).
     beat
-        Fourier transform of the mean square beat of two lines over the record, as a function of the
-        difference of their numbers.
+        Fourier transform of a function: the mean square of the beat of two lines in the record,
+        given the difference of the lines' numbers.
     size
-        Length of that transform.
+        Number of values that are transformed.
     """
 
     frequency: Array
@@ -38,10 +39,10 @@ class Lines:
 
 
 def lines_of(band: tuple[float, float], duration: float) -> Lines:
-    """The lines inside the band.
+    """Return the spectral lines inside a band (Hz) of records of a duration (s).
 
-    The record is half as long as the common period of its lines. So the beat of two lines m and n
-    has the mean sin(pi (m - n) / 2) / (pi (m - n) / 2) over the record.
+    The common period of all lines is twice the record's duration. Over the record, the beat of two
+    lines m and n therefore has the mean sin(pi (m - n) / 2) / (pi (m - n) / 2).
     """
     from scipy.fft import next_fast_len, rfft
 
@@ -57,17 +58,28 @@ def lines_of(band: tuple[float, float], duration: float) -> Lines:
 
 
 def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
-    """Expected mean square error of records of standard deviation 1 m, (...).
+    """Compute the expected mean square error of records normalised to a standard deviation of 1 m.
 
-    E[n / d] = E n / E d (1 + var d / (E d)^2 - cov(n, d) / (E n E d)), accurate to second order in
-    the records' scatter (0.6 % for the default records, more for narrower spectra and shorter
-    records). The beats of the error are approximated by those of the motion times the geometric
-    mean of the curve at both lines.
+    The squared error of a normalised record is a ratio n / d of two random sums. To second order in
+    the scatter of the records, the expectation of the ratio is
+    E[n / d] = E n / E d (1 + var d / (E d)^2 - cov(n, d) / (E n E d)). (The term var d / (E d)^2 is
+    0.3 % for the default records, and more for narrower spectra and shorter records.) The beat of
+    two lines in the error is approximated by their beat in the motion, times the geometric mean of
+    the curve at both lines.
 
     Parameters
     ----------
+    spectrum
+        The spectrum of the motion.
     curves
-        (..., n) at the lines.
+        Mean square errors per mean square of the motion, at the n lines; shape (..., n).
+    drawn
+        The spectral lines.
+
+    Returns
+    -------
+    array
+        Shape (...), in the unit of the curves times m^2.
     """
     from scipy.fft import rfft
 

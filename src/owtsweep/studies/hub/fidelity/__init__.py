@@ -1,1 +1,1 @@
-"""Judges how well the published results are reproduced: score, statements and report."""
+"""Judge how well a run reproduces the results of Ren et al. (2019): score, statements, report."""

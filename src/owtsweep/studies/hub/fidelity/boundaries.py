@@ -1,4 +1,4 @@
-"""The paper's claims about the HME1/HME2 boundary."""
+"""Test the paper's claims on the HME1/HME2 boundary: the amplitude where both are equally good."""
 
 from __future__ import annotations
 
@@ -7,26 +7,33 @@ from owtsweep.studies.hub.fidelity.evidence import AMPLITUDES, HubEvidence, cell
 from owtsweep.verdicts.claims import claim_estimate, claim_ratio
 from owtsweep.verdicts.inference import Claim
 
-#: Published boundaries: natural period (s) -> amplitude (m), section 5.3.
+#: Published boundaries, section 5.3 of the paper: natural period (s) -> amplitude (m).
 PUBLISHED = {4.0: 0.3, 6.0: 1.0}
-#: A boundary read off a logarithmic axis is known to a factor of 2: the paper's own amplitudes
-#: around it are .2 and .5 m at 4 s, .7 and 2 m at 6 s.
+#: A published boundary is known to a factor of 2, because it is read off a logarithmic axis: the
+#: paper's amplitudes on either side of the boundary are 0.2 and 0.5 m at 4 s, 0.7 and 2 m at 6 s.
 TOLERANCE = 2.0
 
 
 def tolerated(period: float) -> tuple[float, float]:
-    """The smallest and the largest amplitude (m) that agree with a published boundary."""
+    """Return the least and greatest amplitude (m) that agree with the published boundary.
+
+    `period` is a natural period in s at which a boundary is published.
+    """
     return PUBLISHED[period] / TOLERANCE, PUBLISHED[period] * TOLERANCE
 
 
 def claim_growth(evidence: HubEvidence) -> Claim:
-    """The claim that the boundary grows with the period."""
+    """Test the claim that the boundary grows with the natural period."""
     text, name = "the boundary at 8 s is above that at 4 s", "boundary at 4 s and 8 s"
     return claim_estimate(text, name, evidence.growth, {"above": 1.0})
 
 
 def boundary_claims(evidence: HubEvidence, period: float) -> list[Claim]:
-    """Claims at a period (s): the boundary within the tolerance, the better scheme outside it."""
+    """Test three claims on the boundary at a natural period (s).
+
+    The boundary lies within a factor of 2 of the published amplitude. HME2 has the smaller position
+    MSE at all amplitudes below this range, and HME1 at all amplitudes above it.
+    """
     low, high = tolerated(period)
     boundary, name = evidence.boundaries.get(period), f"boundary at {period:g} s"
     text = f"the {name} lies in {low:g}-{high:g} m"

@@ -1,4 +1,4 @@
-"""The contents of the fidelity report, in the order of a reader's questions."""
+"""Write the contents of the fidelity report, in the order of a reader's questions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from owtsweep.verdicts.statements import JudgedStatement
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Degrees of freedom of NEES (x, y, v_x and v_y) and of NIS (the two axes of a fix).
+#: Degrees of freedom of NEES (x, y, v_x and v_y) and of NIS (the two axes of a position fix).
 FREEDOM = {"nees": 4.0, "nis": 2.0}
 #: The origin of the tests of the statements.
 DEFINITIONS = (
@@ -37,18 +37,20 @@ def document(
     judged: Sequence[JudgedStatement],
     pictures: Mapping[str, Path],
 ) -> list[Block]:
-    """The whole report on one run.
+    """Write the whole report on one run, as blocks of a page.
 
     Parameters
     ----------
     name
         Name of the run in the report.
+    config, evidence
+        The run's configuration and values.
     tables
-        File name -> table.
+        File name without suffix -> table: fidelity, fidelity_numbers and consistency.
     judged
-        The judged statements F1 to F11.
+        The paper's statements F1 to F11 with their verdicts.
     pictures
-        Figure name -> file.
+        Figure name -> PNG file: published_against_reproduced, ratios and boundaries.
     """
     numbers = tables["fidelity_numbers"]
     records = f"{config.grid.replicates} records of {config.record.duration:g} s per natural period"
@@ -109,7 +111,10 @@ def _summary(
 def _number_section(
     evidence: HubEvidence, numbers: pd.DataFrame, pictures: Mapping[str, Path]
 ) -> list[Block]:
-    """The 64 numbers of tables 6-9: figures, four tables, and the reasons for missed numbers."""
+    """Write the section on the 64 numbers of the paper's tables 6-9.
+
+    It has two figures, four tables, and the reasons for numbers missed by more than a factor of 2.
+    """
     blocks: list[Block] = [
         Heading("Numbers of tables 6-9"),
         Paragraph(

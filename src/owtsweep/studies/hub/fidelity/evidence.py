@@ -1,4 +1,4 @@
-"""The cells that the paper discusses, and a run's results for them."""
+"""The cells (natural period, amplitude) that the paper discusses, and a run's results there."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from owtsweep.verdicts.inference import Estimate
 if TYPE_CHECKING:
     from owtsweep.studies.hub.fidelity.history_errors import HistoryErrors
 
-#: The grid of sections 5.3-5.4: natural periods (s), amplitudes (m), schemes.
+#: The grid of the paper's sections 5.3 and 5.4: natural periods (s), amplitudes (m), schemes.
 PERIODS = (3.0, 4.0, 5.0, 6.0, 7.0, 8.0)
 AMPLITUDES = (0.05, 0.1, 0.2, 0.5, 0.7, 1.0, 2.0, 3.0, 7.0, 10.0)
 SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 
 
 class Cell(NamedTuple):
-    """A condition: natural period (s) and amplitude (m)."""
+    """A cell of the grid: natural period (s) and amplitude (m)."""
 
     natural_period: float
     amplitude: float
@@ -35,16 +35,17 @@ class Cell(NamedTuple):
 def cells(
     periods: Sequence[float] = PERIODS, amplitudes: Sequence[float] = AMPLITUDES
 ) -> list[Cell]:
-    """The cells of a grid, sorted by period, then by amplitude."""
+    """Return all cells of these natural periods (s) and amplitudes (m), period by period."""
     return [Cell(period, amplitude) for period in periods for amplitude in amplitudes]
 
 
 @dataclass(frozen=True)
 class Boundary(Estimate):
-    """The amplitude (m) above which HME1 has the smaller position MSE, below which HME2.
+    """The amplitude (m) below which HME2 has the smaller position MSE, and HME1 above.
 
-    Its 95 % interval is a bootstrap over the replicates. NaN where there is none; `wins` is then
-    the scheme that is better at every amplitude, or "neither".
+    The 95 % interval is a bootstrap over the replicates. If there is a boundary, `wins` is "". If
+    there is none, the amplitude is NaN and `wins` names the scheme that is better at every
+    amplitude. It is "neither" if the means cross twice or the other way round.
     """
 
     wins: str = ""
@@ -52,20 +53,23 @@ class Boundary(Estimate):
 
 @dataclass(frozen=True, kw_only=True)
 class HubEvidence(Evidence):
-    """The cases of a run in one window, and its time histories.
+    """The values of a hub run that published results are compared with.
 
     Attributes
     ----------
     history_errors
-        Errors of the time histories at 3.8 s; None if the run's schemes or spectrum do not allow
-        them.
+        Errors of the time histories at the natural period 3.8 s; None if they could not be
+        simulated with the run's schemes or spectrum.
     """
 
     history_errors: HistoryErrors | None = None
 
     @cached_property
     def boundaries(self) -> dict[float, Boundary]:
-        """Natural period (s) -> boundary, for the run's periods that have both schemes."""
+        """The HME1/HME2 boundary by natural period (s), for the periods that have both schemes.
+
+        Empty if the run lacks a scheme, or was not run with evaluation=superposed.
+        """
         try:
             table = find_boundary(self.rows, CONDITIONS, BOUNDARY, "position", self.window)
         except InputError:  # a scheme is missing, or cases run directly: they have no products
@@ -85,7 +89,10 @@ class HubEvidence(Evidence):
 
     @cached_property
     def growth(self) -> Estimate | None:
-        """The boundary at 8 s over that at 4 s; None where the run lacks either."""
+        """The boundary at 8 s divided by the boundary at 4 s; None if the run lacks a period.
+
+        NaN if one of the two boundaries does not exist.
+        """
         periods = (8.0,), (4.0,)
         try:
             ratio = find_boundary_ratio(

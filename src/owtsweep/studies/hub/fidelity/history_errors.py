@@ -1,7 +1,7 @@
-"""Errors of the time histories at 3.8 s (section 5.2), a period that is not on the map.
+"""Simulate the time histories at the natural period 3.8 s (section 5.2) and measure their errors.
 
-They are simulated for the report, with the run's configuration except for natural period and
-amplitude.
+This period is not in the paper's grid, so the histories are simulated for the fidelity report, with
+the run's configuration except for natural period and amplitude.
 """
 
 from __future__ import annotations
@@ -35,16 +35,16 @@ MOST_REPLICATES = 20
 
 @dataclass(frozen=True)
 class HistoryErrors:
-    """Error measures of the time histories, (replicates,) each.
+    """Error measures of the time histories; each array has the shape (replicates,).
 
     Attributes
     ----------
     inside
-        Scheme -> share of the settled samples of vx and vy with an error of at most
+        Scheme -> share (0 to 1) of the settled samples of vx and vy whose absolute error is at most
         `VELOCITY_BOUND`.
     accumulated
-        (scheme, quantity) -> sum over the whole record and both axes of the absolute error, times
-        the step; quantity position (m s), velocity (m) or bias (m/s).
+        (scheme, quantity) -> absolute error integrated over the whole record and summed over both
+        axes. The quantities are position (m s), velocity (m) and bias (m/s).
     """
 
     inside: Mapping[str, Array]
@@ -54,8 +54,8 @@ class HistoryErrors:
 def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
     """Simulate HME1 and HME2 at 3.8 s on the run's replicates, at most 20.
 
-    Returns None if the run lacks one of the schemes, if one of them has no batch kernel, or if the
-    run's spectrum does not exist at 3.8 s.
+    Returns None if the run lacks one of the schemes, if one of them has no batch kernel or is code
+    of a stored run's author, which is not run, or if the run's spectrum does not exist at 3.8 s.
     """
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     if not all(name in schemes and hasattr(schemes[name], "kernel") for name in SCHEMES):
@@ -66,13 +66,16 @@ def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
     for replicate in range(min(config.grid.replicates, MOST_REPLICATES)):
         try:
             records = make_records(config, NATURAL_PERIOD, [replicate])
+            chains = {
+                name: schemes[name].kernel(records.sensors, config, records.steps)  # type: ignore[attr-defined]
+                for name in SCHEMES
+            }
         except InputError:
             return None
         streams = records.stream(0)
         bias = next(simulate_bias(config.sensors, records.sensors, records.steps, streams))
         settled = round(config.measures.settling_time / records.sensors.step)
-        for name in SCHEMES:
-            chain = schemes[name].kernel(records.sensors, config, records.steps)  # type: ignore[attr-defined]
+        for name, chain in chains.items():
             errors = absolute_errors(chain, records, bias)
             inside[name].append(float(np.mean(errors["velocity"][settled:] <= VELOCITY_BOUND)))
             for quantity, error in errors.items():
@@ -84,12 +87,22 @@ def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
 
 
 def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Array]:
-    """|estimate - truth| of one record at every step: quantity -> (steps, 2), x and y.
+    """Compute |estimate - truth| of one record at every step.
 
     Parameters
     ----------
+    chain
+        The scheme, in its form for the batch engine.
+    records
+        One record.
     bias
-        (steps, 2): the true R b^b, as returned by `simulate_bias`.
+        The true accelerometer bias R b^b in m/s^2, shape (steps, 2), as `simulate_bias` yields it.
+
+    Returns
+    -------
+    dict
+        "position" (m), "velocity" (m/s) and "bias" (m/s^2) -> absolute errors, shape (steps, 2),
+        columns x and y.
     """
     lanes = batch.Lanes(records)
     force, fixes = lanes.at(AMPLITUDE)

@@ -1,4 +1,4 @@
-"""The 64 numbers of tables 6-9 beside those of a run."""
+"""Compare the 64 numbers of the paper's tables 6-9 with those of a run."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ if TYPE_CHECKING:
 
 
 def compare_numbers(evidence: HubEvidence) -> pd.DataFrame:
-    """Published and reproduced numbers, one per row, in the order of the paper.
+    """Compare the published numbers with a run's, in the order of the paper.
 
     Returns
     -------
     DataFrame
-        table, natural_period, amplitude, scheme, measure, published, the keys of `compare_number`,
-        why. `why` says where the published number lies among the records, and for a number missed
-        by more than a factor of 2, the cause. MSE of x and y in m^2, of vx and vy in m^2/s^2. Table
-        7's v_x of EKF is judged at 1.98e-3, not at the print's 1.98e-2. A number whose condition or
-        scheme the run lacks is NaN, "not in this run".
+        One row per number. Columns table, natural_period (s), amplitude (m), scheme, measure,
+        published, the keys of `verdicts.numbers.compare_number`, why. The numbers are MSEs, of x
+        and y in m^2, of vx and vy in m^2/s^2. `why` says where the published number lies among the
+        records, and gives the cause if it is missed by more than a factor of 2. If the run lacks
+        the condition or the scheme, the run's values are NaN and `why` says "not in this run".
+        EKF's v_x in Table 7 is judged at 1.98e-3, not at the printed 1.98e-2.
     """
     import pandas as pd
 

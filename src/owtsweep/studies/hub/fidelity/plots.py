@@ -1,4 +1,4 @@
-"""The boundary figure of the hub's fidelity report. Drawn under `figures.style.context`."""
+"""Draw the boundary figure of the hub's fidelity report; call under `figures.style.context`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,15 @@ if TYPE_CHECKING:
 
 
 def draw_boundaries(boundaries: Mapping[float, Boundary], amplitudes: Sequence[float]) -> Figure:
-    """Draw the HME1/HME2 boundary over natural period with intervals, and the two published."""
+    """Draw a run's and the paper's HME1/HME2 boundary (amplitude, m) against natural period (s).
+
+    Parameters
+    ----------
+    boundaries
+        Natural period (s) -> the run's boundary, drawn with its 95 % interval.
+    amplitudes
+        The run's amplitudes in m, which set the limits of the vertical axis.
+    """
     figure = style.new_figure(7.0, 4.2)
     axes = figure.subplots()
     axes.set_yscale("log")

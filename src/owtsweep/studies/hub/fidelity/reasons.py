@@ -1,8 +1,9 @@
-"""Why a number is missed: compares its parts in the run with those that the paper implies.
+"""Say why a published number is missed, from the parts of the MSE in the run and in the paper.
 
-For a linear scheme MSE(N) = N^2 A + 2 N C + F with the amplitude N. Tables 7 and 8 are for one
-natural period and two amplitudes, so (neglecting C) they give the paper's F and A. F depends only
-on the sensors and the scheme, so it is the same at every period.
+For a linear scheme MSE(N) = N^2 A + 2 N C + F with the amplitude N: A is the error from motion, F
+the error from sensor noise, C their mean product. The paper's tables 7 and 8 are for one natural
+period and two amplitudes, so they give the paper's A and F if C is neglected. F depends only on the
+sensors and the scheme, so F is equal at all natural periods.
 """
 
 from __future__ import annotations
@@ -20,12 +21,15 @@ from owtsweep.verdicts.evidence import DIGITS
 if TYPE_CHECKING:
     import pandas as pd
 
-#: The conditions of tables 7 and 8: one period, two amplitudes.
+#: The conditions of tables 7 and 8: one natural period, two amplitudes.
 WEAK, STRONG = Cell(8.0, 0.2), Cell(8.0, 1.0)
 
 
 class Terms(NamedTuple):
-    """The parts of an MSE at one amplitude, in the unit of the MSE: N^2 A, 2 N C, F."""
+    """The parts of an MSE at the amplitude N, in the unit of the MSE.
+
+    They are N^2 A (motion), 2 N C (cross) and F (noise).
+    """
 
     motion: float
     cross: float
@@ -34,7 +38,10 @@ class Terms(NamedTuple):
 
 @cache
 def implied_floor(scheme: str, measure: str) -> float:
-    """The paper's F, from tables 7 and 8."""
+    """Compute the paper's noise part F of a scheme's MSE, from tables 7 and 8.
+
+    `measure` is x, y (result in m^2), vx or vy (in m^2/s^2). F may come out negative.
+    """
     table = published_numbers()
     chosen = table[(table["scheme"] == scheme) & (table["measure"] == measure)]
     value = chosen.set_index(["natural_period", "amplitude"])["published"]
@@ -49,7 +56,11 @@ def _floor(weak: Any, strong: Any) -> Any:
 def _superposed(
     evidence: HubEvidence, scheme: str, cell: Cell, measure: str, *, both_windows: bool = False
 ) -> pd.DataFrame:
-    """The superposed rows of one scheme, period and measure in the run's window, or in both."""
+    """Return the rows of one scheme and measure that hold motion, cross and noise products.
+
+    Such rows exist with evaluation=superposed. They are for the natural period of `cell`.
+    Only rows of the run's window are returned, or of both windows if `both_windows`.
+    """
     rows = evidence.finished
     return rows[
         (rows["scheme"] == scheme)
@@ -65,7 +76,10 @@ def _mse(rows: pd.DataFrame, cell: Cell) -> Any:
 
 
 def terms(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> Terms | None:
-    """The parts of the run's mean MSE; None where the cases were run directly."""
+    """Compute the motion, cross and noise part of a scheme's mean MSE in a cell of the run.
+
+    Returns None unless the run computed this case by superposition (evaluation=superposed).
+    """
     chosen = _superposed(evidence, scheme, cell, measure)
     if chosen.empty:
         return None
@@ -74,9 +88,9 @@ def terms(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> Terms
 
 
 def start_up_share(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> float:
-    """The share of the full record's squared error that comes from before the settling time.
+    """Compute which share (0 to 1) of the record's squared error is made before the settling time.
 
-    NaN where the cases were run directly.
+    Returns NaN unless the run computed this case by superposition (evaluation=superposed).
     """
     chosen = _superposed(evidence, scheme, cell, measure, both_windows=True)
     total = (_mse(chosen, cell) * chosen["n_samples"]).groupby(chosen["window"]).sum()
@@ -84,10 +98,10 @@ def start_up_share(evidence: HubEvidence, scheme: str, cell: Cell, measure: str)
 
 
 def reason(evidence: HubEvidence, scheme: str, cell: Cell, measure: str, published: float) -> str:
-    """Say why a number is missed, from the parts of the run's MSE and of the paper's.
+    """Say why a number is missed, by comparing the parts of the run's MSE with the paper's.
 
-    The cause is the part (noise or motion) that brings the number closer to the published one when
-    the paper's part replaces it. The sentence gives both parts.
+    The motion part and the noise part of the run's MSE are replaced by the paper's, one at a time.
+    The cause is the part whose replacement brings the MSE closer to the published number.
     """
     parts = terms(evidence, scheme, cell, measure)
     if parts is None:
@@ -120,12 +134,16 @@ def reason(evidence: HubEvidence, scheme: str, cell: Cell, measure: str, publish
 
 
 def _distance(value: float, published: float) -> float:
-    """|log2| of the ratio; infinite if the number is not positive after the replacement."""
+    """Compute |log2(value / published)|; infinite if `value` is not positive."""
     return abs(float(np.log2(value / published))) if value > 0.0 else float("inf")
 
 
 def _doubt(evidence: HubEvidence, scheme: str, measure: str, floor: float) -> str:
-    """A note if the paper's floor could be that of a single record with non-negligible C."""
+    """Write a note if the paper's noise part may be off because the neglected C is not small.
+
+    This is so if `floor`, the paper's F, lies within the central 95 % of the values that single
+    records of the run imply in the same way. Otherwise, returns "".
+    """
     rows = _superposed(evidence, scheme, WEAK, measure)
     # F of single records, computed as for the paper, and so with a contribution of C
     floors = _floor(_mse(rows, WEAK), _mse(rows, STRONG))

@@ -1,4 +1,4 @@
-"""The fidelity report of a run: tables, figures, Markdown and HTML."""
+"""Write the fidelity report of a run: tables, figures, Markdown and HTML."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-#: Measure of the tables -> its label in figures.
+#: Measure of the paper's tables -> its label in figures.
 MEASURES = {"x": "x", "y": "y", "vx": "v$_x$", "vy": "v$_y$"}
 #: Title of a panel -> its measures.
 PANELS = {
@@ -35,7 +35,7 @@ PANELS = {
 
 
 def judge_all(evidence: HubEvidence) -> list[JudgedStatement]:
-    """Judge the statements F1 to F11."""
+    """Judge the paper's statements F1 to F11."""
     facts = published.facts()
     return judge(dict(zip(facts["id"], facts["statement"], strict=True)), STATEMENTS, evidence)
 
@@ -43,7 +43,7 @@ def judge_all(evidence: HubEvidence) -> list[JudgedStatement]:
 def write_report(
     config: HubConfig, rows: pd.DataFrame, folder: Path, metadata: Mapping[str, str]
 ) -> list[Path]:
-    """Judge a run against the paper and write everything about it.
+    """Compare a run with the paper and write the report on it.
 
     Parameters
     ----------
@@ -52,15 +52,16 @@ def write_report(
     rows
         The run's cases, as `Run.cases` returns them.
     folder
-        Made if it does not exist. It gets fidelity.csv, fidelity_numbers.csv, fidelity_claims.csv,
-        consistency.csv, fidelity.md, fidelity.html and figures/.
+        Where to write; made if it does not exist. The files are fidelity.csv, fidelity_numbers.csv,
+        fidelity_claims.csv, consistency.csv, fidelity.md, fidelity.html and figures/.
     metadata
-        Stored inside the figures; `folder` is the name of the run in the report.
+        Texts by name to store inside the figures' files. The text "folder" is the run's name in
+        the report.
 
     Returns
     -------
     list of Path
-        The files.
+        All files written.
     """
     evidence = HubEvidence(
         rows=rows,

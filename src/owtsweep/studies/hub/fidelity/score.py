@@ -1,10 +1,10 @@
-"""The distance of an interpretation of the paper from its results: one number and its parts.
+"""Compute the score of an interpretation of the paper: its distance from the published results.
 
-The score, fixed before the recorded search: the mean absolute log2 ratio of reproduced to published
-over the 64 numbers of tables 6-9 (Table 7's misprint judged at 1.98e-3), plus
-`WINNER_PENALTY` for each of the four tables whose winner by position (x + y) differs, plus
-`BOUNDARY_WEIGHT` times the absolute log2 ratio of the HME1/HME2 boundary to 0.3 m at 4 s and 1 m at
-6 s.
+The score is the sum of three parts, fixed before the recorded search. The first part is the mean of
+|log2(reproduced / published)| over the 64 numbers of tables 6-9 (Table 7's misprint is judged at
+1.98e-3). The second part is `WINNER_PENALTY` for each of the four tables in which another scheme
+has the least position MSE (x + y). The third part is `BOUNDARY_WEIGHT` times the sum of
+|log2(reproduced / published)| of the HME1/HME2 boundary, published as 0.3 m at 4 s and 1 m at 6 s.
 """
 
 from __future__ import annotations
@@ -29,19 +29,37 @@ PERIODS = (3.0, 4.0, 6.0, 8.0)
 MEASURES = ("x", "y", "vx", "vy")
 WINNER_PENALTY = 0.5
 BOUNDARY_WEIGHT = 0.5
-#: The log2 ratio that is used for a boundary that does not exist.
+#: The value of |log2(reproduced / published)| for a boundary that does not exist in the run.
 NO_BOUNDARY = 4.0
 
-#: Scheme -> natural period -> (4 measures, 3 products), means over the records.
+#: Scheme -> natural period (s) -> means over the records, shape (4, 3): rows x, y, vx, vy, columns
+#: the products motion, cross, noise.
 Products = Mapping[str, Mapping[float, Array]]
 
 
 def scheme_products(
     config: HubConfig, scheme: str, lanes: Mapping[float, Lanes]
 ) -> dict[float, Array]:
-    """Means of motion, cross and noise products of one scheme, (4, 3) per period.
+    """Run one scheme and average its errors' products over the records, by natural period (s).
 
-    The window is `measures.window`.
+    The error of a scheme is the amplitude times an error from motion, plus an error from noise. The
+    products are the mean square of the first, the mean product of both, the mean square of the
+    second.
+
+    Parameters
+    ----------
+    config
+        The configuration; `measures.window` selects the part of each record.
+    scheme
+        Name of a scheme with a batch kernel.
+    lanes
+        Natural period (s) -> records.
+
+    Returns
+    -------
+    dict
+        Natural period (s) -> products, shape (4, 3): rows x, y, vx, vy, columns motion, cross,
+        noise.
     """
     resolved = resolve(scheme)
     result = {}
@@ -59,20 +77,25 @@ def scheme_products(
 def make_lanes(
     config: HubConfig, replicates: Sequence[int], periods: Sequence[float] = PERIODS
 ) -> dict[float, Lanes]:
-    """Make the records from which a score is computed."""
+    """Make the records from which a score is computed, by natural period (s)."""
     return {period: Lanes(make_records(config, period, replicates)) for period in periods}
 
 
 def at_amplitude(products: Array, amplitude: float) -> Array:
-    """The MSE at an amplitude (m), from the three products along the last axis."""
+    """Compute the MSE at an amplitude (m); last axis of `products`: motion, cross, noise."""
     return np.asarray(superpose(products[..., 0], products[..., 1], products[..., 2], amplitude))
 
 
 def boundary(lower: Array, upper: Array) -> float:
-    """The amplitude (m) above which `upper` has the smaller position MSE, x + y.
+    """Compute the amplitude (m) above which the scheme `upper` has the smaller position MSE, x + y.
 
-    Both are (4, 3) products. NaN if there is none: one scheme is better at every amplitude, or
-    `upper` is better below and not above.
+    Returns NaN if there is no such amplitude: one scheme is better at every amplitude, or `upper`
+    is better below and not above.
+
+    Parameters
+    ----------
+    lower, upper
+        Products of two schemes, shape (4, 3), as `scheme_products` returns them.
     """
     a, c, f = np.sum(lower[:2] - upper[:2], axis=0)  # lower minus upper: < 0 below the boundary
     if f >= 0.0 or a <= 0.0:
@@ -82,16 +105,16 @@ def boundary(lower: Array, upper: Array) -> float:
 
 @dataclass(frozen=True)
 class Score:
-    """The parts of the score that need all four schemes: winners and boundaries.
+    """The two parts of the score that compare schemes with each other: winners and boundaries.
 
     Attributes
     ----------
     penalties
-        The sum of both parts of the score; less is better.
+        The sum of both parts; less is better.
     winners
-        The scheme of least position MSE in tables 6, 7, 8, 9.
+        The schemes of least position MSE at the conditions of tables 6, 7, 8 and 9.
     boundaries
-        Natural period (s) -> HME1/HME2 boundary (m).
+        Natural period (s) -> HME1/HME2 boundary (m); NaN where there is none.
     """
 
     penalties: float
@@ -100,7 +123,7 @@ class Score:
 
 
 def published_numbers() -> pd.DataFrame:
-    """The 64 published numbers, with Table 7's misprint corrected."""
+    """Return the 64 numbers of the paper's tables 6-9, with Table 7's misprint corrected."""
     table = published.mse_tables()
     misprint = (table.table == 7) & (table.scheme == "EKF") & (table.measure == "vx")
     table.loc[misprint, "published"] = 1.98e-3
@@ -108,7 +131,14 @@ def published_numbers() -> pd.DataFrame:
 
 
 def compare(products: Products) -> pd.DataFrame:
-    """Published and reproduced numbers of the given schemes, with the log2 of their ratio."""
+    """Compare the published numbers of the given schemes with those that the products imply.
+
+    Returns
+    -------
+    DataFrame
+        The rows of `published_numbers` for these schemes, with the further columns `reproduced` and
+        `log2`, the base-2 logarithm of reproduced / published.
+    """
     table = published_numbers()
     table = table[table.scheme.isin(list(products))].copy()
     keys = zip(table.scheme, table.natural_period, table.amplitude, table.measure, strict=True)
@@ -121,7 +151,10 @@ def compare(products: Products) -> pd.DataFrame:
 
 
 def score(products: Products) -> Score:
-    """Judge the winners and boundaries of all four schemes."""
+    """Compute the parts of the score on winners and boundaries, for EKF, MKF, HME1 and HME2.
+
+    The mean distance of the numbers is not included; `compare` gives these distances.
+    """
     table = compare(products)
     position = table[table.measure.isin(["x", "y"])]
     sums = position.groupby(["table", "scheme"])[["published", "reproduced"]].sum().reset_index()

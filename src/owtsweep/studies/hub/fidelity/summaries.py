@@ -1,4 +1,4 @@
-"""`fidelity.csv`: one row per published item, with the run's result for it."""
+"""Make the table fidelity.csv: one row per published item, with the run's result for this item."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 #: Group of schemes -> greatest median |log2(reproduced / published)| that counts as agreement.
 GROUPS = {("MKF", "HME1", "HME2"): 0.45, ("EKF",): 1.2}
-#: The range in which the velocity/position ratio of EKF's MSE agrees with the paper.
+#: The range of EKF's velocity MSE / position MSE (s^-2) that agrees with the paper.
 EKF_RATIO = (0.45, 0.65)
 NO_BOUNDARY = "period, scheme or superposed cases not in this run"
 
@@ -28,16 +28,27 @@ NO_BOUNDARY = "period, scheme or superposed cases not in this run"
 def fidelity_table(
     evidence: HubEvidence, numbers: pd.DataFrame, judged: Sequence[JudgedStatement]
 ) -> pd.DataFrame:
-    """All rows of fidelity.csv.
+    """Make the table fidelity.csv.
+
+    Parameters
+    ----------
+    evidence
+        The run's values.
+    numbers
+        The result of `numbers.compare_numbers`.
+    judged
+        The paper's statements F1 to F11 with their verdicts.
 
     Returns
     -------
     DataFrame
-        As `verdicts.summary.make_table`. kind "number": the 64 of tables 6-9; "statement": F1-F11,
-        `published` is the threshold of the decision that settles the verdict and `agrees` the
-        verdict; "boundary": HME1/HME2, m; "winner": position MSE of the published winner over that
-        of the best other scheme; "summary": distances of whole tables. `agrees` elsewhere: yes, no,
-        undecided, missing, or empty where nothing is published. ratio = reproduced / published.
+        One row per item; columns as in `verdicts.summary.make_table`. The column `kind` is
+        "number" for the 64 numbers of tables 6-9; "statement" for F1 to F11, where `published` is
+        the threshold of the decision that settles the verdict and `agrees` is the verdict;
+        "boundary" for the HME1/HME2 boundary in m; "winner" for the position MSE of a table's
+        published winner divided by that of the best other scheme; "summary" for numbers on whole
+        tables. Except for statements, `agrees` is yes, no, undecided, missing, or empty where
+        nothing is published.
     """
     tables: Any = numbers.groupby("table")
     return summary.make_table(
@@ -54,7 +65,10 @@ def fidelity_table(
 
 
 def _boundary(evidence: HubEvidence, period: float) -> Item:
-    """The boundary at one period (s) against the published one, if there is one."""
+    """Make the row of the boundary at a natural period (s), compared with the published one if any.
+
+    If the run has no boundary there, the verdict is that on the cells on either side.
+    """
     boundary = evidence.boundaries.get(period)
     row = Item(f"boundary {period:g} s", "boundary", boundaries.PUBLISHED.get(period, NAN))
     if period not in boundaries.PUBLISHED:
@@ -68,7 +82,7 @@ def _boundary(evidence: HubEvidence, period: float) -> Item:
 
 
 def _growth(evidence: HubEvidence) -> Item:
-    """The boundary at 8 s over that at 4 s."""
+    """Make the row of the boundary at 8 s divided by the boundary at 4 s."""
     why = "the paper's boundary grows with the period; agreement: above 1"
     row = Item("boundary 8 s / 4 s", "boundary")
     return _boundary_row(row, evidence.growth, boundaries.claim_growth(evidence).verdict, why)
@@ -81,7 +95,11 @@ def _boundary_row(row: Item, boundary: Estimate | None, verdict: str, why: str) 
 
 
 def _winner(evidence: HubEvidence, number: int, table: pd.DataFrame) -> Item:
-    """The published winner's position MSE over that of the best other scheme, in run and paper."""
+    """Make the row of one table's published winner.
+
+    Its number is the winner's position MSE divided by that of the best other scheme. `number` is
+    the number of the paper's table, and `table` its rows of `numbers.compare_numbers`.
+    """
     cell = TABLE_CELLS[number]
     chosen = table[table["measure"].isin(["x", "y"])]
     printed = chosen.groupby("scheme")["published"].sum().sort_values()
@@ -98,7 +116,11 @@ def _winner(evidence: HubEvidence, number: int, table: pd.DataFrame) -> Item:
 
 
 def _ekf_ratio(evidence: HubEvidence, number: int, table: pd.DataFrame) -> Item:
-    """Velocity MSE over position MSE of EKF, which shows where in frequency its loop resonates."""
+    """Make the row of EKF's velocity MSE divided by its position MSE at one table's condition.
+
+    This ratio shows at which frequency EKF's loop resonates. `number` is the number of the paper's
+    table, and `table` its rows of `numbers.compare_numbers`.
+    """
     cell, (low, high) = TABLE_CELLS[number], EKF_RATIO
     value = table[table["scheme"] == "EKF"].set_index("measure")["published"]
     published = float((value["vx"] + value["vy"]) / (value["x"] + value["y"]))

@@ -1,4 +1,4 @@
-"""The figures and tables of the hub study; matplotlib is imported when they are drawn."""
+"""The figures and tables of the hub study; matplotlib is imported only when a figure is drawn."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ Draw = Callable[[], "Figure"]
 
 #: Natural periods (s) whose MSE over amplitude the paper shows, and the figure's number.
 PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
-#: Value of `normalise` -> what an amplitude measures.
+#: Value of the configuration key `normalise` -> what the amplitude of a motion measures.
 MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
 MAP = "figure_18_best_scheme"
-#: Figures 9-14: name -> the quantity shown over time, and whether the figure is zoomed in.
+#: The paper's figures 9-14: name -> quantity shown over time, and whether the figure is zoomed in.
 TIME_HISTORIES = {
     "figure_09_position": ("position", False),
     "figure_10_position_zoom": ("position", True),
@@ -43,16 +43,20 @@ def drawings(
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """Every figure of a run with records, by name: from its results and from its configuration.
+    """List all figures of a run with records: name -> function that draws and saves the figure.
+
+    Some figures show the run's results, others are simulated from the run's configuration.
 
     Parameters
     ----------
+    config
+        The run's configuration.
     tables
-        summary and best_scheme.
+        The run's tables "summary" and "best_scheme".
     rows
         The run's cases, including failed ones.
     metadata
-        Stored inside the figures.
+        Texts by name to store inside the figures' files.
     """
     from owtsweep.studies.hub.figures.tables import write
 
@@ -73,12 +77,15 @@ def drawings(
 def save_each(
     figures: Mapping[str, Draw], metadata: Mapping[str, str] | None
 ) -> dict[str, Drawing]:
-    """Figure name -> function that draws and saves it."""
+    """Turn functions that draw figures, by name, into functions that draw and save them."""
     return {name: save_figure(draw, metadata) for name, draw in figures.items()}
 
 
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
-    """The map by the run's criterion and the map by velocity."""
+    """List the two best-scheme maps by name: by the run's criterion and by velocity.
+
+    `draw_map` draws a map from the name of the criterion.
+    """
     return {
         MAP: partial(draw_map, config.measures.criterion),
         "best_scheme_velocity": partial(draw_map, "velocity"),
@@ -94,7 +101,21 @@ def draw_cells(
     *,
     replicates: int | None = None,
 ) -> Figure:
-    """Draw the map cell by cell."""
+    """Draw the best-scheme map with one coloured cell per condition.
+
+    Parameters
+    ----------
+    tables
+        The run's tables; "best_scheme" is drawn.
+    rows
+        The run's cases, of which failed ones are counted.
+    criterion
+        "position" or "velocity".
+    coinciding
+        Groups of schemes with equal results. The map shows each group under the last of its names.
+    replicates
+        Planned number of records per cell, for the title; None leaves the number out.
+    """
     from owtsweep.figures import best_scheme_map
 
     return best_scheme_map.draw(
@@ -117,7 +138,7 @@ def over_amplitude(
     periods: Iterable[float],
     coinciding: Sequence[Sequence[str]],
 ) -> dict[str, Draw]:
-    """MSE over amplitude, one figure per natural period."""
+    """List the figures of MSE against amplitude by name, one per natural period (s)."""
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
     draw = partial(
@@ -136,7 +157,10 @@ def over_amplitude(
 
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
-    """The figures drawn from the configuration alone: a record, its spectrum, time histories."""
+    """List the figures that need the configuration alone, by name.
+
+    They show a record, the record's spectrum, time histories and error spectra.
+    """
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import simulate_histories
 

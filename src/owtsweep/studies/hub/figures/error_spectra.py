@@ -1,6 +1,6 @@
-"""Error per unit of motion over the motion's frequency, and the error from noise alone.
+"""Draw each scheme's error per unit of motion against frequency, and its error from noise alone.
 
-The panel shows why a scheme wins: its error from the motion or its error from noise is smaller.
+The figure shows why a scheme wins: because of a smaller error from motion or from sensor noise.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum
 from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
 from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.schemes.stored import StoredScheme
 
 #: Points of a curve, evenly spaced in log frequency.
 POINTS = 150
@@ -37,7 +38,10 @@ UNITS = {"position": "m²", "velocity": "m²/s²"}
 
 @dataclass(frozen=True)
 class SchemeErrors:
-    """A scheme's errors from motion and from noise; `floor` is None where it does not settle."""
+    """A scheme's errors from motion and from noise.
+
+    `floor` is None if the error from noise does not settle.
+    """
 
     spectrum: ErrorSpectrum
     floor: NoiseFloor | None
@@ -46,7 +50,8 @@ class SchemeErrors:
 def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeErrors]:
     """Error spectra and noise floors of all schemes of a study that have a kernel.
 
-    A scheme whose response does not settle with this tuning is left out.
+    A scheme whose response does not settle with this tuning is left out, and so is code of a stored
+    run's author; `unsettled` names them.
     """
     sensors = sensing.sensors(config.sensors)
     low, high = config.band
@@ -79,16 +84,18 @@ def draw(
     errors: dict[str, SchemeErrors] | None = None,
     motion: bool = False,
 ) -> Figure:
-    """Draw position and velocity error spectra of a study's schemes with their noise floors.
+    """Draw the error spectra and noise floors of a study's schemes: position left, velocity right.
 
     Parameters
     ----------
+    config
+        The study's configuration.
     coinciding
-        Groups of schemes with the same numbers, for the footnote.
+        Groups of schemes with equal results, for the footnote.
     errors
-        The result of `compute`, if it already exists.
+        The result of `compute`; None to compute it here.
     motion
-        Whether to draw the motion spectra of the grid's natural periods below the panels.
+        Whether to draw below these panels the motion spectra at the grid's natural periods.
 
     Raises
     ------
@@ -128,7 +135,10 @@ MOST_SPECTRA = 8
 
 
 def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
-    """Draw the motion spectra of the grid's natural periods over their band, with peaks of 1."""
+    """Draw the motion spectra at the grid's natural periods, each scaled to a peak of 1.
+
+    `limits` are the ends of the frequency axis in Hz.
+    """
     from owtsweep.motion.spectra import spectrum
 
     periods = sorted(config.grid.natural_period)
@@ -148,10 +158,13 @@ def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, flo
 
 
 def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
-    """Sentences that say what the panel does not show."""
-    names = [scheme.name for scheme in resolve_all(config.schemes, config)]
+    """Write sentences that name the schemes without a curve or without a noise floor."""
+    missing = [s for s in resolve_all(config.schemes, config) if s.name not in errors]
+    theirs = [scheme.name for scheme in missing if isinstance(scheme, StoredScheme)]
+    ours = [scheme.name for scheme in missing if not isinstance(scheme, StoredScheme)]
     without = {
-        "curve (no kernel, or it does not settle)": [n for n in names if n not in errors],
+        "curve (no kernel, or it does not settle)": ours,
+        "curve (code of the run's author is not run)": theirs,
         "bar (the noise does not settle)": [n for n in errors if errors[n].floor is None],
     }
     return [
@@ -162,7 +175,9 @@ def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
 
 
 def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measure: str) -> None:
-    """Draw one measure's error spectra and noise floors, log-log, natural periods marked.
+    """Draw one measure's error spectra and noise floors, on log-log axes with the natural periods.
+
+    `measure` is "position" or "velocity". `errors` is the result of `compute`.
 
     Raises
     ------
@@ -175,7 +190,8 @@ def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measur
     for name, of_scheme in errors.items():
         look, spectrum = style_of(name, names), of_scheme.spectrum
         line: dict[str, Any] = {"color": look.color, "linestyle": look.line}
-        axes.loglog(spectrum.frequency, spectrum.of(measure), label=name, linewidth=1.6, **line)
+        curve = spectrum.frequency, spectrum.of(measure)
+        axes.loglog(*curve, label=style.label_of(name), linewidth=1.6, **line)
         if of_scheme.floor is not None:
             line |= {"linewidth": 2.2, "transform": axes.get_yaxis_transform()}
             axes.plot(FLOOR_SPAN, [of_scheme.floor.of(measure)] * 2, **line)
@@ -207,7 +223,7 @@ def _frequency_ticks(axes: Axes, low: float, high: float) -> None:
 
 
 def _mark_periods(axes: Axes, periods: Sequence[float]) -> None:
-    """Mark the natural periods with extra ticks on the upper edge."""
+    """Mark natural periods (s) by dotted vertical lines and by ticks on the upper edge."""
     low, high = axes.get_xlim()
     shown = [period for period in periods if low < 1.0 / period < high]
     for period in shown:

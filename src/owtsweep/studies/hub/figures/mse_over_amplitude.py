@@ -1,4 +1,4 @@
-"""Figures 15-17 of Ren et al. (2019): MSE over amplitude at one natural period."""
+"""Draw the MSE against amplitude at one natural period, as figures 15-17 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -27,20 +27,24 @@ def draw(
     tuning: str,
     coinciding: Sequence[Sequence[str]] = (),
 ) -> Figure:
-    """Draw position and velocity MSE of all schemes over the amplitude, log-log.
+    """Draw position and velocity MSE of all schemes against the amplitude, on log-log axes.
+
+    Published numbers at this natural period are drawn as hollow marks.
 
     Parameters
     ----------
     summary
-        Columns of summary.csv.
+        The table summary.csv of a run.
     natural_period
-        One of the natural periods in `summary`, s.
+        One of the natural periods in `summary`, in s.
     schemes
         Schemes to draw, in the order of the legend.
-    window, tuning
-        Both are named in the title; `window` also selects the rows.
+    window
+        The window of the rows to draw, named in the title.
+    tuning
+        Name of the tuning, for the title.
     coinciding
-        Groups of schemes with the same numbers, for the footnote.
+        Groups of schemes with equal results, for the footnote.
 
     Raises
     ------
@@ -75,7 +79,10 @@ def draw(
 def _choose_published(
     natural_period: float, amplitudes: pd.Series[float], schemes: Sequence[str]
 ) -> pd.DataFrame:
-    """Choose the published numbers at that period within the range of amplitudes."""
+    """Return the published numbers of the schemes at a natural period (s).
+
+    Only those are returned whose amplitude lies within the range of `amplitudes`.
+    """
     table = published.mse_tables()
     inside = table["amplitude"].between(amplitudes.min(), amplitudes.max())
     here = np.isclose(table["natural_period"], natural_period) & inside

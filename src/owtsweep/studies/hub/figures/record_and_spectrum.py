@@ -1,6 +1,7 @@
-"""Figures 3 and 4 of Ren et al. (2019): a displacement record and its spectrum.
+"""Draw a displacement record and its spectrum, as figures 3 and 4 of Ren et al. (2019).
 
-The paper's record comes from HAWC2; the one here is a record of the study, drawn from Eq. (1).
+The paper's record comes from HAWC2. The record here is one of the study, drawn from the spectrum of
+the paper's Eq. (1).
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ from owtsweep.studies.hub.figures import MEANING
 from owtsweep.studies.hub.histories import natural_period_of
 from owtsweep.studies.hub.records import make_records
 
-#: Segment length of Welch's estimate, s: long enough to resolve the peak, which is half as wide as
-#: 1/64 Hz.
+#: Segment length of Welch's estimate, s: long enough to resolve the peak of Eq. (1), whose
+#: half-bandwidth is 1/64 Hz.
 SEGMENT = 200.0
 #: Length of the detail shown below the whole record, s.
 DETAIL = 60.0
@@ -30,7 +31,7 @@ MEASURED, GIVEN, EDGE = "#0072B2", "#D55E00", "0.45"
 
 
 def draw_record(config: HubConfig) -> Figure:
-    """Draw the displacement of the study's first record in x and y, whole and in detail."""
+    """Draw x and y of the study's first displacement record: the whole record, and one minute."""
     period, step, series = _first_record(config)
     time = step * np.arange(len(series))
     start = 0.5 * max(time[-1] - DETAIL, 0.0)
@@ -60,7 +61,10 @@ def draw_record(config: HubConfig) -> Figure:
 
 
 def draw_spectrum(config: HubConfig) -> Figure:
-    """Draw the spectrum of that record, and over it Eq. (1) scaled to the record's variance."""
+    """Draw the spectrum of the study's first displacement record, in x and y.
+
+    The same panels show the paper's Eq. (1), scaled to the record's variance.
+    """
     period, step, series = _first_record(config)
     rate = 1.0 / step
     length = min(round(SEGMENT * rate), len(series))
@@ -104,7 +108,10 @@ def draw_spectrum(config: HubConfig) -> Figure:
 
 
 def _first_record(config: HubConfig) -> tuple[float, float, Array]:
-    """The period of the study's first record (s), its step (s), and its displacement (n, 2), m."""
+    """Return natural period (s), step (s) and displacement (m) of the study's first record.
+
+    The displacement has shape (steps, 2), columns x and y.
+    """
     period = natural_period_of(config)
     records = make_records(config, period, [0])
     return period, records.sensors.step, np.outer(records.motion[0].position, records.direction)

@@ -1,4 +1,4 @@
-"""The command `spectrum`: draws the error spectra, and tabulates them and the noise floors."""
+"""Draw the error spectra and tabulate them and the noise floors, for the command `spectrum`."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 from rich import box
 from rich.table import Table
+from rich.text import Text
 
 from owtsweep.figures.drawings import save_figure
 from owtsweep.io.tables import write_table
@@ -22,7 +23,10 @@ from owtsweep.studies.hub.noise_floor import SOURCES
 
 
 def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple[list[Path], Table]:
-    """Draw the schemes' error spectra, and write them and the noise floors as tables."""
+    """Draw the schemes' error spectra, and write spectra and noise floors as tables.
+
+    Returns the files written, and a table of the noise floors for the terminal.
+    """
     errors = error_spectra.compute(config)
     draw = partial(
         error_spectra.draw, config, errors=errors, coinciding=coinciding(errors), motion=True
@@ -35,16 +39,21 @@ def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple
 
 
 def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
-    """The error spectra as a table.
+    """Make a table of the error spectra, one row per scheme and frequency.
 
-    Columns scheme, frequency (Hz), position (m^2/m^2) and velocity (s^-2), per m^2 of displacement.
+    Columns scheme, frequency (Hz), position and velocity: the MSE per m^2 of mean square
+    displacement, in m^2/m^2 and in s^-2.
     """
     parts = [pd.DataFrame({"scheme": name, **vars(of.spectrum)}) for name, of in errors.items()]
     return pd.concat(parts, ignore_index=True)
 
 
 def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
-    """Table: scheme, measure, source (gnss, imu, bias or all), mse; NaN if it does not settle."""
+    """Make a table of the noise floors, one row per scheme, measure and source of noise.
+
+    Columns scheme, measure (position or velocity), source (gnss, imu, bias or all), and mse in m^2
+    or (m/s)^2; NaN if the scheme's error from noise does not settle.
+    """
     rows = []
     for name, of_scheme in errors.items():
         for measure in UNITS:
@@ -57,7 +66,7 @@ def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 
 
 def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
-    """Groups of schemes with the same error spectrum."""
+    """Find the groups of schemes whose error spectra are equal."""
     spectra = [error.spectrum for error in errors.values()]
 
     def coincide(i: int, j: int) -> bool:
@@ -67,9 +76,12 @@ def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
 
 
 def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
-    """Show the settled noise floors (the result of `floors`) as root mean squares."""
+    """Make a table for the terminal of the noise floors as root mean squares, in cm and cm/s.
+
+    `noise` is the result of `floors`.
+    """
     table = Table(
-        title=f"Settled error from noise alone, rms of x + y, tuning {config.tuning}",
+        title=Text(f"Settled error from noise alone, rms of x + y, tuning {config.tuning}"),
         box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
     )  # fmt: skip
     table.add_column("scheme")
@@ -82,5 +94,5 @@ def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
         if rows["mse"].notna().all():
             unit = {"position": "cm", "velocity": "cm/s"}[measure]
             cells = [f"{100 * np.sqrt(value):.3g} {unit}" for value in rows["mse"]]
-        table.add_row(name, measure, *cells)
+        table.add_row(Text(name), measure, *cells)  # as typed: it may hold rich's markup
     return table

@@ -1,4 +1,4 @@
-"""Tables 6-9 of Ren et al. (2019): the published numbers beside those of a run."""
+"""Write tables 6-9 of Ren et al. (2019), with a run's numbers beside the published ones."""
 
 from __future__ import annotations
 
@@ -20,33 +20,37 @@ CONDITIONS = ["natural_period", "amplitude"]
 MISSING = "not in this run"
 NO_VALUE = "–"
 UNITS = {"x": "m²", "y": "m²", "vx": "m²/s²", "vy": "m²/s²"}
-#: A condition of the run is one of the paper's if they agree to this many decimal places.
+#: A condition of the run and one of the paper are equal if they agree to this many decimal places.
 DIGITS = 9
 
 
 def write(summary: pd.DataFrame, window: str, folder: Path, name: str) -> list[Path]:
-    """Write tables 6-9 of a summary into a folder, as `<name>.csv` and `<name>.md`."""
+    """Write tables 6-9 into a folder, as `<name>.csv` and `<name>.md`; return both files.
+
+    `summary` is the run's table summary.csv, `window` "full" or "settled".
+    """
     table, text = tables_6_to_9(summary, window=window), folder / f"{name}.md"
     write_atomically(text, to_markdown(table))
     return [write_table(folder, name, table), text]
 
 
 def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
-    """The 64 published numbers beside those of the run.
+    """Put the 64 published numbers beside those of the run.
 
     Parameters
     ----------
     summary
-        Columns of summary.csv.
+        The table summary.csv of a run.
     window
-        "full" or "settled".
+        The window of the run's numbers, "full" or "settled".
 
     Returns
     -------
     DataFrame
-        `COLUMNS`: MSE of x and y in m^2, of vx and vy in m^2/s^2, with the 95 % interval of the
-        reproduced mean; ratio = reproduced / published. Conditions that the run lacks have NaN and
-        the note "not in this run".
+        One row per published number; the columns are `COLUMNS`. Published and reproduced MSE of x
+        and y in m^2, of vx and vy in m^2/s^2; `ci_low` and `ci_high`, the 95 % interval of the
+        reproduced mean; `ratio`, reproduced / published. Where the run lacks the condition or the
+        scheme, the run's values are NaN and the note says "not in this run".
     """
     keys = [*CONDITIONS, "scheme", "measure"]
     run = summary.loc[summary["window"] == window, [*keys, "mean", "ci_low", "ci_high"]]
@@ -62,9 +66,9 @@ def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
 
 
 def to_markdown(table: pd.DataFrame) -> str:
-    """The result of `tables_6_to_9` as Markdown: one table per condition, one line per scheme.
+    """Write the result of `tables_6_to_9` as Markdown: one table per condition, a line per scheme.
 
-    Each cell reads "published → reproduced (ratio)".
+    Each cell of a table reads "published → reproduced (ratio)".
     """
     parts = []
     shown = table.assign(cell=[_cell(row) for row in table.to_dict("records")])
@@ -95,6 +99,6 @@ def _cell(row: dict[Any, Any]) -> str:
 
 
 def _number(value: float) -> str:
-    """Three digits, with the exponent as in the paper: 1.42e-3."""
+    """Format a number to three significant digits, with the exponent as in the paper: 1.42e-3."""
     mantissa, exponent = f"{value:.2e}".split("e")
     return f"{mantissa}e{int(exponent)}"

@@ -1,4 +1,4 @@
-"""Figures 9-14 of Ren et al. (2019): one record over time, and its accumulated errors."""
+"""Draw a record over time and the schemes' errors on it, as figures 9-14 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from owtsweep.studies.hub.histories import Histories
 
 #: The schemes of the paper's figures; if the run has none of them, all its schemes are drawn.
 SHOWN = ("MKF", "HME1", "HME2")
-#: Seconds of the record that the histories show: from its start, and in the zoom.
+#: Seconds of the record shown: from its start (`SPAN`), and in the zoomed figures (`ZOOM`).
 SPAN = 120.0
 ZOOM = 15.0
 #: Seconds shown of the acceleration, whose noise would hide everything else in a longer view.
@@ -29,19 +29,20 @@ ALONE: dict[str, Any] = {
 }  # fmt: skip
 #: Height of a panel that shows the drift of the integrated IMU, in amplitudes of the motion.
 VIEW = 1.6
-#: The bound of the velocity error in section 5.2, m/s.
+#: The bound on the velocity error in the paper's section 5.2, m/s.
 VELOCITY_BOUND = 0.05
 
 #: First and last time that a panel shows, s.
 View = tuple[float, float]
-#: Limits of a panel's vertical axis; None for an end that follows from the values.
+#: Limits of a panel's vertical axis; None for a limit that follows from the values.
 Limits = tuple[float | None, float | None]
 
 
 def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str) -> Figure:
-    """Draw one quantity over time, x above y, and the accumulated errors below them.
+    """Draw one quantity over time: a panel for x, one for y, and a panel of errors below.
 
-    The schemes are those of `SHOWN` that the histories hold, or else all.
+    The lowest panel shows the accumulated errors of x and y, or in a zoomed figure the errors of x.
+    Drawn are MKF, HME1 and HME2, or all schemes if the histories have none of these.
 
     Parameters
     ----------
@@ -50,14 +51,14 @@ def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom
-        Show `ZOOM` s of the settled part, and the errors of x there in the lowest panel.
+        Whether to show only some seconds (`ZOOM` or `ACCELERATION_ZOOM`), which end at `SPAN` s.
     tuning
-        Named in the title.
+        Name of the tuning, for the title.
 
     Raises
     ------
     InputError
-        If there is no scheme to draw.
+        If no scheme estimates the quantity.
     """
     names = _names(histories, quantity)
     view = _view(histories, quantity, zoom=zoom)
@@ -91,7 +92,10 @@ def _view(histories: Histories, quantity: str, *, zoom: bool) -> View:
 
 
 def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Array]:
-    """Times (n,) and values (n, 2) of an estimate, each at the time to which it refers."""
+    """Return a scheme's estimates, shape (n, 2), and the times (s) to which they refer.
+
+    The times come first and have shape (n,). The columns of the estimates are x and y.
+    """
     estimated = histories.estimated[name]
     values = getattr(estimated, quantity)
     if quantity in ("position", "velocity"):
@@ -102,7 +106,7 @@ def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Ar
 def _values(
     histories: Histories, quantity: str, axis: int, names: Sequence[str], view: View
 ) -> Panel:
-    """The panel of x or y: truth, measurements and estimates."""
+    """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates."""
 
     def inside(time: Array, values: Array) -> Line:
         return make_line(*clip(time, values[:, axis], view))
@@ -139,7 +143,17 @@ def _values(
 def _drift(
     histories: Histories, quantity: str, axis: int, view: View
 ) -> tuple[list[Curve], Limits, str]:
-    """The IMU alone: its line and limits if the panel shows it, and a note on when it leaves."""
+    """Make the line of the IMU's integrated acceleration, and a note on the line's drift.
+
+    Returns
+    -------
+    marks
+        The line, or nothing if it lies outside the panel during the whole view.
+    limits
+        Limits of the vertical axis; None for both if the line is not drawn.
+    note
+        When the line leaves the panel; "" if it is inside at the end of the view.
+    """
     time, truth = histories.time, getattr(histories, quantity)[:, axis]
     alone = getattr(histories, f"integrated_{quantity}")[:, axis]
     reach = VIEW * float(np.max(np.abs(truth)))
@@ -161,7 +175,10 @@ def _drift(
 
 
 def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
-    """The errors of x in a view, or the accumulated errors of x and y over the record."""
+    """Make the panel of the errors of x in a view.
+
+    If `view` is None, make the panel of the accumulated errors of x and y over the whole record.
+    """
     truth = getattr(histories, quantity)
     estimates = {name: _estimate(histories, name, quantity) for name in names}
     errors = {
@@ -196,7 +213,7 @@ def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> 
 
 
 def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
-    """A note on the delay with which each scheme's filter estimates its states."""
+    """Write sentences on the delay with which each scheme's filter estimates its states."""
     lags: dict[float, list[str]] = {}
     for name in names:
         lag = histories.estimated[name].lag * float(histories.time[1])

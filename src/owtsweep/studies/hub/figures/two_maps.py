@@ -1,7 +1,7 @@
-"""Two tunings side by side: the best-scheme maps, the HME1/HME2 boundary, and its cause.
+"""Draw two tunings side by side: best-scheme maps, the HME1/HME2 boundary, and its cause.
 
-The third panel, below the maps and split by tuning, shows each scheme's error over the frequency of
-the motion and its noise floor: at a boundary the sums of these two parts are equal.
+Below each map, a panel shows each scheme's error from motion against frequency, and its noise
+floor. At the boundary, HME1 and HME2 have equal sums of these two parts.
 """
 
 from __future__ import annotations
@@ -39,15 +39,15 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
     Parameters
     ----------
     paper, matched
-        Finished runs of the hub study, drawn left and right; their titles name their tunings.
+        Finished runs of the hub study, drawn left and right; the titles name their tunings.
     criterion
-        "position" or "velocity".
+        The measure by which the schemes are compared, "position" or "velocity".
 
     Raises
     ------
     InputError
-        If a run is of another study or has no results for that criterion, or if the criterion has
-        no error spectrum.
+        If a run is of another study or has no results for the criterion, or if the criterion is
+        neither "position" nor "velocity".
     """
     if criterion not in error_spectra.UNITS:
         usable = " or ".join(error_spectra.UNITS)
@@ -76,7 +76,8 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
         for axes in panels[1]:
             axes.set_ylim(min(lows), max(highs))
         handles: list[Any] = [
-            Patch(facecolor=style_of(name, names).color, label=name) for name in names
+            Patch(facecolor=style_of(name, names).color, label=style.label_of(name))
+            for name in names
         ]
         handles += panels[0, 0].plot([], [], **_LINE, label=f"{LOWER}/{UPPER} boundary")
         columns = len(handles)
@@ -92,7 +93,7 @@ _LINE: dict[str, Any] = {
 
 
 def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
-    """Draw one map with its boundary; return the sentences for the footnote."""
+    """Draw one run's map with the boundary; return the sentences for the footnote."""
     best, window = run.best_scheme(), config.measures.window
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -148,7 +149,7 @@ def _boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane, tuning: str) -
 
 
 def _differences(configs: Sequence[HubConfig]) -> list[str]:
-    """The differences between the two runs, other than the schemes' tuning, for the footnote."""
+    """Name the keys, besides the tuning, in which the two runs differ, as footnote sentences."""
     one, other = configs
     keys = ("seed", "record", "spectrum", "normalise", "band", "wave_direction", "sensors", "grid")
     changed = [key for key in (*keys, "measures") if getattr(one, key) != getattr(other, key)]

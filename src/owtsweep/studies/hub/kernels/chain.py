@@ -1,8 +1,8 @@
-"""The whole chain of a scheme over a chunk: filter, smoother, predictor.
+"""Runs the whole chain of a scheme over a chunk of steps: filter, smoother, predictor.
 
 There are two parts. `prepare` runs the filter and the smoother over a whole chunk. `finish` makes
-the estimates of some of its steps: few enough that these are still in a near cache when their
-errors are summed. A chain that consists of a filter alone skips `prepare`.
+the estimates of some steps of the chunk: so few steps that the estimates are still in a near cache
+when their errors are summed. A chain that consists of a filter alone skips `prepare`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,12 @@ from owtsweep.vectors.lanes import ROOMY, groups, load, store
 
 @njit
 def filter_span(steps, fed, chain, memory, width, late):
-    """Run the filter over some steps, on fixes or, interval by interval, on the MHE's positions."""
+    """Run the filter over some steps of a chunk.
+
+    Without an MHE, the filter takes the position fixes. With an MHE, it takes the MHE's positions,
+    which are computed here from one fix to the next. The other arguments are those of
+    `filter_steps`.
+    """
     k0, first, stop, shift = steps
     mhe, registers, M = chain.mhe, memory.registers, chain.filter.fix_interval
     if not mhe.active:
@@ -56,17 +61,19 @@ def filter_span(steps, fed, chain, memory, width, late):
 
 @njit
 def is_filter(chain):
-    """Whether the chain is a filter alone, so that its states are the estimates."""
+    """Return whether the chain is a filter alone, so that its states are the estimates."""
     return chain.filter.window == 0 and chain.predictor.steps == 0
 
 
 @njit
 def prepare(k0, count, fed, chain, memory, whole, late):
-    """Write filtered or smoothed states of a chunk's steps to scratch.X, `window` steps late.
+    """Filter and smooth the `count` steps of the chunk that begins at step k0.
 
-    If `whole`, or without a predictor, each step has four rows, (p, v, b, a). Otherwise it has two:
-    what the predictor needs of the state.
-    `late` are rows that later stages read; they are numbered as the rows of the force.
+    The states are written to scratch.X; with a smoother, the smoothed state of step k - window is
+    in the place of step k. If `whole`, or without a predictor, each step has four rows, (p, v, b,
+    a): position, velocity, bias, acceleration. Otherwise each step has two rows: what the predictor
+    needs of the state. `late` is an array that later stages read; its rows, numbered as those of
+    the force, are prefetched.
     """
     window, registers, scratch = chain.filter.window, memory.registers, memory.scratch
     width = WHOLE if whole or chain.predictor.steps == 0 else PREDICTED
@@ -78,7 +85,7 @@ def prepare(k0, count, fed, chain, memory, whole, late):
     rows, source = (scratch.X, scratch.r, scratch.s), k0 - fed.base
     if ROOMY:
         smooth_chunk(k0, count, chain, width, rows, fed.force, source)
-    else:  # group by group: the registers do not hold more than one
+    else:  # group by group: the processor's registers do not hold more than one group
         X, r, s, force = groups(rows[0]), groups(rows[1]), groups(rows[2]), groups(fed.force)
         for g in range(len(X)):
             smooth_chunk(k0, count, chain, width, (X[g], r[g], s[g]), force[g], source)
@@ -86,13 +93,16 @@ def prepare(k0, count, fed, chain, memory, whole, late):
 
 @njit
 def steps_of(k0, first, stop, shift):
-    """`Steps` of these numbers, which may be literal constants."""
+    """Return `Steps` of these numbers, which may be literal constants in the calling kernel."""
     return Steps(k0, first, stop, shift)
 
 
 @njit
 def finish(steps, fed, chain, memory, late):
-    """Make the estimates of some steps of a chunk; innovations stay in the row of their step."""
+    """Write the estimated positions and velocities of some steps of a chunk to the output.
+
+    The estimate of the chunk's step i goes to row i - shift; an innovation stays in row i.
+    """
     scratch, output = memory.scratch, memory.output
     if is_filter(chain):
         filter_span(steps, fed, chain, memory, FINAL, late)

@@ -1,4 +1,4 @@
-"""Puts a span of records into rows of eight lanes, in one call that releases the GIL."""
+"""Puts a span of steps of eight records into rows of eight lanes, in calls without the GIL."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from owtsweep.compiled import njit
 
 @njit
 def gather(first, count, lead, sources, rows):
-    """Put steps first ... first + count - 1 of each series into its lane, from row `lead` on."""
+    """Put the steps first ... first + count - 1 of series into lanes, one series in each lane.
+
+    The first step goes to row `lead` of `rows`.
+    """
     for i in range(count):
         for lane in range(len(sources)):
             rows[lead + i, lane] = sources[lane][first + i]
@@ -15,11 +18,13 @@ def gather(first, count, lead, sources, rows):
 
 @njit
 def noise(count, lead, normals, begun, bias, imu, force):
-    """Turn unit normals (lanes, 4, steps) of bias_x, imu_x, bias_y, imu_y into groups 1 and 2.
+    """Turn unit normals into the noise of the specific force; write it to groups 1 (x) and 2 (y).
 
-    If `begun`, the bias continues from `bias` (lanes, 2); otherwise it starts at its initial value.
-    imu: (walk, initial, sigma, gravity): sigma of the bias' steps, initial bias, sigma of a sample,
-    and gravity (2,) in NED.
+    `normals` has the shape (lanes, 4, steps): bias_x, imu_x, bias_y, imu_y. `force` has the shape
+    (groups, rows, lanes); the first step goes to row `lead`. If `begun`, the bias continues from
+    `bias`, shape (lanes, 2); otherwise it starts at its initial value. `bias` is updated. `imu` is
+    (walk, initial, sigma, gravity): standard deviation of the bias' change per step, initial bias,
+    standard deviation of a sample's noise, and gravity (2,) in NED, all in m/s^2.
     """
     walk, initial, sigma, gravity = imu
     for axis in range(2):
@@ -37,7 +42,11 @@ def noise(count, lead, normals, begun, bias, imu, force):
 
 @njit
 def whole_series(count, lead, amplitude, direction, force, result):
-    """Make the groups x and y at an amplitude from the groups motion and noise."""
+    """Compute the whole series of x and y at an amplitude: motion plus noise.
+
+    The groups of `force` are motion, noise of x and noise of y. The groups of `result` are x and y;
+    their rows from `lead` to lead + count - 1 are written.
+    """
     for axis in range(2):
         for i in range(lead, lead + count):
             for lane in range(force.shape[2]):
@@ -47,7 +56,7 @@ def whole_series(count, lead, amplitude, direction, force, result):
 
 @njit
 def keep_lead(lead, rows):
-    """Move the last `lead` rows of each group to the front, where the next span follows them."""
+    """Copy the last `lead` rows of each group to the front; the next span will follow them."""
     last = rows.shape[1] - lead
     for group in range(rows.shape[0]):
         for i in range(lead):

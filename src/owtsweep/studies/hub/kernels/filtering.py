@@ -13,7 +13,10 @@ PREDICTED, WHOLE, FINAL = 2, 4, 0
 
 @njit
 def row_before(k, row, rows, cycle):
-    """The stored row that serves step k - 1, if `row` serves step k."""
+    """Return the stored row of the gains that serves step k - 1, if `row` serves step k.
+
+    There are `rows` rows, of which the last `cycle` repeat.
+    """
     if row == rows - cycle and k > row:
         return rows - 1
     return row - 1
@@ -21,7 +24,10 @@ def row_before(k, row, rows, cycle):
 
 @njit
 def corrected(x0, x1, x2, x3, gains, row, column, innovation):
-    """The state corrected by one innovation, with a column of a row of gains (4, 2)."""
+    """Return the state x0 ... x3 corrected by one innovation.
+
+    The gains are a column of matrix `row` of `gains`, shape (rows, 4, 2).
+    """
     at = 8 * row + column
     return (
         x0 + element(gains, at) * innovation,
@@ -33,20 +39,24 @@ def corrected(x0, x1, x2, x3, gains, row, column, innovation):
 
 @njit
 def filter_steps(steps, fed, positions, chain, memory, width, late):
-    """Algorithm 6 over some steps of a chunk, with these positions.
+    """Run Algorithm 6 of Ren et al. (2019), the Kalman filter, over some steps of a chunk.
 
-    positions: (rows, row, phase, interval). The current one is row `row` of `rows`, due `phase`
-    steps ago. The next is due after interval - phase steps, then one every `interval` steps.
-    Filtered states and innovations are stored behind the window in the scratch (innovations of the
-    position only at steps that have one). A state takes `width` rows. WHOLE stores position,
-    velocity, bias and acceleration. PREDICTED stores what they contribute to position and velocity
-    at the end of the prediction. FINAL, without smoother and predictor, writes position and
-    velocity to the output.
-    `late` are rows that the next stages read, numbered as the rows of the force. They are
-    prefetched, and so is the force if there is no smoother that does it.
-    Each step waits for the one before. The order of the sums therefore leaves few operations
-    between one state and the next: increments first, then the state, and the term computed last is
-    added last.
+    `positions` is (rows, row, phase, interval). The current position is in row `row` of the array
+    `rows`; it came `phase` steps ago. The next one comes after interval - phase steps, and later
+    ones every `interval` steps.
+
+    Filtered states and innovations are stored in the scratch memory, after the smoother's window
+    (innovations of the position only at steps that have one). A state takes `width` rows. WHOLE
+    stores position, velocity, bias and acceleration. PREDICTED stores what these contribute to
+    position and velocity at the end of the prediction. FINAL, for a chain without smoother and
+    predictor, writes position and velocity to the output instead.
+
+    `late` is an array that later stages read; its rows, numbered as those of the force, are
+    prefetched. So is the force, unless there is a smoother, which prefetches it.
+
+    Each step has to wait for the previous step. The sums are therefore ordered so that few
+    operations lie between one state and the next: increments are computed first, then the state,
+    and the term that is computed last is added last.
     """
     k0, first, stop, shift = steps
     force, source = fed.force, k0 - chain.filter.input_delay - fed.base  # row of the chunk's step 0

@@ -1,4 +1,4 @@
-"""The moving horizon estimator in front of the filter: its registers and maps."""
+"""Runs the moving horizon estimator (MHE), which gives the filter its positions."""
 
 from __future__ import annotations
 
@@ -9,7 +9,11 @@ from owtsweep.vectors.lanes import element, load, store, zero
 
 @njit
 def added(n0, n1, n2, maps, at, columns, datum):
-    """A node's state plus the contribution of one datum; the three sums run side by side."""
+    """Return a node's state n0, n1, n2 plus the contribution of one datum.
+
+    The contribution is the datum times the three elements of a column of `maps`; `at` is the place
+    of the column's first element, `columns` the number of columns.
+    """
     return (
         n0 + element(maps, at) * datum,
         n1 + element(maps, at + columns) * datum,
@@ -19,7 +23,10 @@ def added(n0, n1, n2, maps, at, columns, datum):
 
 @njit
 def horizon_fix(q, fixes, mhe, registers):
-    """Take fix number q: store the finished interval, solve the window, start a new interval."""
+    """Take position fix number q: store the inputs' effects since the last fix; solve the window.
+
+    Then start new sums over the inputs. Before fix number mhe.first nothing is solved.
+    """
     nm = mhe.horizon
     z, ip, iv, running = registers.z, registers.ip, registers.iv, registers.running
     if q > 0:
@@ -32,7 +39,7 @@ def horizon_fix(q, fixes, mhe, registers):
         return
     n = min(q, nm)
     maps, columns = mhe.maps, mhe.maps.shape[2]
-    G = 3 * columns * min(q, maps.shape[0] - 1)  # start of this fix's map
+    G = 3 * columns * min(q, maps.shape[0] - 1)  # start of this fix's matrix
     n0, n1, n2 = zero(running), zero(running), zero(running)
     at = (q - n) % (nm + 1)
     for j in range(n + 1):
@@ -55,26 +62,31 @@ def horizon_fix(q, fixes, mhe, registers):
 
 @njit
 def tick_of(k0, i, interval):
-    """The row of the position that is valid at step i of a chunk; the chunk's first tick is row 0.
+    """Return the row of the MHE's position that is valid at step i of a chunk.
 
-    A tick is a multiple of T_m.
+    The chunk begins at step k0. The MHE gives a position at each multiple of `interval` steps. The
+    position that is valid at the chunk's first step is in row 0.
     """
     return (k0 + i) // interval - k0 // interval
 
 
 @njit
 def positions_from(k0, i, interval, rows):
-    """The MHE's positions in `rows`, as `filter_steps` takes them from step i of a chunk on."""
+    """Return the MHE's positions, from step i of a chunk on, in the form that `filter_steps` takes.
+
+    The positions are in `rows`, one for every `interval` steps; the chunk begins at step k0.
+    """
     return (rows, tick_of(k0, i, interval), (k0 + i) % interval, interval)
 
 
 @njit
 def horizon_steps(steps, fed, q, chain, memory):
-    """Compute the MHE's positions at some steps of a chunk between fix number q and the next.
+    """Compute the MHE's positions at some steps of a chunk, between fix number q and the next fix.
 
-    At each multiple of T_m the position is predicted from the last node by (11d). It is valid until
-    the next one, and is stored in the row that `tick_of` gives. Before the first solution it is the
-    last fix. The specific force is integrated in the form in which the MHE takes it (`inputs`).
+    At each multiple of T_m a position is predicted from the last node by Eq. (11d) of Ren et al.
+    (2019). The position is valid until the next multiple, and is stored in the row that `tick_of`
+    returns. Before the window is first solved, the position is the last fix. The specific force is
+    integrated as the MHE takes it: all samples, averaged or sampled (mhe.inputs).
     """
     k0, first, stop, _ = steps
     mhe, fix_interval = chain.mhe, chain.filter.fix_interval

@@ -1,4 +1,4 @@
-"""Fixed-lag smoothing in O(1) per step, and open-loop prediction, over a chunk."""
+"""Smooths with a fixed lag, in O(1) per step, and predicts open-loop, over a chunk of steps."""
 
 from __future__ import annotations
 
@@ -10,14 +10,17 @@ from owtsweep.vectors.lanes import element, load, prefetch, store, zero
 
 @njit
 def combined(y0, y1, y2, y3, C, at):
-    """The sum of a state's components times the four elements of C from `at` on."""
+    """Return the sum of four components y0 ... y3 times the four elements of C from `at` on."""
     a, b, c, d = element(C, at), element(C, at + 1), element(C, at + 2), element(C, at + 3)
     return a * y0 + b * y1 + c * y2 + d * y3
 
 
 @njit
 def carried_back(y0, y1, y2, y3, C, row):
-    """C y: what a correction y of one step means for the step before."""
+    """Return the matrix C[row] (4, 4) times y.
+
+    If y is a correction of one step's state, the result is the correction of the previous step's.
+    """
     return (
         combined(y0, y1, y2, y3, C, 16 * row),
         combined(y0, y1, y2, y3, C, 16 * row + 4),
@@ -28,7 +31,11 @@ def carried_back(y0, y1, y2, y3, C, row):
 
 @njit
 def given_and_taken(K, D, row, r, leaving):
-    """A step's correction by the specific force, and by the one that leaves the window."""
+    """Return a step's correction by the specific force, for the smoother's recursion.
+
+    The correction is the gain K times the step's own innovation r, plus the gain D times the
+    innovation that leaves the smoother's window. `row` is a row of K and D.
+    """
     at = 8 * row + 1
     return (
         element(K, at) * r + element(D, at) * leaving,
@@ -40,7 +47,10 @@ def given_and_taken(K, D, row, r, leaving):
 
 @njit
 def add_smoothing(X, j, width, s0, s1, s2, s3, predictor):
-    """Add the smoothing correction s0 ... s3 to the rows of filtered state j."""
+    """Add the smoothing correction s0 ... s3 to the rows of the filtered state number j in X.
+
+    A state has `width` rows: WHOLE or PREDICTED.
+    """
     at = width * j
     if width == WHOLE:
         store(X, at, load(X, at) + s0)
@@ -54,16 +64,19 @@ def add_smoothing(X, j, width, s0, s1, s2, s3, predictor):
 
 @njit
 def smooth_chunk(k0, count, chain, width, window_rows, force, source):
-    """Replace the states X of the steps k0 - window ... by their smoothed states (Algorithm 8).
+    """Replace `count` filtered states by smoothed states (Algorithm 8 of Ren et al. 2019).
 
-    With innovations i_k, e_k = K_k i_k = x_{k|k} - x_{k|k-1} and the RTS gains C, the smoothed
-    state is x_{k|k} + S_k, where S_k = C_k (e_{k+1} + S_{k+1} + D_{k+1} i_{k+1+window}). The
-    recursion is stable backwards in time only. Each chunk therefore starts it anew, one window
-    beyond its last state, and in that window no innovation leaves.
-    window_rows: the states X, of `width` rows each as the filter wrote them, and the innovations r
-    of the force and s of the position; see `Scratch`.
-    Meanwhile the force of the next chunk is prefetched, row source + count + i, because the filter
-    reads it faster than memory delivers it.
+    The chunk begins at step k0; the states belong to the steps k0 - window to
+    k0 - window + count - 1. With the innovations i_k, the corrections e_k = K_k i_k and the
+    smoother's gains C, the smoothed state is x_{k|k} + S_k, where
+    S_k = C_k (e_{k+1} + S_{k+1} + D_{k+1} i_{k+1+window}). This recursion is stable backwards in
+    time only. Each chunk therefore starts it anew, one window after its last state; inside this
+    window the term with D is absent.
+
+    `window_rows` are the states X, of `width` rows each, the innovations r of the specific force,
+    and the innovations s of the position; see `Scratch`. Meanwhile the force of the next chunk is
+    prefetched, because the filter reads it faster than memory delivers it; `source` is the row of
+    the present chunk's first step in the force.
     """
     X, r, s = window_rows
     arrays, predictor = chain.filter, chain.predictor
@@ -98,7 +111,7 @@ def smooth_chunk(k0, count, chain, width, window_rows, force, source):
 
 @njit
 def recall(window, width, registers, scratch):
-    """Copy the window that the last chunk kept to the front of the scratch."""
+    """Copy the `window` states and innovations that the last chunk kept to the scratch's front."""
     for row in range(window):
         store(scratch.r, row, load(registers.r, row))
         store(scratch.s, row, load(registers.s, row))
@@ -108,7 +121,7 @@ def recall(window, width, registers, scratch):
 
 @njit
 def keep(count, window, width, registers, scratch):
-    """Keep the newest `window` filtered states and innovations for the next chunk."""
+    """Copy the newest `window` filtered states and innovations to registers for the next chunk."""
     for row in range(window):
         store(registers.r, row, load(scratch.r, count + row))
         store(registers.s, row, load(scratch.s, count + row))
@@ -118,7 +131,11 @@ def keep(count, window, width, registers, scratch):
 
 @njit
 def begin_prediction(k0, first, force, base, predictor, scratch):
-    """What the inputs before step `first` add to the predicted velocity and position."""
+    """Return what the inputs add to the predicted velocity and position of step `first`.
+
+    At the start of a chunk, which begins at step k0, the sums over the inputs are computed anew.
+    Later they are those that `leave_prediction` kept.
+    """
     dv, dp = load(scratch.inputs, 0), load(scratch.inputs, 1)
     if first == 0:
         n, T, half = predictor.steps, predictor.step, predictor.half
@@ -132,11 +149,12 @@ def begin_prediction(k0, first, force, base, predictor, scratch):
 
 @njit
 def predict(i, at, dv, dp, force, predictor, X):
-    """Algorithm 9 at the chunk's step i: position, velocity, and the next step's dv and dp.
+    """Predict position and velocity at the chunk's step i (Algorithm 9 of Ren et al. 2019).
 
-    X holds the contribution of the states. That of the inputs is a moving sum, dv and dp: the
-    newest input, row `at` of the force, enters and the oldest leaves. The sum is computed anew in
-    every chunk, so that rounding errors do not accumulate.
+    Return position, velocity, and the sums dv and dp of the next step. X holds what the states add
+    to position and velocity. What the inputs add are moving sums, dp and dv: the newest input, row
+    `at` of the force, enters and the oldest leaves. The sums are computed anew in every chunk, so
+    that rounding errors do not accumulate.
     """
     n, T, half = predictor.steps, predictor.step, predictor.half
     x, w = load(X, PREDICTED * i) + dp, load(X, PREDICTED * i + 1) + dv
@@ -148,6 +166,6 @@ def predict(i, at, dv, dp, force, predictor, X):
 
 @njit
 def leave_prediction(dv, dp, scratch):
-    """Keep the sums with which `begin_prediction` continues within the chunk."""
+    """Keep the sums over the inputs, with which `begin_prediction` continues within the chunk."""
     store(scratch.inputs, 0, dv)
     store(scratch.inputs, 1, dp)

@@ -19,11 +19,23 @@ Groups = tuple[Array, ...]
 
 
 class FilterArrays(NamedTuple):
-    """One axis of the Kalman filter: states (p, v, a, b).
+    """The filter and smoother along one axis; states are position, velocity, acceleration, bias.
 
-    A (4, 4), B (4,) input column, h (4,) force row, K (rows, 4, 2), applied (rows,). C (rows, 4, 4)
-    are the smoother's gains; D (rows, 4, 2) are the gains for the innovations that leave its
-    window. cycle, input_delay, window and fix_interval (M) are in steps.
+    Attributes
+    ----------
+    A, B, h
+        Transition matrix (4, 4), input column (4,), and measurement row (4,) of specific force.
+    K, applied
+        Gains of position and specific force (rows, 4, 2); whether a row has a position to apply
+        (rows,).
+    C, D
+        The smoother's gains (rows, 4, 4), and its gains for the innovations that leave the window
+        (rows, 4, 2).
+    cycle
+        After the last row of K, C and D, the last `cycle` rows repeat.
+    input_delay, window, fix_interval
+        Delay of the specific force, length of the smoother's window, and time between fixes, all in
+        steps.
     """
 
     A: Array
@@ -40,9 +52,10 @@ class FilterArrays(NamedTuple):
 
 
 class PredictorArrays(NamedTuple):
-    """Open-loop prediction over `steps` steps of `step` s with Sigma_2.
+    """An open-loop prediction over `steps` steps of `step` seconds, with position, velocity, bias.
 
-    pv, pb, vb: elements of A^steps; half: the change of position per step and unit input, T^2/2.
+    `half` is the change of position per step and unit input, step^2 / 2. `pv`, `pb` and `vb` say
+    what velocity and bias add to position, and bias to velocity, over all steps.
     """
 
     steps: int
@@ -54,10 +67,25 @@ class PredictorArrays(NamedTuple):
 
 
 class HorizonArrays(NamedTuple):
-    """The unconstrained MHE as linear maps.
+    """The moving horizon estimator (MHE) without constraints: matrices that turn data into states.
 
-    active, maps (count, 3, columns), horizon N_m, interval (steps of T_m), first fix number with
-    a solution, arrival (0 or 1), inputs (0 all, 1 averaged, 2 sampled), step s.
+    Attributes
+    ----------
+    active
+        Whether the scheme has an MHE.
+    maps
+        One matrix (3, columns) per fix number; the last one serves all later fixes. See
+        `estimation.mhe.window_map`.
+    horizon, interval
+        N_m, the number of links between fixes in a full window, and T_m in steps.
+    first
+        Number of the first fix at which the window can be solved.
+    arrival
+        Whether the window has an arrival state.
+    inputs
+        Which IMU samples are taken: ALL, AVERAGED or SAMPLED.
+    step
+        Sampling interval of the IMU, s.
     """
 
     active: bool
@@ -71,7 +99,7 @@ class HorizonArrays(NamedTuple):
 
 
 class ChainArrays(NamedTuple):
-    """A whole scheme: filter, predictor, moving horizon estimator."""
+    """The arrays of a whole scheme: filter, predictor, moving horizon estimator."""
 
     filter: FilterArrays
     predictor: PredictorArrays
@@ -79,13 +107,30 @@ class ChainArrays(NamedTuple):
 
 
 class Registers(NamedTuple):
-    """What lanes carry from chunk to chunk; each field has an array (rows, 8) per group of eight.
+    """The memory that each lane carries from chunk to chunk.
 
-    x (4): the filter's state. r, s (window): the newest innovations of specific force and position;
-    X (4 window): the newest filtered states. The MHE's registers are z (horizon + 1): fixes; ip, iv
-    (horizon): effects of the inputs on position and velocity per interval; arrival
-    (3 (horizon + 1)): past states; running (4): sums over the present interval's inputs; node (3):
-    the newest node; fix (1): the position that the filter takes.
+    Each field has an array (rows, 8) for each group of eight lanes.
+
+    Attributes
+    ----------
+    x
+        The filter's state; 4 rows.
+    r, s
+        The newest innovations of specific force and of position; `window` rows each.
+    X
+        The newest filtered states; 4 window rows.
+    z
+        The MHE's position fixes; horizon + 1 rows.
+    ip, iv
+        Effects of the inputs on position and velocity between fixes; `horizon` rows each.
+    arrival
+        Past filtered states at fixes; 3 (horizon + 1) rows.
+    running
+        Sums over the inputs since the last fix; 4 rows.
+    node
+        State of the newest node of the MHE; 3 rows.
+    fix
+        The position that the filter takes; 1 row.
     """
 
     x: Groups
@@ -102,12 +147,20 @@ class Registers(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """Memory that is used within a chunk only. All runs share it, so that it stays in the cache.
+    """The memory that is used within a chunk only; all runs share it, so it stays in the cache.
 
-    Each field has an array per group of lanes.
-    r and s (window + chunk, 8): innovations. X (4 (window + chunk), 8): states, up to four rows per
-    step. inputs (2, 8): the predictor's sums over the inputs. positions (chunk, 8): the positions
-    that the MHE gives the filter, one per multiple of T_m.
+    Each field has an array (rows, 8) for each group of eight lanes.
+
+    Attributes
+    ----------
+    r, s
+        Innovations of specific force and of position; window + chunk rows each.
+    X
+        States, up to four rows per step; 4 (window + chunk) rows.
+    inputs
+        The predictor's sums over the inputs; 2 rows.
+    positions
+        The positions that the MHE gives the filter, one per multiple of T_m; `chunk` rows.
     """
 
     r: Groups
@@ -118,7 +171,7 @@ class Scratch(NamedTuple):
 
 
 class Output(NamedTuple):
-    """A chunk's estimates; each field has an array (steps, 8) per group of lanes."""
+    """A chunk's estimates; each field has an array (steps, 8) for each group of eight lanes."""
 
     position: Groups
     velocity: Groups
@@ -126,7 +179,7 @@ class Output(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """All memory of a running chain: registers, working memory and the chunk's estimates."""
+    """The memory of a running chain: registers, working memory and the chunk's estimates."""
 
     registers: Registers
     scratch: Scratch
@@ -136,8 +189,14 @@ class Memory(NamedTuple):
 class Fed(NamedTuple):
     """The data that a chain runs on.
 
-    force (rows, 8) for each group of lanes: the specific force of step k in row k - base, m/s^2;
-    fixes (fixes, 8) for each group: positions, m.
+    Attributes
+    ----------
+    force
+        Specific force, m/s^2; an array (rows, 8) for each group of eight lanes.
+    base
+        The specific force of step k is in row k - base.
+    fixes
+        Position fixes, m; an array (fixes, 8) for each group.
     """
 
     force: Groups
@@ -148,9 +207,13 @@ class Fed(NamedTuple):
 class Truth(NamedTuple):
     """The true motion, with which the estimates are compared.
 
-    position and velocity: one array (rows, 8) each, the displacement along the wave and its rate;
-    step k is in the same row as in `Fed`. direction (2,): the wave's direction cosines times an
-    amplitude.
+    Attributes
+    ----------
+    position, velocity
+        Displacement along the wave (m) and its rate (m/s); a tuple of one array (rows, 8) each.
+        Step k is in the same row as in `Fed`.
+    direction
+        The wave's direction cosines along x and y, times an amplitude; shape (2,).
     """
 
     position: Groups
@@ -159,9 +222,9 @@ class Truth(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """Steps first ... stop - 1 of the chunk that begins at the record's step k0.
+    """The steps first ... stop - 1 of a chunk; the chunk begins at the record's step k0.
 
-    The estimates of step i are in row i - shift of the output.
+    The estimates of the chunk's step i are in row i - shift of the output.
     """
 
     k0: int
@@ -171,7 +234,10 @@ class Steps(NamedTuple):
 
 
 def new_registers(groups: int, window: int, horizon: int) -> Registers:
-    """Registers of some groups of lanes, all zero, as every algorithm of the paper starts."""
+    """Make registers for some groups of lanes, all zero, as every algorithm of the paper starts.
+
+    `window` is the smoother's window in steps, `horizon` the number of links in the MHE's window.
+    """
     rows = (
         4, window, window, 4 * window, horizon + 1, horizon, horizon, 3 * (horizon + 1), 4, 3, 1,
     )  # fmt: skip
@@ -182,14 +248,14 @@ def new_registers(groups: int, window: int, horizon: int) -> Registers:
 
 
 def new_scratch(groups: int, chunk: int, window: int) -> Scratch:
-    """Working memory for chunks of `chunk` steps."""
+    """Make working memory for chunks of `chunk` steps and a smoother's window of `window` steps."""
     steps = window + chunk
     rows = (steps, steps, 4 * steps, 2, chunk)
     return Scratch(*(_zeros(groups, n) for n in rows))
 
 
 def new_output(groups: int, chunk: int) -> Output:
-    """Memory for a chunk's estimates."""
+    """Make memory for the estimates of a chunk of `chunk` steps."""
     return Output(*(_zeros(groups, chunk) for _ in Output._fields))
 
 
@@ -198,10 +264,17 @@ def _zeros(groups: int, rows: int) -> Groups:
 
 
 class Weights(NamedTuple):
-    """The weights of errors in NEES and NIS, by schedule row.
+    """The weights of errors in NEES and NIS, for each row of the gain schedule.
 
-    precision (rows, 3) is the inverse of the (p, v) covariance of one axis; innovation (rows,) is
-    the inverse of the innovation's variance; fresh (rows,) says whether there is an innovation.
+    Attributes
+    ----------
+    precision
+        Elements pp, pv, vv of the inverse covariance of position and velocity along an axis, shape
+        (rows, 3).
+    innovation
+        Inverse of the innovation's variance, shape (rows,).
+    fresh
+        Whether there is an innovation, shape (rows,).
     """
 
     precision: Array

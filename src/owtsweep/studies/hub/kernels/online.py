@@ -1,8 +1,9 @@
-"""One estimator, sample by sample, with gains for the measurements that really arrived.
+"""Runs one estimator sample by sample, with gains for the measurements that really arrived.
 
-It serves all four schemes: [MHE ->] filter [-> fixed-lag smoother] [-> predictor], on two axes. All
-parts but the filter are recomputed from their registers at every step, so no rounding accumulates.
-Memory is constant: registers have one row per step and are moved to the front when they are full.
+These kernels serve all four schemes on two axes: [MHE ->] filter [-> fixed-lag smoother]
+[-> predictor], where parts in brackets may be absent. All parts but the filter are recomputed from
+their registers at every step, so rounding errors do not accumulate. Memory is constant: registers
+have one row per step, and when they are full, the newest rows are moved to the front.
 """
 
 from __future__ import annotations
@@ -32,13 +33,15 @@ PICK = (0, 1, 3)
 
 @njit
 def advance(begin, resume, samples, f, h, m, estimates):
-    """Process samples from row `begin` on and fill the rows of the estimates.
+    """Process the samples from row `begin` on and fill the rows of the estimates.
 
-    Returns the number of rows when all are done. If the MHE violates its constraints at a row, it
-    returns that row. The caller then solves the window with its constraints, puts the answer into
-    m.given (and m.node), and calls again from that row with `resume`. samples: force (steps, 2),
-    m/s^2 in the IMU's frame, and fixes (steps, 2), m in NED, NaN for none. f, h, m:
-    `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
+    Return the number of rows when all rows are done. If the MHE violates its constraints at a row,
+    return the number of this row. The caller then solves the window with its constraints, puts the
+    answer into m.given (and m.node), and calls again from this row with `resume` set.
+
+    `samples` are the specific force (steps, 2), m/s^2 in the IMU's frame, and the position fixes
+    (steps, 2), m in NED; NaN for a missing fix. f, h and m are `FilterSettings`, `HorizonSettings`
+    and `OnlineRegisters`.
     """
     force, fixes = samples
     state, covariance, innovation, variance = estimates
@@ -74,7 +77,10 @@ def advance(begin, resume, samples, f, h, m, estimates):
 
 @njit
 def take_sample(force, f, m):
-    """Register 1: store the newest sample in NED; make room when the registers are full."""
+    """Store the newest sample of specific force, turned to NED, in the paper's register 1.
+
+    If the registers are full, the newest rows of all registers are first moved to the front.
+    """
     row = m.counter[ROW] + 1
     keep = f.delay + f.window + 2
     if row == len(m.force):
@@ -91,7 +97,10 @@ def take_sample(force, f, m):
 
 @njit
 def filter_step(fresh, f, m):
-    """Algorithm 6 with the live covariance; returns the variance of the innovation."""
+    """Run one step of the Kalman filter (Algorithm 6 of Ren et al. 2019), gain included.
+
+    `fresh` says whether there is a position. Return the variance of the position's innovation.
+    """
     row = m.counter[ROW]
     ss = riccati_step(f, m.P, fresh, m.K, m.Pm[row], m.Pf[row], m.work)
     put(m.P, 0, 0, m.Pf[row])
@@ -119,7 +128,11 @@ def filter_step(fresh, f, m):
 
 @njit
 def take_fix(fresh, fix, f, h, m):
-    """Registers 2 and 3: add a node, with or without a fix; solve the window if determined."""
+    """Add a node to the MHE's window, with a position fix or without; solve the window.
+
+    The window is solved only if the fixes in it determine its states. Nodes are kept in the paper's
+    registers 2 and 3.
+    """
     n = m.counter[LINKS]
     if m.counter[STEP] > 0:
         if n == h.length:
@@ -166,7 +179,7 @@ def take_fix(fresh, fix, f, h, m):
 
 @njit
 def horizon_has_position(f, h, m):
-    """Whether the MHE has a position for the filter at this step."""
+    """Return whether the MHE has a position for the filter at this step."""
     since = m.counter[STEP] % f.fix_interval
     if m.counter[DETERMINED]:
         return m.counter[STEP] % h.interval == 0
@@ -175,7 +188,10 @@ def horizon_has_position(f, h, m):
 
 @njit
 def horizon_position(f, h, m):
-    """Put the MHE's position into m.given; False if the window breaks its constraints."""
+    """Put the MHE's position, if there is one at this step, into m.given.
+
+    Return False if the window's solution breaks its constraints, else True.
+    """
     n = m.counter[LINKS]
     since = m.counter[STEP] % f.fix_interval
     if not m.counter[DETERMINED]:
@@ -206,7 +222,11 @@ def horizon_position(f, h, m):
 
 @njit
 def after_filter(f, h, m):
-    """Fill register 3 at the fixes; integrate this step's input in the form the MHE takes it."""
+    """Store the filter's state for the MHE, and integrate this step's specific force.
+
+    The state and its covariance go to the paper's register 3, at steps with a node only. The
+    specific force is integrated as the MHE takes it: all samples, averaged or sampled.
+    """
     n = m.counter[LINKS]
     if m.counter[STEP] % f.fix_interval == 0:
         for i in range(3):
@@ -230,7 +250,11 @@ def after_filter(f, h, m):
 
 @njit
 def smoother_gain(A, filtered, predicted, work, C):
-    """C = P_{k|k} A' P_{k+1|k}^-1 by elimination; a covariance needs no pivoting."""
+    """Compute the smoother's gain C = P_{k|k} A' P_{k+1|k}^-1 by Gaussian elimination.
+
+    `filtered` is P_{k|k}, `predicted` is P_{k+1|k}. There is no pivoting, since covariances do not
+    need it.
+    """
     n = len(A)
     M, X = work[0], work[1]
     put(M, 0, 0, predicted)
@@ -257,7 +281,11 @@ def smoother_gain(A, filtered, predicted, work, C):
 
 @njit
 def output(f, m, state, covariance):
-    """Smooth and predict (Algorithms 8 and 9), with the covariance of the result."""
+    """Smooth and predict (Algorithms 8 and 9 of Ren et al. 2019); write the present estimate.
+
+    x, y, v_x, v_y are written to `state` (4,). The covariance of position and velocity along an
+    axis is written to `covariance` (2, 2). Without a predictor, the filter's state is the estimate.
+    """
     row, k, window = m.counter[ROW], m.counter[STEP], f.window
     if not f.predicts:
         for axis in range(2):
@@ -294,7 +322,10 @@ def output(f, m, state, covariance):
 
 @njit
 def output_covariance(f, m, covariance):
-    """Covariance (2, 2) of the predicted (p, v), as `hub.chain` computes it for a schedule."""
+    """Compute the covariance (2, 2) of predicted position and velocity, equal for both axes.
+
+    The formula is the one by which `hub.chain` computes the covariance for the batch engine.
+    """
     row, window = m.counter[ROW], f.window
     if f.delay + window == 0:
         take(covariance, m.P, 0, 0)

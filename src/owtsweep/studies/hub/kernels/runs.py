@@ -4,9 +4,9 @@ One call processes many chunks without returning to Python. What one stage leave
 in the second-level cache, and so do estimates until their errors are summed. Each stage processes
 the groups of lanes side by side. Arguments are the structures of `kernels.layout`.
 
-Each stage prefetches about as much as memory can deliver in its time: the filter the true velocity
-(and, without a smoother, the force), the smoother the next chunk's force, and the sums the true
-position.
+Each stage prefetches about as much data as memory can deliver meanwhile. The filter prefetches the
+true velocity (and, without a smoother, the force), the smoother prefetches the next chunk's force,
+and the summation of errors prefetches the true position.
 """
 
 from __future__ import annotations
@@ -17,14 +17,17 @@ from owtsweep.studies.hub.kernels.layout import Steps
 from owtsweep.studies.hub.kernels.sums import direct_span, superposed_span
 from owtsweep.vectors.lanes import borrowed, load, store
 
-#: Steps whose estimates are made before their errors are summed: few enough for the near caches,
-#: but enough that the calls take little time.
+#: Number of steps whose estimates are made before their errors are summed: few enough that the
+#: estimates fit the near caches, but enough that the calls take little time.
 PIECE = 250
 
 
 @njit
 def estimates(k0, count, fed, chain, memory):
-    """Make the estimates of the chunk of `count` steps that begins at step k0."""
+    """Compute the estimates of a chunk of steps and write them to memory.output.
+
+    The chunk begins at step k0 and has `count` steps.
+    """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     if not is_filter(c):
         prepare(k0, count, inputs, c, m, False, inputs.force)
@@ -33,11 +36,12 @@ def estimates(k0, count, fed, chain, memory):
 
 @njit
 def superposed(stretch, fed, truth, chain, weights, memory, sums):
-    """Add up the products of eight replicates in the groups motion, noise x, noise y.
+    """Run eight replicates as motion and noise; add the products of their errors to `sums`.
 
-    stretch: (begin, stop, chunk, settled): steps begin ... stop - 1 are processed `chunk` steps at
-    a time; from step `settled` on errors count as settled. sums: one array (36, 8), as in
-    `kernels.sums`.
+    The groups of lanes are motion, noise of x and noise of y. `stretch` is (begin, stop, chunk,
+    settled): the steps begin ... stop - 1 are processed `chunk` steps at a time; errors from step
+    `settled` on count as settled. `sums` is a tuple of one array (36, 8), arranged as
+    `kernels.sums` says.
     """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     true, w, total = borrowed(truth), borrowed(weights), borrowed(sums)
@@ -62,10 +66,11 @@ def superposed(stretch, fed, truth, chain, weights, memory, sums):
 
 @njit
 def direct(stretch, fed, truth, chain, weights, memory, sums, squared):
-    """Add up the squared errors of eight replicates in the groups x and y of whole series.
+    """Run eight replicates as whole series; add the squares of their errors to `sums`.
 
-    As `superposed`. squared: one array (steps, 8), filled with the squared position error unless it
-    is empty.
+    The groups of lanes are x and y. `squared` is a tuple of one array (steps, 8), filled with the
+    squared position error of each step unless the array is empty. The other arguments are those of
+    `superposed`.
     """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     true, w = borrowed(truth), borrowed(weights)
@@ -89,7 +94,11 @@ def direct(stretch, fed, truth, chain, weights, memory, sums, squared):
 
 @njit
 def states(k0, count, fed, chain, memory, result):
-    """Write the filtered or smoothed states (p, v, a, b) of a chunk to (4 count, 8) per group."""
+    """Filter, and smooth if the chain has a smoother, a chunk of `count` steps; write its states.
+
+    `result` has an array (4 count, 8) for each group of lanes. Each step has four rows: position,
+    velocity, acceleration, bias.
+    """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     target, X = borrowed(result), m.scratch.X
     prepare(k0, count, inputs, c, m, True, inputs.force)

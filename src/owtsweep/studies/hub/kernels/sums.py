@@ -1,16 +1,17 @@
 """Sums of squared errors of eight replicates at once, computed during the run.
 
-`superposed_span` takes three groups of lanes: motion, noise of x, noise of y. The motion lane is
-the response to the unit displacement along the wave; each axis gets it times its direction cosine.
-The products motion x motion, motion x noise and noise x noise are summed. From these the errors at
-every amplitude follow. `direct_span` takes two groups, x and y, of whole series and sums their
-squares.
+`superposed_span` takes three groups of lanes: motion, noise of x, noise of y. The motion group is
+the response to the unit displacement along the wave; each axis moves by this response times the
+axis' direction cosine. The products motion x motion, motion x noise and noise x noise are summed.
+The errors at every amplitude follow from these sums. `direct_span` takes two groups, x and y, of
+whole series and sums the squares of their errors.
 
 With a predictor, estimates are made here, step by step, and never stored. Otherwise they are read
-from the output: those of the chunk's step i from row i - shift.
+from the output: the estimate of the chunk's step i from row i - shift.
 
-Sums are (36, 8); the rows are (2 windows, 6 quantities, 3 products). The quantities are x, y, vx,
-vy, NEES, NIS. Window 0 is the part before settling, window 1 the part after.
+Sums have the shape (36, 8): 2 windows x 6 quantities x 3 products, and eight replicates. The
+quantities are x, y, vx, vy, NEES, NIS. Window 0 is the time before settling, window 1 the time
+after.
 """
 
 from __future__ import annotations
@@ -23,20 +24,23 @@ from owtsweep.vectors.lanes import AHEAD, element, groups, load, prefetch, round
 
 @njit
 def add(sums, row, term):
-    """Add a vector to a row of sums."""
+    """Add a vector of eight lanes to a row of the sums."""
     store(sums, row, load(sums, row) + term)
 
 
 @njit
 def precision_of(precision, row):
-    """The elements pp, pv, vv of a row of the precision."""
+    """Return the elements pp, pv, vv of an inverse covariance of position p and velocity v."""
     at = 3 * row
     return element(precision, at), element(precision, at + 1), element(precision, at + 2)
 
 
 @njit
 def begin(k0, first, fed, predictor, scratch):
-    """The inputs' sums with which the first prediction starts; zeros without a predictor."""
+    """Return the sums over the inputs with which the prediction of step `first` starts.
+
+    The sums are what the inputs add to velocity and position; zeros without a predictor.
+    """
     if predictor.steps > 0:
         return begin_prediction(k0, first, fed.force, fed.base, predictor, scratch)
     return zero(fed.force), zero(fed.force)
@@ -44,9 +48,10 @@ def begin(k0, first, fed, predictor, scratch):
 
 @njit
 def estimate(i, at, row, dv, dp, force, predictor, memory):
-    """Position and velocity of the chunk's step i, and dv and dp of the next step's prediction.
+    """Return the estimated position and velocity of the chunk's step i, then dv and dp.
 
-    `at` is a row of the force, `row` a row of the output.
+    dv and dp are the sums over the inputs for the next step's prediction; without a predictor they
+    are returned as they came. `at` is the step's row in the force, `row` its row in the output.
     """
     if predictor.steps > 0:
         return predict(i, at, dv, dp, force, predictor, memory.scratch.X)
@@ -55,19 +60,28 @@ def estimate(i, at, row, dv, dp, force, predictor, memory):
 
 @njit
 def squares(px, py, vx, vy):
-    """Squared errors of both axes, rounded once: each is used in its own sum and in NEES."""
+    """Return the squares of the position and velocity errors of both axes, each rounded once.
+
+    Each square is used twice: in its own sum and in NEES.
+    """
     return rounded(px * px), rounded(py * py), rounded(vx * vx), rounded(vy * vy)
 
 
 @njit
 def weighted(pp, pv, vv, position, cross, velocity):
-    """NEES of both axes from sums of squares and of products of position and velocity."""
+    """Return NEES, given sums over both axes of squared errors and of position x velocity error.
+
+    pp, pv and vv are the elements of the inverse covariance of position and velocity.
+    """
     return pp * position + 2.0 * pv * cross + vv * velocity
 
 
 @njit
 def add_axes(sums, top, direction, products):
-    """Add products of motion and noise to the rows of x and y."""
+    """Add products of motion and noise to the six rows of x and y, from row `top` on.
+
+    `products` are motion x motion, motion x noise of x and of y, and the squares of both noises.
+    """
     cx, cy = direction[0], direction[1]
     mm, mx, my, xx, yy = products
     add(sums, top, cx * cx * mm)
@@ -80,7 +94,10 @@ def add_axes(sums, top, direction, products):
 
 @njit
 def superposed_innovations(steps, direction, chain, output, weights, sums, top):
-    """Add the innovations of some steps of a chunk to the rows from `top`."""
+    """Add products of innovations, weighted as in NIS, to three rows of the sums from `top` on.
+
+    `steps` are some steps of a chunk; steps without an innovation are skipped.
+    """
     cx, cy = direction[0], direction[1]
     weight, fresh = weights.innovation, weights.fresh
     rows = fresh.shape[0]
@@ -97,7 +114,10 @@ def superposed_innovations(steps, direction, chain, output, weights, sums, top):
 
 @njit
 def superposed_span(steps, fed, truth, chain, memory, weights, sums, top):
-    """Add the products of some steps of a chunk to the rows from `top`."""
+    """Add the products of motion and noise errors in some steps of a chunk to the sums.
+
+    The 18 rows from `top` on are those of one window (before or after settling).
+    """
     k0, first, stop, shift = steps
     force, base, scratch = fed.force, fed.base, memory.scratch
     position, velocity, direction = truth
@@ -105,7 +125,7 @@ def superposed_span(steps, fed, truth, chain, memory, weights, sums, top):
     precision, cycle, predictor = weights.precision, chain.filter.cycle, chain.predictor
     rows = precision.shape[0]
     nought = zero(sums)
-    # products of position errors, of velocity errors, and NEES: m motion, x and y noise
+    # products of position errors, of velocity errors, and of NEES; m is motion, x and y are noise
     mm, mx, my, xx, yy = nought, nought, nought, nought, nought
     vmm, vmx, vmy, vxx, vyy = nought, nought, nought, nought, nought
     motion, both, noise = nought, nought, nought
@@ -141,9 +161,11 @@ def superposed_span(steps, fed, truth, chain, memory, weights, sums, top):
 
 @njit
 def direct_span(steps, fed, truth, chain, memory, weights, totals, top):
-    """Add the squared errors (product 2) of some steps of a chunk to the rows from `top`.
+    """Add the squared errors of whole series in some steps of a chunk to the sums.
 
-    totals: the sums, the squared position error of each step, and whether that is written.
+    The 18 rows from `top` on are those of one window (before or after settling), three for each
+    quantity; the squares go to the third. `totals` consists of the sums, of the array for the
+    squared position error of each step, and of whether this array is written.
     """
     k0, first, stop, shift = steps
     force, base, scratch = fed.force, fed.base, memory.scratch

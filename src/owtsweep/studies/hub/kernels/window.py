@@ -1,8 +1,9 @@
 """Solves the MHE's window for the fixes that arrived, by a square-root information filter.
 
-The least squares problem of Eq. (11) is a chain of nodes, so it is factorised node by node: one QR
-step over each link yields the block of the older node and a 3 x 3 factor for the newer one. If no
-fix is missing, the result equals the batch engine's map applied to the data. Both axes share the
+The least squares problem of Eq. (11) of Ren et al. (2019) is a chain of nodes, one node per fix.
+The problem is factorised node by node: one QR step over each link yields the block of the older
+node and a 3 x 3 factor for the newer node. If no fix is missing, the batch engine has the same
+result; it multiplies the data by the matrix of `estimation.mhe.window_map`. Both axes share the
 factors.
 """
 
@@ -18,7 +19,10 @@ NO_ARRIVAL, PRIOR, FIXED = 0, 1, 2
 
 @njit
 def put(target, row, column, source):
-    """Copy a matrix into a larger one (numba takes seconds to compile an assignment of slices)."""
+    """Copy the matrix `source` into a larger one, at a row and column.
+
+    (numba takes seconds to compile an assignment of slices.)
+    """
     for i in range(source.shape[0]):
         for j in range(source.shape[1]):
             target[row + i, column + j] = source[i, j]
@@ -26,7 +30,7 @@ def put(target, row, column, source):
 
 @njit
 def take(target, source, row, column):
-    """Copy a part of a larger matrix."""
+    """Fill `target` with a part of a larger matrix, from a row and column on."""
     for i in range(target.shape[0]):
         for j in range(target.shape[1]):
             target[i, j] = source[row + i, column + j]
@@ -34,7 +38,7 @@ def take(target, source, row, column):
 
 @njit
 def square_root_information(P, U):
-    """U with U' U = P^-1 for a covariance (3, 3): the inverse of its Cholesky factor."""
+    """Fill U (3, 3) so that U' U = P^-1: with the inverse of the Cholesky factor of P (3, 3)."""
     L = np.zeros((3, 3))
     for i in range(3):
         for j in range(i + 1):
@@ -79,12 +83,15 @@ def triangularise(M, columns):
 
 @njit
 def solve_window(n, h, m, x0, prior, kind, first):
-    """Fill m.nodes[: n + 1] (each (3, 2): p, v, b of both axes) with the window's solution.
+    """Solve a window of n links; write the newest node's state to m.nodes[n].
 
-    The window has n links. `h` holds the weights (`HorizonSettings`). `m` holds fixes, effects of
-    the inputs, and memory for factors and nodes (`OnlineRegisters`). x0 (3, 2) is the arrival
-    state, with square-root information `prior`. Fixes before node `first` are left out. The data
-    must determine the states.
+    A state is (3, 2): position, velocity and bias of both axes. The older nodes are left as
+    factors in m.blocks, from which `older_nodes` computes them. The data must determine the states.
+
+    `h` are the weights (`HorizonSettings`). `m` are the fixes, the effects of the inputs, and
+    memory for factors and nodes (`OnlineRegisters`). `kind` says what is known about the oldest
+    node: NO_ARRIVAL, PRIOR or FIXED. x0 (3, 2) is the arrival state; `prior` (3, 3) is the square
+    root of its information matrix. Fixes of nodes before number `first` are left out.
     """
     A, U, inverse_sigma = h.transition, h.link, h.inverse_sigma
     z, have, effects, blocks, nodes = m.z, m.have, m.effects, m.blocks, m.nodes
@@ -152,7 +159,10 @@ def solve_window(n, h, m, x0, prior, kind, first):
 
 @njit
 def older_nodes(n, blocks, nodes):
-    """Compute all older nodes from the newest one by back substitution."""
+    """Compute the states of the nodes n - 1 ... 0 from the state of node n, by back substitution.
+
+    `blocks` are the factors that `solve_window` leaves; the states are written to `nodes`.
+    """
     for node in range(n - 1, -1, -1):
         block = blocks[node]
         for axis in range(2):
@@ -167,7 +177,12 @@ def older_nodes(n, blocks, nodes):
 
 @njit
 def violates(x, bounds, rotation, gravity):
-    """Whether a node (3, 2) breaks |p|, |v| (NED) or |b^b| (IMU's frame) <= bounds (3,)."""
+    """Return whether a node's state breaks a constraint on either axis.
+
+    The state x (3, 2) is position, velocity and x4 of both axes, where x4 = -R b^b + g contains the
+    bias b^b (Eq. 6 of Ren et al. 2019). The bounds (3,) apply to the magnitudes of position and
+    velocity in NED and of the bias in the IMU's frame.
+    """
     for axis in range(2):
         bias = 0.0  # b^b = R' (g - x4), Eq. (6)
         for j in range(2):

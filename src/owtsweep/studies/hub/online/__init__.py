@@ -1,4 +1,4 @@
-"""Schemes as they run on board: each IMU sample gives one estimate."""
+"""Runs schemes as on board: each IMU sample gives one estimate."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
-    """A scheme to run on board: feed it one IMU sample at a time.
+    """Make an estimator that runs on board: each IMU sample gives one estimate.
 
     Parameters
     ----------
@@ -25,9 +25,9 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     Returns
     -------
     OnlineEstimator
-        With `update(specific_force, position=None) -> Estimate`. Fixes may be missing: gains and
-        covariances follow the fixes that arrived. The first estimator on a machine takes half a
-        minute to compile its kernels.
+        Has the method `update(specific_force, position=None) -> Estimate`. Position fixes may be
+        missing: gains and covariances follow the fixes that arrived. On a machine, the first
+        estimator takes half a minute to compile its kernels.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A scheme as it runs on board: one compiled call per sample, gains for the fixes that arrived."""
+"""Runs a scheme as on board: one compiled call per sample, gains for the fixes that arrived."""
 
 from __future__ import annotations
 
@@ -37,10 +37,10 @@ _EYE = np.eye(2)
 
 
 class OnlineEstimator:
-    """A running scheme; `update` for one sample, `run` for many.
+    """A running scheme: `update` takes one IMU sample, `run` takes many.
 
-    Any fix may be missing. EKF, MKF and HME1 take fixes at any step, HME2 only at multiples of the
-    fix interval. Each fix is `delay` steps old.
+    Any position fix may be missing. EKF, MKF and HME1 take fixes at any step, HME2 only at
+    multiples of the fix interval. A fix reports a past position, as old as the delay of the GNSS.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class OnlineEstimator:
         self._filter, self._horizon = settings, horizon
         self._registers: OnlineRegisters = new_registers(settings, horizon)
         self._force, self._fix = np.empty((1, 2)), np.empty((1, 2))
-        #: How often constraints were violated, so that the window was solved with them.
+        #: How often the MHE's window was solved with constraints, because they were violated.
         self.solved = 0
         self._lost = ""
 
@@ -65,23 +65,24 @@ class OnlineEstimator:
         return self._sensors.step
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take one sample and, if there is one, a fix; return the estimate of the present.
+        """Take an IMU sample and perhaps a position fix; return the estimate of the present state.
 
         Parameters
         ----------
         specific_force
-            (2,) in the IMU's frame, m/s^2.
+            Specific force in the IMU's frame, m/s^2, shape (2,).
         position
-            (2,) in NED, m: the position of `delay` steps ago; None (or NaN) if there is no fix.
+            The fix in NED, m, shape (2,): a past position, as old as the delay of the GNSS. None
+            (or NaN) if there is no fix.
 
         Raises
         ------
         ValueError
-            If a sample is not two finite numbers, or a fix comes where HME2 cannot take it. The
-            estimator is then as it was before.
+            If a sample is not two finite numbers, or a fix comes at a step at which HME2 cannot
+            take it. The estimator is left unchanged.
         ArithmeticError
             If no solver meets the MHE's constraints. The sample is then only partly processed, so
-            every later call is refused too: start a new estimator.
+            every later call raises this error too: start a new estimator.
         """
         _check_pair("specific_force", specific_force)  # NumPy would use one number for both
         if position is not None:
@@ -99,17 +100,18 @@ class OnlineEstimator:
         return Estimate(out.state[0, :2], out.state[0, 2:], covariance, innovation)
 
     def run(self, specific_force: Array, positions: Array) -> OnlineEstimates:
-        """Take many samples at once, as `update` would one by one.
+        """Take many IMU samples at once, as `update` would take them one by one.
 
         Parameters
         ----------
         specific_force, positions
-            (steps, 2); NaN in both components of a position if there is no fix.
+            Specific force (m/s^2, IMU's frame) and position fixes (m, NED), shape (steps, 2) each.
+            Both components of a position are NaN at steps without a fix.
 
         Raises
         ------
-        ValueError
-            As for `update`, or if the shapes are wrong.
+        ValueError, ArithmeticError
+            As for `update`; ValueError also if the shapes are wrong.
         """
         from owtsweep.studies.hub.kernels.online import advance
 
@@ -134,7 +136,7 @@ class OnlineEstimator:
             resume = True
 
     def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
-        """Take many samples at once, as `run` does; for `owtsweep.evaluation`."""
+        """Take many samples at once, as `run` does; return what `owtsweep.evaluation` needs."""
         out = self.run(specific_force, positions)
         return Trajectory(
             out.state,
@@ -167,7 +169,13 @@ class OnlineEstimator:
                 raise ValueError(OFF_GRID.format(step=off[0], interval=self._sensors.fix_interval))
 
     def _solve_with_constraints(self) -> None:
-        """Solve the present window with its constraints, which its solution violates."""
+        """Solve the MHE's present window with its constraints; put the result into the registers.
+
+        Raises
+        ------
+        ArithmeticError
+            If no solver meets the constraints.
+        """
         from owtsweep.studies.hub import window
 
         if self._mhe is None:
@@ -209,15 +217,20 @@ def online_chain(
     mhe: Horizon | None = None,
     solver: str = "qrqp",
 ) -> OnlineEstimator:
-    """Make a fresh estimator of the chain [MHE ->] filter [-> smoother -> predictor].
+    """Make a new online estimator: [MHE ->] filter [-> smoother -> predictor].
 
     Parameters
     ----------
     window
-        N_s in steps.
+        Length N_s of the smoother's window, in steps.
     delay
-        Steps of register 1. The predictor covers them and the window. None for a filter on the
-        undelayed IMU whose state is the estimate.
+        Number of steps by which the specific force is delayed (the paper's register 1). The
+        predictor predicts over these steps and the window. None means that there is no predictor:
+        the filter takes the specific force without delay, and its state is the estimate.
+    mhe
+        The moving horizon estimator; None for a scheme without one.
+    solver
+        Solver for windows with constraints.
     """
     axis = axis_filter(tuning, sensors)
     predict = None if delay is None else input_model(tuning, sensors)

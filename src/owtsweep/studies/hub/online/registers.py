@@ -24,7 +24,11 @@ from owtsweep.studies.hub.models import POSITION, AxisFilter
 def filter_settings(
     axis: AxisFilter, sensors: Sensors, rule: str, delay: int, window: int, predict: Discrete | None
 ) -> FilterSettings:
-    """The settings of a chain; without `predict` the filtered state is the estimate."""
+    """Make the settings of filter, smoother and predictor for the online kernels.
+
+    `delay` and `window` are the delay of the specific force and the smoother's window, in steps.
+    `predict` is the predictor's model; without it (None) the filtered state is the estimate.
+    """
     steps = delay + window
     ahead: Array = np.eye(3)
     response: Array = np.zeros((1, 3))
@@ -58,7 +62,10 @@ def filter_settings(
 
 
 def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
-    """The MHE's settings; `mhe` is None for a scheme without one."""
+    """Make the moving horizon estimator's settings for the online kernels.
+
+    `mhe` is None for a scheme without such an estimator; the settings are then not active.
+    """
     eye = np.eye(3)
     if mhe is None:
         free = np.full(3, np.inf)
@@ -80,7 +87,10 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
 
 
 def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
-    """Registers at zero, as every algorithm of the paper starts."""
+    """Make the registers of a new online estimator: all zero, as the paper's algorithms start.
+
+    Only the filter's covariance P starts at its initial value, f.P0.
+    """
     keep = f.delay + f.window + 2
     rows = 3 * keep + 64
     counter = np.zeros(COUNTERS, dtype=np.int64)

@@ -1,22 +1,28 @@
-"""The four schemes of the hub study; turns entries of the key `schemes` into schemes."""
+"""Turns entries of the key `schemes` into schemes: the four of the hub study, or a user's."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
+from owtsweep.config import require
 from owtsweep.errors import InputError, as_text
 from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.schemes.stored import StoredScheme, check_name
 
-#: Name -> description, in the order of tables and figures. The scheme is in the module of the
-#: same name in lower case, as its `SCHEME`.
+#: Name -> description, in the order of tables and figures. The scheme EKF is `SCHEME` in the module
+#: `ekf`, and so on.
 REGISTERED = {
     "EKF": "Kalman filter, GNSS innovation zeroed between fixes",
     "MKF": "multirate Kalman filter on the undelayed IMU",
     "HME1": "delayed MKF, online smoother, predictor",
     "HME2": "HME1 fed by a moving horizon estimator",
 }
+
+#: What a scheme may have besides the contract.
+OPTIONAL = ("under", "kernel", "stream", "sections", "constrained")
 
 
 def resolve(entry: Any) -> Scheme:
@@ -25,8 +31,8 @@ def resolve(entry: Any) -> Scheme:
     Parameters
     ----------
     entry
-        A registered name, or a mapping `{_target_: package.Class, ...}` whose other keys are the
-        arguments of the class.
+        A registered name; a mapping `{_target_: package.Class, ...}` whose other keys are the
+        arguments of the class; or the `StoredScheme` that stands for one in a run that is read.
 
     Raises
     ------
@@ -42,6 +48,8 @@ def resolve(entry: Any) -> Scheme:
             )
         module = import_module(f"{__name__}.{entry.lower()}")
         return module.SCHEME  # type: ignore[no-any-return]
+    if isinstance(entry, StoredScheme):
+        return entry
     if isinstance(entry, Mapping) and "_target_" in entry:
         return _instantiate(entry)
     raise InputError(
@@ -50,9 +58,9 @@ def resolve(entry: Any) -> Scheme:
 
 
 def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
-    """Return all schemes of a run in the order given.
+    """Return all schemes of a run, in the order of `entries`.
 
-    If a tuning is given, each scheme is passed through `under` with it.
+    If a tuning is given, each scheme is returned in the form that `under` gives it.
 
     Raises
     ------
@@ -72,32 +80,72 @@ def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
 def under(scheme: Scheme, tuning: Any) -> Scheme:
     """Return the form that a scheme takes under a tuning.
 
-    A scheme whose properties depend on the tuning has a method `under(tuning)`: with constraints,
-    for example, HME2 is not linear.
+    A scheme whose properties depend on the tuning has a method `under(tuning)`. HME2, for example,
+    is not linear if the tuning has constraints. Any other scheme is returned as it is.
     """
-    if tuning is not None and hasattr(scheme, "under"):
-        return scheme.under(tuning)  # type: ignore[no-any-return]
-    return scheme
+    if tuning is None or not hasattr(scheme, "under"):
+        return scheme
+    with _blame(scheme.name, "its method `under` must return a scheme"):
+        formed: Scheme = scheme.under(tuning)
+        check_scheme(formed, scheme.name)
+    return formed
+
+
+@contextmanager
+def _blame(target: str, advice: str) -> Iterator[None]:
+    """Turn whatever a scheme's code raises into one line; only Ctrl-C goes through.
+
+    Raises
+    ------
+    InputError
+        It names the scheme.
+    """
+    try:
+        yield
+    except InputError as error:
+        told = str(error)
+        raise InputError(
+            told if told.startswith("schemes: ") else f"schemes: {target} is no scheme: {told}"
+        ) from None
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # it may even call sys.exit()
+        raise InputError(
+            f"schemes: {target} cannot be made ({as_text(error)}); {advice}"
+        ) from error
 
 
 def _instantiate(entry: Mapping[str, Any]) -> Scheme:
-    target = str(entry["_target_"])
-    module_name, _, class_name = target.rpartition(".")
+    target = entry["_target_"]
+    module_name, _, class_name = str(target).rpartition(".")
+    require(
+        class_name != "" and module_name.strip(".") != "" and not module_name.startswith("."),
+        f"schemes: _target_: {target!r} names no class; use {{_target_: package.Class}}",
+    )
     arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
-    try:
-        scheme = getattr(import_module(module_name), class_name)(**arguments)
-    except (Exception, SystemExit) as error:  # a user's module may raise anything while it loads
-        text = as_text(error)
-        raise InputError(
-            f"schemes: {target} cannot be made ({text}); it must be importable from here "
-            "(PYTHONPATH) and take the given arguments"
-        ) from error
-    check_scheme(scheme, target)
-    return scheme  # type: ignore[no-any-return]
+    advice = "it must be importable from here (PYTHONPATH) and take the given arguments"
+    with _blame(target, advice):
+        made = getattr(import_module(module_name), class_name)
+        require(
+            isinstance(made, type) and callable(getattr(made, "start", None)),
+            "it is no class with a method start(sensors, tuning)",
+        )
+        scheme: Scheme = made(**arguments)
+        check_scheme(scheme, target)
+        for name in OPTIONAL:  # a property that raises would do so in the middle of a sweep
+            getattr(scheme, name, None)
+        str(getattr(made, "version", ""))
+    return scheme
 
 
 def check_scheme(scheme: Any, target: str) -> None:
-    """Raise `InputError` with the parts of the contract that a scheme lacks."""
+    """Check that a user's scheme has the parts of the contract: name, linear and start.
+
+    Raises
+    ------
+    InputError
+        If a part is missing. The message calls the scheme `target` and lists all missing parts.
+    """
     lacks = []
     if not (isinstance(getattr(scheme, "name", None), str) and scheme.name):
         lacks.append("name (a non-empty str)")
@@ -107,3 +155,4 @@ def check_scheme(scheme: Any, target: str) -> None:
         lacks.append("start(sensors, tuning)")
     if lacks:
         raise InputError(f"schemes: {target} lacks {', '.join(lacks)}; see owtsweep.testing")
+    check_name(scheme.name)

@@ -1,4 +1,7 @@
-"""HME1, Algorithm 1: register 1, multirate Kalman filter, online smoother, predictor."""
+"""HME1: register 1, multirate Kalman filter, online smoother, predictor.
+
+Source: Algorithm 1 of Ren et al. (2019).
+"""
 
 from __future__ import annotations
 
@@ -21,11 +24,12 @@ from owtsweep.studies.hub.schemes.uncertainty import predicted_covariance
 
 
 class DelayedChain:
-    """What HME1 and HME2 have in common: register 1, filter, smoother and predictor.
+    """The part that HME1 and HME2 have in common: register 1, filter, smoother and predictor.
 
-    The two differ only in the position that they give to the filter. As long as every fix arrives
-    at the step at which it is due, covariances come from the precomputed schedule. After the first
-    that does not, `on_schedule` is False, and covariances are computed from the filter's past.
+    HME1 and HME2 differ only in the position that they give to the filter. As long as every
+    position fix arrives at the step at which it is due, covariances come from the precomputed
+    schedule. After the first fix that does not, `on_schedule` is False, and covariances are
+    computed from the filter's past.
     """
 
     def __init__(self, tuning: FilterTuning, window: int, sensors: Sensors, gains: Chain) -> None:
@@ -37,8 +41,8 @@ class DelayedChain:
         self.smoother = FixedLagSmoother(self.filter.kf.F, window)
         self.input_model = input_model(tuning, sensors)
         self.count = 0
-        # Register 1 delays by N_d steps; the paper prints N_d - 1. Register u_s, which follows it,
-        # keeps the N_s inputs that have left register 1. Both start with zeros.
+        # Register 1 delays by N_d steps; the paper prints N_d - 1. Register u_s, which follows
+        # register 1, keeps the N_s inputs that have left it. Both start with zeros.
         self.samples: deque[Array] = deque(
             [np.zeros(2)] * (sensors.delay + window + 1), maxlen=sensors.delay + window + 1
         )
@@ -46,13 +50,20 @@ class DelayedChain:
         self.gains = gains
 
     def push(self, specific_force: Array) -> Array:
-        """Register 1: store the newest sample and return that of N_d steps ago (IMU frame)."""
+        """Store the newest IMU sample in register 1; return the sample of N_d steps ago.
+
+        Samples are specific forces (2,) in the IMU's frame, m/s^2. N_d is the delay of the GNSS.
+        """
         # a copy, because the caller may reuse its array
         self.samples.append(np.array(specific_force, dtype=float))
         return self.samples[-1 - self.sensors.delay]
 
     def step(self, delayed: Array, fix: Array | None) -> tuple[Estimate, FilterStep]:
-        """Filter, smooth and predict (Algorithms 6-9) from the delayed sample and a position."""
+        """Filter, smooth and predict (Algorithms 6 to 9 of Ren et al. 2019).
+
+        `delayed` is the delayed IMU sample, `fix` a position or None. Return the estimate of the
+        present, and the filter's step, which is N_d steps in the past.
+        """
         step = self.filter.step(delayed, fix)
         smoothed = self.smoother.update(step.x, step.P, step.x_predicted, step.P_predicted)
         state: Array = np.zeros(8) if smoothed is None else smoothed[0]
@@ -77,14 +88,14 @@ class DelayedChain:
 
 
 class HME1Estimator:
-    """Algorithm 1, one step at a time."""
+    """HME1 as an estimator that runs step by step: Algorithm 1 of Ren et al. (2019)."""
 
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
         self.sensors = sensors
         self.chain = DelayedChain(tuning.hme1, tuning.hme.smoother_window, sensors, gains)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """One pass through Algorithm 1."""
+        """Take an IMU sample and a position fix or None; return the estimate of the present."""
         if (position is not None) != (self.chain.count % self.sensors.fix_interval == 0):
             self.chain.on_schedule = False
         delayed = self.chain.push(specific_force)
@@ -99,18 +110,18 @@ class HME1:
     sections = ("hme1", "hme.smoother_window")
 
     def start(self, sensors: Sensors, tuning: Any) -> HME1Estimator:
-        """Start a fresh estimator."""
+        """Return a new estimator that runs step by step."""
         return HME1Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Start a fresh compiled estimator."""
+        """Return a new compiled estimator that runs step by step."""
         return online_chain(
             tuning.hme1, sensors, window=tuning.hme.smoother_window, delay=sensors.delay
         )
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """The scheme's form for the batch engine, for records of `steps` IMU steps."""
+        """Return the scheme's form for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.hme1, sensors),
             sensors,

@@ -1,4 +1,7 @@
-"""HME2, Algorithm 2: HME1 whose filter gets its positions from a moving horizon estimator."""
+"""HME2: like HME1, but the filter gets its positions from a moving horizon estimator.
+
+Source: Algorithm 2 of Ren et al. (2019).
+"""
 
 from __future__ import annotations
 
@@ -22,11 +25,12 @@ from owtsweep.studies.hub.schemes.multirate import FilterStep
 
 
 class MovingHorizonEstimator:
-    """Registers 2 and 3 and the optimisation (Algorithms 4 and 5, Eq. 11) on two axes.
+    """The moving horizon estimator (MHE) of HME2, on two axes: registers 2 and 3, optimisation.
 
-    As printed, both parts of register 2 are built from register 1. Here they are built from the
-    past of register 2, which must be what the paper means. A missing fix leaves its node without a
-    measurement.
+    Source: Algorithms 4 and 5 and Eq. (11) of Ren et al. (2019). As printed there, both parts of
+    register 2 are built from register 1. Here they are built from the past of register 2, which
+    must be what the paper means. The window has a node at each step at which a position fix is due;
+    if the fix is missing, the node has no measurement.
     """
 
     def __init__(self, mhe: Horizon, sensors: Sensors, gains: Chain, solver: str) -> None:
@@ -42,7 +46,10 @@ class MovingHorizonEstimator:
         self.fix_number = -1
 
     def take_fix(self, fix: Array | None) -> None:
-        """Register 2: take the fix of the next node, or None if it is missing; once per T_g."""
+        """Store the next node's position fix in register 2; None if the fix is missing.
+
+        Call this at each step at which a fix is due, every T_g seconds.
+        """
         self.fix_number += 1
         if self.fix_number > 0:
             self.effects.append(self._effect())
@@ -50,15 +57,16 @@ class MovingHorizonEstimator:
         self.fixes.append(fix)
 
     def determined(self) -> bool:
-        """Whether the window holds enough fixes: one with an arrival term, three without.
+        """Return whether the window has enough position fixes to determine its states.
 
-        A fix that the arrival state already includes does not count.
+        One fix is enough with an arrival term, three without. A fix that the arrival state already
+        includes does not count.
         """
         used = list(self.fixes)[1 if self.mhe.uses_filter(self.fix_number) else 0 :]
         return sum(fix is not None for fix in used) >= (1 if self.mhe.arrival else 3)
 
     def take_input(self, step: int, force: Array) -> None:
-        """Register 2: take the input (NED) of the step that begins now."""
+        """Store the specific force (NED, m/s^2) of the present step in register 2."""
         self.recent.append(force)
         if step % self.mhe.interval == 0:
             averaged = np.sum(self.recent, axis=0) / self.mhe.interval
@@ -67,12 +75,15 @@ class MovingHorizonEstimator:
         self.inputs.append(force if self.mhe.inputs == "all" else self.held)
 
     def take_state(self, filtered: FilterStep) -> None:
-        """Register 3: take the filter's state at a node."""
+        """Store the filter's state at the newest node in register 3."""
         self.states[self.fix_number] = filtered
         self.states.pop(self.fix_number - self.mhe.length - 1, None)
 
     def position(self, since_fix: int) -> Array:
-        """The MHE's position at the present delayed time, `since_fix` steps after a node."""
+        """Solve the window; return the position (2,) at the present delayed time, NED, m.
+
+        The present delayed time is `since_fix` steps after the newest node.
+        """
         filled = self.mhe.uses_filter(self.fix_number)
         effects = [*self.effects] + ([self._effect()] if since_fix else [])
         M = self.sensors.fix_interval
@@ -98,14 +109,14 @@ class MovingHorizonEstimator:
         return np.asarray(nodes[:2, -1])
 
     def _effect(self) -> Array:
-        """B u of the inputs since the last node, (6,)."""
+        """Compute the effect of the inputs since the last node on the state, shape (6,)."""
         inputs = np.array(self.inputs).reshape(-1, 2)
         axes = [predict(self.model, np.zeros(3), inputs[:, [i]]) for i in range(2)]
         return np.array(axes).T.ravel()
 
 
 class HME2Estimator:
-    """Algorithm 2, one step at a time."""
+    """HME2 as an estimator that runs step by step: Algorithm 2 of Ren et al. (2019)."""
 
     def __init__(self, sensors: Sensors, tuning: Any, gains: Chain) -> None:
         mhe = horizon(tuning.hme.mhe, sensors)
@@ -116,7 +127,7 @@ class HME2Estimator:
         self.step = 0
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """One pass through Algorithm 2.
+        """Take an IMU sample and a position fix or None; return the estimate of the present.
 
         Raises
         ------
@@ -145,7 +156,11 @@ class HME2Estimator:
 
 
 def choose_window(tuning: Any) -> int:
-    """HME2's smoother window, IMU steps: `hme.mhe.smoother_window`, or HME1's if that is null."""
+    """Return the length of HME2's smoother window, in IMU steps.
+
+    This is the tuning's `hme.mhe.smoother_window`, or HME1's `hme.smoother_window` if the former is
+    null.
+    """
     window = tuning.hme.mhe.smoother_window
     return int(tuning.hme.smoother_window if window is None else window)
 
@@ -158,11 +173,11 @@ class HME2:
     sections = ("hme2", "hme")
 
     def start(self, sensors: Sensors, tuning: Any) -> HME2Estimator:
-        """Start a fresh estimator."""
+        """Return a new estimator that runs step by step."""
         return HME2Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Start a fresh compiled estimator."""
+        """Return a new compiled estimator that runs step by step."""
         return online_chain(
             tuning.hme2,
             sensors,
@@ -173,12 +188,12 @@ class HME2:
         )
 
     def under(self, tuning: Any) -> HME2 | ConstrainedHME2:
-        """The scheme itself, or its constrained form if the tuning sets constraints."""
+        """Return the scheme itself, or its constrained form if the tuning sets constraints."""
         return ConstrainedHME2() if np.any(np.isfinite(tuning.hme.mhe.bounds)) else self
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """The scheme's form for the batch engine, for records of `steps` IMU steps."""
+        """Return the scheme's form for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.hme2, sensors),
             sensors,
@@ -192,7 +207,7 @@ class HME2:
 
 
 class ConstrainedHME2:
-    """HME2 with constraints in the MHE's window. It is not linear and has no kernel."""
+    """The scheme HME2 with constraints in the MHE's window; it is not linear and has no kernel."""
 
     name = "HME2"
     linear = False
@@ -200,13 +215,14 @@ class ConstrainedHME2:
     sections = HME2.sections
 
     def start(self, sensors: Sensors, tuning: Any) -> HME2Estimator:
-        """Start a fresh estimator that solves every window with its constraints."""
+        """Return a new estimator that solves every window with its constraints."""
         return SCHEME.start(sensors, tuning)
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Start a fresh compiled estimator.
+        """Return a new compiled estimator.
 
-        It solves a window by CasADi only if the unconstrained solution breaks a constraint.
+        The estimator solves a window by CasADi only if the solution without constraints breaks a
+        constraint.
         """
         return SCHEME.stream(sensors, tuning)
 

@@ -1,7 +1,7 @@
-"""MKF: Algorithm 6 alone, without register 1 (section 5.3).
+"""MKF: the multirate Kalman filter, Algorithm 6, alone (section 5.3 of Ren et al. 2019).
 
-The filter combines delayed fixes with the undelayed IMU, without smoother or predictor. Its output
-is compared with the present motion, so the GNSS delay makes it lag.
+The filter combines delayed position fixes with the undelayed IMU, without register 1, smoother or
+predictor. Its output is compared with the present motion, so the GNSS delay makes the output lag.
 """
 
 from __future__ import annotations
@@ -27,13 +27,16 @@ class FilterEstimator:
         )
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """One step of Algorithm 6."""
+        """Take an IMU sample and a position fix or None; return the filtered state."""
         step = self.filter.step(specific_force, position)
         return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], step.innovation)
 
 
 class FilterScheme:
-    """A scheme that is a multirate Kalman filter alone, tuned by one section of the tuning."""
+    """A scheme that consists of a multirate Kalman filter alone, such as EKF and MKF.
+
+    `section` is the section of the configuration that tunes the filter.
+    """
 
     linear = True
 
@@ -42,16 +45,16 @@ class FilterScheme:
         self.sections = (section,)
 
     def start(self, sensors: Sensors, tuning: Any) -> FilterEstimator:
-        """Start a fresh estimator."""
+        """Return a new estimator that runs step by step."""
         return FilterEstimator(self._choose(tuning), sensors)
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Start a fresh compiled estimator."""
+        """Return a new compiled estimator that runs step by step."""
         return online_chain(self._choose(tuning), sensors)
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """The scheme's form for the batch engine, for records of `steps` IMU steps."""
+        """Return the scheme's form for the batch engine, for records of `steps` IMU steps."""
         chosen = self._choose(tuning)
         return chain(axis_filter(chosen, sensors), sensors, rule=chosen.update_rule, steps=steps)
 

@@ -1,4 +1,7 @@
-"""The multirate Kalman filter as in Algorithm 6, by filterpy: two axes, 8 states."""
+"""The multirate Kalman filter on two axes, with 8 states, by filterpy.
+
+Source: Algorithm 6 of Ren et al. (2019).
+"""
 
 from __future__ import annotations
 
@@ -14,9 +17,11 @@ _I = np.eye(2)
 
 
 class FilterStep(NamedTuple):
-    """What Algorithm 6 returns, and the innovation of the position if there is a fix.
+    """The results of one step of the multirate Kalman filter (Algorithm 6 of Ren et al. 2019).
 
-    States are (8,), covariances (8, 8); the innovation is (2,), its covariance (2, 2).
+    `x` and `P` are the filtered state (8,) and its covariance (8, 8); `x_predicted` and
+    `P_predicted` are the state and covariance before the measurements. `innovation` is the
+    innovation of the position fix, shape (2,); None without a fix.
     """
 
     x: Array
@@ -27,11 +32,13 @@ class FilterStep(NamedTuple):
 
 
 class MultirateKalmanFilter:
-    """The filter on Sigma_1 or Sigma_2; states (x, y, v_x, v_y, a_x, a_y, b_x, b_y).
+    """The multirate Kalman filter on one of the paper's two models, Sigma_1 or Sigma_2.
 
-    The yaw enters through H. The paper prints P_0 = I_6 and registers for 9 states, but Sigma_1 has
-    8. Sigma_2 runs on 8 states too: its acceleration is a white state that is not observed and does
-    not affect the other states.
+    The states are x, y, v_x, v_y, a_x, a_y, b_x, b_y: position, velocity, acceleration and bias.
+    Yaw enters through the measurement matrix. The paper prints P_0 = I_6 and registers for 9
+    states, but Sigma_1, where the IMU is a measurement, has 8 states. Sigma_2, where the IMU is an
+    input, runs on 8 states too: its acceleration is white noise that is not observed and does not
+    affect the other states.
     """
 
     def __init__(self, axis: AxisFilter, rotation: Array, rule: str) -> None:
@@ -54,7 +61,11 @@ class MultirateKalmanFilter:
         self.held_fix: Array = np.zeros(2)
 
     def step(self, force: Array, fix: Array | None) -> FilterStep:
-        """Predict, then correct with this step's specific force (IMU frame) and fix."""
+        """Predict, then correct with this step's measurements.
+
+        `force` is the specific force (2,) in the IMU's frame, m/s^2. `fix` is the position (2,) in
+        NED, m, or None.
+        """
         kf = self.kf
         kf.predict(u=self.previous_input)
         self.previous_input = self.rotation @ force.reshape(2, 1)
@@ -76,7 +87,7 @@ class MultirateKalmanFilter:
         )
 
     def _correct(self, force: Array, fix: Array | None) -> None:
-        """Correct with the available measurements by filterpy's update (Joseph form)."""
+        """Correct with the specific force and the fix, if any, by filterpy (Joseph form)."""
         parts = []
         if fix is not None:
             parts.append((self.position_rows, fix, self.position_variance))
@@ -88,7 +99,11 @@ class MultirateKalmanFilter:
             self.kf.update(np.concatenate(values).reshape(-1, 1), R=R, H=np.vstack(rows))
 
     def _masked(self, force: Array) -> None:
-        """Correct between fixes by Algorithm 6, lines 5-10: part of K is zero, P = (I - K H) P."""
+        """Correct at a step without a fix, by Algorithm 6, lines 5 to 10, of Ren et al. (2019).
+
+        The rule says which part of the gain K is set to zero. The corrected covariance is
+        (I - K H) P as printed.
+        """
         kf = self.kf
         H = np.vstack([self.position_rows, self.force_rows])
         R = np.kron(np.diag([self.position_variance, self.force_variance]), _I)

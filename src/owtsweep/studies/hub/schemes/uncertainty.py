@@ -1,8 +1,8 @@
 """Computes the covariance of a smoothed and predicted estimate from the filter's covariances.
 
-As long as gains follow their schedule, `chain` has this covariance in advance. Once a fix is
-missing, it is computed here from the filter's past. The compiled form shares no code with this
-file, so that each can test the other.
+As long as gains follow their schedule, `hub.chain` provides this covariance in advance. Once a
+position fix is missing, the covariance is computed here from the filter's past. The compiled form
+shares no code with this file, so that each can test the other.
 """
 
 from __future__ import annotations
@@ -18,20 +18,24 @@ from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter
 def predicted_covariance(
     filtered: list[Array], predicted: list[Array], axis: AxisFilter, model: Discrete, steps: int
 ) -> Array:
-    """Covariance (2, 2) of (p, v) of one axis, `steps` steps after the oldest step of a window.
+    """Compute the covariance (2, 2) of a prediction of position and velocity along one axis.
 
-    It is written as one sum. With L_i = C_s ... C_{s+i-1}, the error of the smoothed oldest state
-    is correlated with the noise of input i of the window through L_i P_{s+i|k}. It is not
-    correlated with the noise of inputs after the window.
+    The prediction starts from the smoothed state of the oldest step s of a window and covers
+    `steps` steps. The covariance is computed as one sum. The smoothed state's error is correlated
+    with the noise of input i of the window through L_i P_{s+i|k}, where k is the window's last step
+    and L_i = C_s ... C_{s+i-1} is a product of the smoother's gains. The error is not correlated
+    with the noise of inputs after the window.
 
     Parameters
     ----------
     filtered, predicted
-        P_{k|k} and P_{k|k-1} of the window's steps, (4, 4) each, oldest first.
+        Covariances P_{k|k} and P_{k|k-1} of the window's steps, (4, 4) each, oldest first.
     axis
         The filter's model.
     model
-        Sigma_2 on (p, v, b) over one step.
+        The predictor's model over one step; its states are position, velocity and bias.
+    steps
+        Number of steps of the prediction. With 0, the filter's covariance is returned.
     """
     if steps == 0:
         return filtered[-1][:2, :2]

@@ -13,21 +13,25 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-#: Figures that show a quantity over time; `_zoom`: some seconds of it.
+#: Figures that show a quantity over time; those ending in `_zoom` show some seconds only.
 HISTORIES = (
     "position", "position_zoom", "velocity", "velocity_zoom", "acceleration_zoom", "bias",
 )  # fmt: skip
 
 
 def overview(config: ReplayConfig) -> str:
-    """Name of the main figure: the position of one record zoomed in, or the map over many."""
+    """Return the name of the main figure: the position zoomed in, or the map over many records."""
     return "position_zoom" if len(config.grid.files) == 1 else "best_scheme_by_record"
 
 
 def drawings(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], metadata: Mapping[str, str]
 ) -> dict[str, Drawing]:
-    """The figures of a run by name: time histories of one record, or the map over many."""
+    """List the figures of a run: name -> function that draws and saves the figure.
+
+    For one record they are time histories, the spectrum and the place in the map. For several
+    records there is one figure, the map over records.
+    """
     if len(config.grid.files) == 1:
         figures = _figures_of_one(config, tables)
     else:

@@ -1,9 +1,8 @@
-"""A record over time, as in figures 9-14 of Ren et al. (2019): truth, fixes, estimates, errors."""
+"""Draw truth, fixes, estimates and errors over time, as figures 9-14 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +14,7 @@ from owtsweep.figures.palette import style_of
 from owtsweep.figures.time_histories import UNITS, Band, Curve, Level, Panel
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.traces import Traces, collect_traces
+from owtsweep.studies.replay.figures.words import name_file
 from owtsweep.studies.replay.measures import QUANTILE
 from owtsweep.studies.replay.session import Session
 from owtsweep.studies.replay.states import FilterStates
@@ -32,18 +32,23 @@ def draw(
     zoom: bool,
     advised: str | None,
 ) -> Figure:
-    """Draw one quantity over time: x, y, and below them the errors of x.
+    """Draw one quantity over time: a panel for x, one for y, and one for the errors of x below.
+
+    Without a truth, the lowest panel shows the innovations of x if the quantity is the position;
+    for other quantities there is no third panel.
 
     Parameters
     ----------
+    config, session
+        The configuration, and the data of the record.
     states
-        Gives the other states of the filters, acceleration and bias; called if they are shown.
+        Function that returns the filters' acceleration and bias; called only to draw one of these.
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom
-        Show some seconds around the largest motion after settling.
+        Whether to show only some seconds around the largest motion after settling.
     advised
-        The scheme that is drawn with its ±1.96 standard deviations.
+        The scheme whose ±1.96 standard deviations are drawn as a band; None for none.
 
     Raises
     ------
@@ -62,7 +67,7 @@ def draw(
     return time_histories.draw(
         panels,
         title=f"{time_histories.describe(quantity)}{_name_part(session, shown, zoom=zoom)}: "
-        f"{Path(session.record.file).name}, tuning: {config.tuning}",
+        f"{name_file(session.record.file)}, tuning: {config.tuning}",
         footnote=_explain(session, quantity, shown),
         time_label="time on the file's clock (s)",
         shared=True,
@@ -70,7 +75,7 @@ def draw(
 
 
 def _name_part(session: Session, shown: Traces, *, zoom: bool) -> str:
-    """The part of the record that a figure shows, in words; empty for the whole record."""
+    """Describe the part of the record that a figure shows; "" for the whole record."""
     if zoom:
         return ", zoomed in"
     length = session.record.steps * session.record.step
@@ -86,7 +91,7 @@ def _format_duration(seconds: float) -> str:
 
 
 def _make_values_panel(session: Session, quantity: str, axis: int, shown: Traces) -> Panel:
-    """The panel of x or y: truth, measurements and estimates."""
+    """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates."""
     marks: list[Curve] = []
     if shown.imu is not None:
         marks.append(time_histories.show_measurement(shown.imu[axis]))
@@ -111,7 +116,7 @@ def _make_values_panel(session: Session, quantity: str, axis: int, shown: Traces
 def _make_errors_panel(
     session: Session, quantity: str, shown: Traces, advised: str | None
 ) -> Panel:
-    """The panel of errors of x, with the standard deviations stated by the advised scheme."""
+    """Make the panel of errors of x, with a band of the advised scheme's standard deviations."""
     marks: list[Band | Curve | Level] = []
     note = ""
     if advised is not None and advised in shown.deviations:
@@ -131,7 +136,10 @@ def _make_errors_panel(
 
 
 def _make_innovations_panel(session: Session, shown: Traces) -> Panel:
-    """The panel without a truth: innovations of x divided by their stated standard deviations."""
+    """Make the panel of the innovations of x, for a record without a truth.
+
+    Each innovation is divided by the standard deviation that the scheme states.
+    """
     marks: list[Curve | Level] = []
     for name, (time, scaled) in shown.innovations.items():
         scheme = style_of(name, session.names)

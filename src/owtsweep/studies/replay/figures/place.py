@@ -1,9 +1,8 @@
-"""Figure of the place of a record in the expected best-scheme map."""
+"""Draw the place of a record in the map of the best scheme by expected MSE."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.figures.words import name_file
 from owtsweep.studies.replay.place import compute_rms_in_band, expect_map, find_place
 
 if TYPE_CHECKING:
@@ -23,12 +23,15 @@ PERIODS, AMPLITUDES = 48, 160
 
 
 def draw(config: ReplayConfig, record: Any) -> Figure:
-    """Map of the best scheme by expected settled MSE over period and amplitude, with the record.
+    """Draw the map of the best scheme by expected settled MSE, and mark the record's place.
+
+    The horizontal axis is the natural period (s), the vertical axis the amplitude (m). `record` is
+    the record's row of records.csv.
 
     Raises
     ------
     InputError
-        If the record has no fitted period inside the band.
+        If the record has no fitted natural period inside the band.
     """
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
@@ -86,7 +89,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
         axes.set_xlabel("natural period (s)")
         axes.set_ylabel("amplitude: largest displacement (m)")
         axes.set_title(
-            f"Place of {Path(str(record['file'])).name} in the map of the best scheme\n"
+            f"Place of {name_file(str(record['file']))} in the map of the best scheme\n"
             f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}",
             loc="left",
         )
@@ -101,7 +104,10 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
 
 
 def _label_distinct(expected: Mapping[str, Array]) -> dict[str, str]:
-    """Scheme -> its label: of schemes with equal values only the last, with the names of all."""
+    """Label the schemes for the legend; of schemes with equal values, only the last is kept.
+
+    The label of the last one names all of them, e.g. "HME1 = HME2".
+    """
     labels = {}
     for name, values in expected.items():
         same = [other for other in expected if np.allclose(expected[other], values, rtol=1e-9)]

@@ -1,4 +1,4 @@
-"""Figure of the best scheme of many records, over columns of their table."""
+"""Draw the best scheme of many records as a map over two of the records' properties."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.palette import style_of
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.figures.words import as_plain
 from owtsweep.studies.replay.seastates import find_axes, read_sea_states
 
 if TYPE_CHECKING:
@@ -17,15 +18,24 @@ if TYPE_CHECKING:
 
 HATCH = "////"
 
-#: Up to this many different values of a table become the ticks of an axis.
+#: If a column of the table has at most this many different values, they are the ticks of the axis.
 MOST_TICKS = 12
 
 
 def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> Figure:
-    """One mark per record: best scheme, runner-up and margin; hatched if it does not matter.
+    """Draw one mark per record, with the best scheme, the runner-up and the margin between them.
 
-    The axes are the first two columns of numbers of `replay.table`. Without a table they are the
-    fitted natural period and the largest displacement.
+    A mark is hatched if the margin does not matter. The axes are the first two columns of numbers
+    of `replay.table`. Without a table they are the fitted natural period (s) and the largest
+    displacement (m). With a single column of numbers, the vertical axis is the largest
+    displacement.
+
+    Parameters
+    ----------
+    config
+        The configuration of the replay.
+    records, advised
+        The tables records.csv and advice.csv of the run.
 
     Raises
     ------
@@ -52,8 +62,8 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             for axis, name in ((axes.xaxis, first), (axes.yaxis, second)):
                 if shown[name].nunique() <= MOST_TICKS:
                     axis.set_ticks(sorted(shown[name].unique()))
-        axes.set_xlabel(_LABELS.get(first, first))
-        axes.set_ylabel(_LABELS.get(second, second))
+        axes.set_xlabel(_LABELS.get(first, as_plain(first)))
+        axes.set_ylabel(_LABELS.get(second, as_plain(second)))
         axes.grid(visible=False)
         window = style.describe_window(config.measures.window)
         axes.set_title(
@@ -96,7 +106,10 @@ def _choose_coordinates(
 
 
 def _measure_cell(values: pd.Series[Any]) -> float:
-    """Width of a mark: the least distance between different coordinates, with a lower limit."""
+    """Return the width of a mark: the least distance between different values of a coordinate.
+
+    It is at least a twelfth of the range of the values; for a single value, a fifth of this value.
+    """
     coordinates = sorted({float(value) for value in values})
     if len(coordinates) < 2:
         return max(abs(coordinates[0]) * 0.2, 1e-3)

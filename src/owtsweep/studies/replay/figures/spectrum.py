@@ -1,8 +1,7 @@
-"""Figure of a record's spectrum with the fit of Eq. (1)."""
+"""Draw a record's spectrum and the fit of Eq. (1) of Ren et al. (2019)."""
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,28 +12,31 @@ from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import BEYOND, summarise_motion
+from owtsweep.studies.replay.figures.words import name_file
 from owtsweep.studies.replay.place import read_fit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-#: With many lines of the periodogram inside the band, the running mean covers 1 / `SHARE` of them,
-#: but at least `SMOOTHED` lines.
+#: The running mean is over 1 / `SHARE` of the periodogram's lines inside the band, but at least
+#: over `SMOOTHED` lines. It is drawn if the band has more than 20 * `SMOOTHED` lines.
 SMOOTHED, SHARE = 7, 500
 
 
 def draw(config: ReplayConfig, record: Any) -> Figure:
-    """Periodogram of the horizontal displacement, its running mean, and the fit of Eq. (1).
+    """Draw the periodogram of the horizontal displacement, a running mean, and the fit of Eq. (1).
 
     Parameters
     ----------
+    config
+        The configuration of the replay of one record.
     record
-        The record's line of records.csv.
+        The record's row of records.csv.
 
     Raises
     ------
     InputError
-        If the record does not move.
+        If the record does not move, or has no line about the band.
     """
     summary = summarise_motion(config, config.grid.files[0])
     if not summary.size["peak"] > 0.0:
@@ -42,6 +44,8 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     frequency, power = summary.frequency, summary.power
     low, high = config.fit_band
     shown = (frequency >= low / 2.0) & (frequency <= BEYOND * high)
+    if not np.any(shown):
+        raise InputError(f"the record has no line of its spectrum about [{low:g}, {high:g}] Hz")
     with style.context():
         figure = style.new_figure(9.0, 4.8)
         axes = figure.add_subplot()
@@ -65,7 +69,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
         axes.set_ylabel("displacement spectrum, x + y (m²/Hz)")
         axes.legend(loc="upper right", frameon=False)
         axes.set_title(
-            f"Spectrum of {Path(config.grid.files[0]).name}\n"
+            f"Spectrum of {name_file(config.grid.files[0])}\n"
             f"{_describe_fit(record, shape is not None)}",
             loc="left",
         )

@@ -1,4 +1,4 @@
-"""The lines of a figure that shows a record over time."""
+"""Collect the lines of a figure that shows a record over time."""
 
 from __future__ import annotations
 
@@ -22,21 +22,24 @@ class Traces:
     Attributes
     ----------
     view
-        First and last time shown, s.
+        First and last time shown, in s.
     lines, errors
-        Scheme -> its x and y; scheme -> the error of its x. Schemes whose line equals that of
-        another are left out.
+        Scheme -> lines of its estimates of x and y; scheme -> line of its error of x. Schemes whose
+        estimates equal those of a later scheme are left out.
     bound
-        The largest error of x after the first fifth of the record; it sets the range of the axis.
+        Largest absolute error of x after the first fifth of the record; it sets the range of the
+        axis of errors.
     truth, imu
-        Lines of x and y.
+        Lines of x and y of the truth and of the IMU's measurements; None if not shown.
     fixes
-        Times of arrival (n,), values (n, 2).
+        Times of arrival of the position fixes, shape (n,), and their values, shape (n, 2); None if
+        not shown.
     deviations, innovations
         Scheme -> times and standard deviations of x; scheme -> times and innovations of x, divided
-        by their standard deviations.
+        by the standard deviations that the scheme states.
     limits
-        (2, 2) ranges of the axes of x and of y, if they do not follow from the lines.
+        Ranges of the vertical axes, shape (2, 2): rows x and y, columns lower and upper end. None
+        if the ranges follow from the lines.
     """
 
     view: tuple[float, float]
@@ -54,7 +57,11 @@ class Traces:
 def collect_traces(
     session: Session, states: Callable[[], FilterStates], quantity: str, *, zoom: bool
 ) -> Traces:
-    """The lines of "position", "velocity", "acceleration" (zoomed in) or "bias" (whole)."""
+    """Collect the lines of "position", "velocity", "acceleration" or "bias".
+
+    `zoom` applies to position and velocity. The acceleration is always zoomed in, the bias never.
+    `states` returns the filters' acceleration and bias.
+    """
     if quantity == "bias":
         return _trace_bias(session, states())
     if quantity == "acceleration":
@@ -127,7 +134,7 @@ def _trace_acceleration(session: Session, states: FilterStates) -> Traces:
 
 
 def _take_force(session: Session, window: slice) -> Array:
-    """(n, 2) the specific force in NED in a window."""
+    """Return the specific force in NED in a window of steps, shape (n, 2) in m/s^2."""
     parts, begin = [], 0
     for piece in rotate_force(session.signals, session.sensors):
         parts.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0)])

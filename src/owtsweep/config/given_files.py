@@ -1,0 +1,75 @@
+"""The user's own YAML files (`--config-dir`), looked at before Hydra reads them.
+
+They are their files, so they may hold interpolations and aliases. But a typing error must not end
+in a traceback, and aliases of aliases must not stand for more data than fit into memory.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from owtsweep.config.stored import DEEPEST, MOST_BYTES
+from owtsweep.errors import InputError, require
+from owtsweep.io.reading import read_text
+
+#: Most values that a file may stand for, once its aliases are replaced.
+MOST_VALUES = 1_000_000
+
+
+def check_chosen_files(directory: Path, overrides: Sequence[str]) -> None:
+    """Check the files that overrides choose from a folder of groups, e.g. `tuning=mine`.
+
+    Raises
+    ------
+    InputError
+        If one cannot be read, is no YAML, nests too deeply or stands for too many values.
+    """
+    for override in overrides:
+        group, _, options = override.lstrip("+").partition("=")
+        for option in options.strip("[]").split(","):
+            path = directory / group.partition("@")[0] / f"{option.strip(' ')}.yaml"
+            if len(option) < 100 and path.is_file():
+                _check_file(path)
+
+
+def _check_file(path: Path) -> None:
+    import yaml
+
+    text = read_text(path, MOST_BYTES)
+    try:
+        deepest, values = _measure(text)
+    except yaml.YAMLError as error:
+        raise InputError(f"{path}: this is no YAML ({' '.join(str(error).split())})") from None
+    require(deepest <= DEEPEST, f"{path}: its lists and mappings lie more than {DEEPEST} deep")
+    require(
+        values <= MOST_VALUES,
+        f"{path}: its aliases (*name) stand for more than {MOST_VALUES} values; write fewer",
+    )
+
+
+def _measure(text: str) -> tuple[int, int]:
+    """How deep YAML nests, and how many values it holds once aliases are replaced."""
+    import yaml
+
+    deepest = 0
+    sizes: dict[str | None, int] = {}  # of what an anchor names
+    open_lists: list[tuple[str | None, int]] = []  # anchor, and values when it began
+    values = 0
+    for event in yaml.parse(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
+        if isinstance(event, yaml.AliasEvent):
+            values += sizes.get(event.anchor, MOST_VALUES)  # unfinished: it holds itself
+        elif isinstance(event, yaml.ScalarEvent):
+            values += 1
+            sizes[event.anchor] = 1
+        elif isinstance(event, yaml.CollectionStartEvent):
+            open_lists.append((event.anchor, values))
+            sizes.pop(event.anchor, None)
+            deepest = max(deepest, len(open_lists))
+        elif isinstance(event, yaml.CollectionEndEvent):
+            anchor, before = open_lists.pop()
+            values += 1
+            sizes[anchor] = values - before
+        if deepest > DEEPEST or values > MOST_VALUES:
+            break
+    return deepest, values

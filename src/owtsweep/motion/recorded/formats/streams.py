@@ -1,0 +1,78 @@
+"""The bytes of a text file, unpacked if it is compressed, and never more than a table can have."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import math
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+
+from owtsweep.io.reading import require_regular
+from owtsweep.motion.recorded.formats.table import refuse, shorten
+
+#: Bytes of a longest line, and of the blocks that are read at once.
+BLOCK = 1 << 22
+#: A compressed file may unpack to this many bytes, or to this many times its size if that is more.
+MOST_UNPACKED, MOST_TIMES = 150_000_000, 50
+
+
+class TextStream(io.RawIOBase):
+    """The bytes of a text file.
+
+    Reading raises `InputError` if the file is damaged, unpacks to too much (see `MOST_TIMES`), or
+    has a line longer than `BLOCK`, for which a parser would ask for any amount of memory.
+    """
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        require_regular(path)
+        packed = path.suffix.lower() == ".gz"
+        self._path = path
+        self._source = gzip.open(path) if packed else path.open("rb")  # noqa: SIM115
+        size = path.stat().st_size
+        self._left = max(MOST_UNPACKED, MOST_TIMES * size) if packed else math.inf
+        self._line = 0
+
+    def readable(self) -> bool:
+        """True, as pandas wants to know."""
+        return True
+
+    def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
+        """Fill a buffer with the next bytes; return their number, 0 at the end."""
+        try:
+            chunk = self._source.read(len(buffer))
+        except (OSError, EOFError, zlib.error) as error:
+            raise refuse(self._path, f"cannot be read ({shorten(error)})") from None
+        self._left -= len(chunk)
+        if self._left < 0:
+            raise refuse(
+                self._path,
+                f"unpacks to more than {MOST_UNPACKED / 1e6:g} MB and {MOST_TIMES} times its size; "
+                "unpack it yourself if you trust it",
+            )
+        end = max(chunk.rfind(b"\n"), chunk.rfind(b"\r"))
+        self._line = self._line + len(chunk) if end < 0 else len(chunk) - end - 1
+        if self._line > BLOCK:
+            raise refuse(self._path, f"has a line of more than {BLOCK >> 20} MB, as no table has")
+        buffer[: len(chunk)] = chunk
+        return len(chunk)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._source.close()
+        super().close()
+
+
+def read_blocks(path: Path) -> Iterator[bytes]:
+    """The text in blocks of whole lines, about `BLOCK` bytes each."""
+    rest = b""
+    with TextStream(path) as stream:
+        while chunk := stream.read(BLOCK):
+            end = max(chunk.rfind(b"\n"), chunk.rfind(b"\r")) + 1
+            if end:
+                yield rest + chunk[:end]
+                rest = b""
+            rest += chunk[end:]
+    yield rest

@@ -1,0 +1,65 @@
+"""Opens a run for reading; nothing that its folder names is executed.
+
+The folder may be another person's.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from owtsweep.config import Config, checked, require
+from owtsweep.config.stored import read_stored
+from owtsweep.errors import InputError
+from owtsweep.io.reading import require_folder
+from owtsweep.studies import registry
+from owtsweep.sweep.runs import Run
+from owtsweep.sweep.stored_plan import read_blocks, read_stored_plan
+
+
+def open_run(folder: Path) -> Run:
+    """Open the run in a folder.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no run, one that this version cannot read, or one of a study that is
+        not installed.
+    """
+    path = folder / "config.yaml"
+    require_folder(folder)
+    require(
+        os.path.lexists(path), f"{folder}: there is no config.yaml in it; name the folder of a run"
+    )
+    plain, text = read_stored(path)
+    stored = read_stored_plan(folder, text)
+    config = _make_config(path, plain, None if stored is None else stored.get("code"))
+    plan = None if stored is None else read_blocks(folder, stored)
+    return Run(folder, config, registry.get_study(config.study), plan)
+
+
+def load_config(path: Path) -> Config:
+    """Read a config.yaml alone.
+
+    Raises
+    ------
+    InputError
+        If it is missing, is not a configuration of this program, or belongs to a study that is not
+        installed.
+    """
+    return _make_config(path, read_stored(path)[0], None)
+
+
+def _make_config(path: Path, plain: dict[str, Any], described: Any) -> Config:
+    study = str(plain.get("study", registry.DEFAULT))
+    try:
+        model = registry.get_study(study).config_type()
+        return checked(model, {**model.hide_code(plain, described), "study": study})
+    except InputError as error:
+        if study not in registry.names():
+            raise InputError(
+                f"{path}: the study {study!r} of this run is not installed; install its package "
+                f"(there are {', '.join(registry.names())})"
+            ) from error
+        raise InputError(f"{path}: {error}") from error

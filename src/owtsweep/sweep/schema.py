@@ -1,0 +1,123 @@
+"""What the columns of stored rows may hold.
+
+The seal of a shard shows damage, not forgery: whoever has this package can seal other rows. So
+rows are held against this schema when they are read, and before they are stored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import pyarrow as pa
+
+from owtsweep.sweep.study import FAILED, OK, UNABLE
+
+if TYPE_CHECKING:
+    from owtsweep.config import Config
+    from owtsweep.sweep.study import Study
+
+STATUSES = (OK, FAILED, UNABLE)
+TEXT, CATEGORIES, NUMBERS, FLAGS, NOTHING = "text", "categories", "numbers", "flags", "nothing"
+_KINDS = {
+    **dict.fromkeys(("string", "large_string"), TEXT),
+    **dict.fromkeys(("halffloat", "float", "double"), NUMBERS),
+    **{f"{sign}int{bits}": NUMBERS for sign in ("", "u") for bits in (8, 16, 32, 64)},
+    "bool": FLAGS,
+    "null": NOTHING,
+}
+#: What `Engine.row_types` says of a column -> the kinds that it may be of.
+_ALLOWED: Mapping[type | None, tuple[str, ...]] = {
+    str: (TEXT, CATEGORIES, NOTHING),
+    float: (NUMBERS, NOTHING),
+    None: (TEXT, CATEGORIES, NUMBERS, FLAGS, NOTHING),
+}
+
+#: Column -> `str`, `float` (a number), or None where the study does not say.
+Needed = Mapping[str, type | None]
+
+
+class WrongRows(Exception):
+    """Rows that no table can be made of; the message says why."""
+
+
+def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
+    """The columns without which no table can be made of a study's rows.
+
+    They are those that every row has, the engine's `sort_columns` and `row_types`, and the
+    conditions that do not expand.
+    """
+    engine = study.engine(config)
+    conditions = [c.name for c in study.conditions(config) if not c.expands]
+    needed = dict.fromkeys([*engine.sort_columns(), *conditions])
+    return {"status": str, "reason": str, **needed, **getattr(engine, "row_types", {})}
+
+
+def kinds_of(schema: Any) -> dict[str, str]:
+    """The kinds of the columns of a `pyarrow.Schema` by name.
+
+    Raises
+    ------
+    WrongRows
+        If two columns have one name, or one holds neither text nor numbers nor flags.
+    """
+    kinds: dict[str, str] = {}
+    for name, type_ in zip(schema.names, schema.types, strict=True):
+        kind = _KINDS.get(str(type_))
+        if kind is None and pa.types.is_dictionary(type_):
+            kind = CATEGORIES if _KINDS.get(str(type_.value_type)) == TEXT else None
+        if kind is None:
+            raise WrongRows(
+                f"its column {name} holds {type_}; a column holds text, numbers or true and false"
+            )
+        if name in kinds:
+            raise WrongRows(f"it has two columns {name}")
+        kinds[name] = kind
+    return kinds
+
+
+def check_columns(schema: Any, needed: Needed) -> None:
+    """Check that the columns are there and of their kinds.
+
+    Raises
+    ------
+    WrongRows
+        If one is missing or holds something else.
+    """
+    kinds = kinds_of(schema)
+    for name, type_ in needed.items():
+        if name not in kinds:
+            raise WrongRows(f"it has no column {name}")
+        if kinds[name] not in _ALLOWED[type_]:
+            belongs = TEXT if type_ is str else NUMBERS
+            raise WrongRows(f"its column {name} holds {kinds[name]} where {belongs} belong")
+
+
+def check_table(table: Any, needed: Needed) -> None:
+    """Check the values of a `pyarrow.Table` whose columns were checked.
+
+    Raises
+    ------
+    WrongRows
+        If a status is none of the three, or a text that the study needs is missing.
+    """
+    for name, type_ in needed.items():
+        if type_ is str and name != "reason" and table[name].null_count:
+            raise WrongRows(f"its column {name} has an empty value")
+    if "status" in needed:
+        check_statuses(frozenset(table["status"].unique().to_pylist()))
+
+
+def check_statuses(statuses: frozenset[Any]) -> None:
+    """Check the distinct values of the column `status`.
+
+    Raises
+    ------
+    WrongRows
+        If one of them is none of the three, or there is none.
+    """
+    if not statuses:
+        raise WrongRows("it has no rows")
+    unknown = ", ".join(sorted(repr(status)[:40] for status in statuses if status not in STATUSES))
+    if unknown:
+        raise WrongRows(f"status {unknown} is none of {', '.join(STATUSES)}")

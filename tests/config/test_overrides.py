@@ -1,0 +1,85 @@
+"""Overrides and files of the user's own that cannot be: one line each, and no hang."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from owtsweep.config.composition import compose_plain
+from owtsweep.config.given_files import check_chosen_files
+from owtsweep.errors import LONGEST, InputError, as_text
+from owtsweep.studies.registry import find_tree
+
+DEEP = "[" * 30 + "]" * 30
+
+OVERRIDES = [
+    ("\udcff=1", "no override"), ("seed=\x1b[31m", "no override"), ("", "no override"),
+    ("=1", "no override"), ("+", "no override"), ("~x", "does not exist"),
+    ("experiment=" + "x" * 5000, "config group"), ("results='\\${x}'", "cannot be stored"),
+    (f"schemes={DEEP}", "more than 20 deep"),
+    ("schemes=" + "[" * 200 + "]" * 200, "too deep"), ("seed=${nowhere}", "not found"),
+    ("hydra.run.dir=x", "with --multirun only"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("override", "message"), OVERRIDES, ids=[o[:20] for o, _ in OVERRIDES])
+def test_bad_overrides_are_one_line(override: str, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        compose_plain(find_tree("hub"), [override])
+    assert str(caught.value).isprintable()
+
+
+ALIASES = "a: &a [x,x,x,x,x,x,x,x,x,x]\n" + "".join(
+    f"{new}: &{new} [{','.join([f'*{old}'] * 10)}]\n"
+    for old, new in zip("abcdefg", "bcdefgh", strict=True)
+)
+FILES = [
+    (ALIASES, "stand for more than"), ("a: &a [*a]", "stand for more than"),
+    (f"a: {DEEP}", "more than 20 deep"), ("{a: [", "no YAML"), ("a: \0", "no YAML"),
+    ("a:\n\t- b", "no YAML"), (b"\xff\xfe\xff", "no text in UTF-8"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("content", "message"), FILES)
+def test_a_group_file_is_looked_at_before_hydra_reads_it(tmp_path, content, message) -> None:
+    (tmp_path / "tuning").mkdir()
+    path = tmp_path / "tuning" / "mine.yaml"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(InputError, match=message) as caught:
+        check_chosen_files(tmp_path, ["seed=1", "+tuning@x=[paper, mine]"])
+    assert str(caught.value).startswith(f"{path}: ")
+
+
+def test_other_files_and_few_aliases_are_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "tuning").mkdir()
+    (tmp_path / "tuning" / "mine.yaml").write_text("a: &a [1, 2]\nb: [*a, *a]\n")
+    (tmp_path / "tuning" / "other.yaml").write_text("{bad")
+    check_chosen_files(tmp_path, ["tuning=mine", "tuning=nowhere"])
+
+
+@pytest.mark.parametrize(
+    "content", ["a: 1\na: 2", "a: !!python/name:os.system", "defaults: [mine]"]
+)
+def test_what_hydra_stumbles_over_is_one_line(tmp_path: Path, content: str) -> None:
+    folder = tmp_path / "it's, mine" / "tuning"
+    folder.mkdir(parents=True)
+    (folder / "mine.yaml").write_text(content)
+    with pytest.raises(InputError, match=r"^config: ") as caught:
+        compose_plain(find_tree("hub"), ["tuning=mine"], str(folder.parent))
+    assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize("folder", ["a\0b", "x" * 5000, "loop", "nowhere"])
+def test_a_folder_that_is_none_is_told(tmp_path, monkeypatch, folder: str) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("loop").symlink_to("loop")
+    with pytest.raises(InputError, match=r"^--config-dir: .* is no folder$"):
+        compose_plain(find_tree("hub"), [], folder)
+
+
+def test_long_messages_lose_their_middle() -> None:
+    long = "key: " + "x" * 10**6 + "; use y"
+    assert len(str(InputError(long))) <= LONGEST
+    assert str(InputError(long)).endswith("; use y")
+    assert len(as_text(ValueError(long))) <= LONGEST

@@ -1,0 +1,46 @@
+"""Makes the good folders once per session, and a copy of what a case needs."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "motion" / "recorded"), str(HERE.parent)]
+
+
+@pytest.fixture(scope="session")
+def good(tmp_path_factory: pytest.TempPathFactory, kernels: None) -> Path:
+    """The folder with the runs a and m, and the records."""
+    import worlds
+
+    folder = tmp_path_factory.mktemp("good")
+    before = os.getcwd()
+    os.chdir(folder)
+    try:
+        worlds.make_runs(folder)
+        worlds.make_records(folder / "records")
+    finally:
+        os.chdir(before)
+    return folder
+
+
+@pytest.fixture
+def copy(good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Path]:
+    """Copies a part of it into the case's folder, which becomes the current one."""
+    monkeypatch.chdir(tmp_path)
+
+    def copy_part(name: str) -> Path:
+        source = good / name
+        if source.is_dir():
+            return Path(shutil.copytree(source, tmp_path / source.name))
+        for path in source.parent.glob("r.*" if source.suffix in (".sel", ".dat") else source.name):
+            shutil.copy(path, tmp_path)
+        return tmp_path / source.name
+
+    return copy_part

@@ -1,0 +1,31 @@
+"""Messages are one printable line, whatever they quote."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from owtsweep.errors import InputError, as_text, printable
+
+HOSTILE = "a\x1b[31mb\nc\rd\x07e\u202ef\ud800g\x00h\u2028i"
+
+
+def test_what_a_terminal_would_obey_is_escaped() -> None:
+    shown = r"a\x1b[31mb\nc\rd\x07e\u202ef\ud800g\x00h\u2028i"
+    assert printable(HOSTILE) == shown
+    assert str(InputError(HOSTILE)) == shown
+    assert printable(shown) == shown
+    assert str(pickle.loads(pickle.dumps(InputError(HOSTILE)))) == shown
+    assert as_text(ValueError("a\x1bb\n  c")) == r"ValueError: a\x1bb c"
+    assert printable("Größe 3 m²/s² – §5.2 – 日本") == "Größe 3 m²/s² – §5.2 – 日本"
+
+
+def test_an_exception_that_cannot_be_printed_is_named() -> None:
+    class Broken(Exception):
+        def __str__(self) -> str:
+            raise RuntimeError
+
+    assert as_text(Broken()) == "Broken: its message cannot be made"
+    with pytest.raises(InputError):
+        raise InputError(as_text(Broken()))
