@@ -133,7 +133,7 @@ CONFIGS = st.builds(
     st.sampled_from([3, 5, 6]),
 )
 FAULTS = st.tuples(
-    st.integers(0, 20), st.sampled_from(["", "", "raise", "interrupt", "silent", "cases"])
+    st.integers(0, 20), st.sampled_from(["", "", "raise", "exit", "silent", "cases"])
 )
 LOSSES = st.lists(st.tuples(st.integers(0, 20), st.sampled_from(["gone", "cut"])), max_size=2)
 STEPS = st.builds(Step, CONFIGS, st.integers(1, 2), st.integers(-2, 5), FAULTS, LOSSES)

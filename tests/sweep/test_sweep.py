@@ -210,7 +210,7 @@ def test_threads_stop_after_the_block_they_are_at(faulty, config, fault, progres
     at_once = len(list(shards_of.glob("part-*")))
     time.sleep(0.5)
     later = len(list(shards_of.glob("part-*")))
-    assert 1 <= at_once <= later <= at_once + 1
+    assert 1 <= at_once <= later <= at_once + 2  # one block of each thread
 
 
 def test_run_log_holds_times_and_is_let_go(study, config, caplog):
