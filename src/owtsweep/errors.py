@@ -1,15 +1,15 @@
-"""Errors that a user can act on, and text that a terminal can be given."""
+"""Errors that a user can act on, and text that can be shown in a terminal."""
 
-#: Most characters of a message: what is longer is a value that fills the screen.
+#: Most characters of a message: a longer message holds a value that would fill the screen.
 LONGEST = 1000
 
 
 class InputError(ValueError):
-    """Bad input. The message is one line: the argument, what is wrong, what would work.
+    """The error for bad input; its message names the argument, what is wrong, and what would work.
 
-    The command line prints it without a traceback and exits with code 2, before anything is
-    written. What is bad may come from a file of another person, so the message is `printable`, and
-    its middle is left out if it is long.
+    The command line prints the message without a traceback and exits with code 2. The message may
+    quote a file of another person. So it is made one printable line (`printable`), and the middle
+    of a long message is left out (`shorten`).
     """
 
     def __init__(self, message: str) -> None:
@@ -23,7 +23,7 @@ def require(condition: bool, message: str) -> None:
 
 
 def as_text(error: BaseException) -> str:
-    """Type and message of an exception, in one printable line."""
+    """Return the type and the message of an exception in one printable line."""
     try:
         message = str(error)
     except Exception:  # an exception class of a user's may have a broken __str__
@@ -32,7 +32,7 @@ def as_text(error: BaseException) -> str:
 
 
 def shorten(text: str, most: int = LONGEST) -> str:
-    """A text of at most so many characters: without its middle if it is longer."""
+    """Return the text; if it is longer than `most` characters, replace its middle by " ... "."""
     if len(text) <= most:
         return text
     half = (most - len(" ... ")) // 2
@@ -40,10 +40,10 @@ def shorten(text: str, most: int = LONGEST) -> str:
 
 
 def printable(text: str) -> str:
-    r"""A text with escapes (`\x1b`) in place of all characters that a terminal would obey.
+    r"""Return the text with an escape such as `\x1b` in place of each unprintable character.
 
-    These are control characters, line breaks, marks that reverse the direction of writing, and
-    halves of characters (surrogates), which cannot be printed at all.
+    Unprintable are control characters, line breaks, marks that reverse the direction of writing,
+    and halves of characters (surrogates). A terminal would obey the first three kinds.
     """
     if text.isprintable():
         return text

@@ -1,1 +1,1 @@
-"""Write files whole or not at all, and tables whose numbers are read back exactly."""
+"""Reads and writes files: whole or not at all, and tables without loss of any digit."""

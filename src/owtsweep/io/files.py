@@ -1,4 +1,4 @@
-"""Write files so that they are whole or absent, even after a crash."""
+"""Writes files so that they are whole or absent, even after a crash."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from owtsweep.errors import InputError
 
 #: Age in seconds from which a temporary file counts as abandoned: writing takes far less.
 STALE = 3600.0
-#: Characters that must remain, below a folder, for the names of files in it; and most folders that
-#: are made for one: the standard library makes them by recursion.
+#: ROOM: a folder's path must be so short that file names of this many characters still fit below.
+#: MOST_NEW: most missing folders above a file; the standard library makes folders by recursion.
 ROOM = 120
 MOST_NEW = 100
 _TEMPORARY = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
@@ -25,10 +25,10 @@ _TEMPORARY = re.compile(r"\..+\.[0-9a-f]{16}\.tmp")
 def write_atomically(path: Path, content: bytes | str) -> None:
     """Write a file so that a reader at any moment sees either the old content or the new one.
 
-    The content is written to a temporary file in the same folder, flushed to the disk, and the file
-    is renamed. After an error, the old file is unchanged and the temporary file is gone. A killed
-    process may leave a temporary file (`.<name>.<random>.tmp`), which nothing reads. Text is
-    written as UTF-8.
+    The content is written to a temporary file in the same folder and flushed to the disk. Then the
+    temporary file is renamed to `path`. After an error, the old file is unchanged and the temporary
+    file is gone. A killed process may leave a temporary file (`.<name>.<random>.tmp`), which
+    nothing reads. Text is written as UTF-8.
 
     Raises
     ------
@@ -39,12 +39,14 @@ def write_atomically(path: Path, content: bytes | str) -> None:
 
 
 def write_all(contents: Mapping[Path, bytes | str]) -> None:
-    """Write several files as `write_atomically` does; if they do not all fit on the disk, none.
+    """Write several files, path -> content, each as `write_atomically` does.
+
+    If the files do not all fit on the disk, none of them is changed.
 
     Raises
     ------
     OSError
-        If the file system refuses; its first note names the file.
+        If the file system refuses a file. The error's first note (`__notes__`) names the file.
     """
     temporaries: dict[Path, Path] = {}
     try:
@@ -74,9 +76,10 @@ def _write_through(path: Path, data: bytes) -> None:
 
 
 def remove_stale(folder: Path) -> None:
-    """Delete temporary files older than an hour, which killed processes have left in a folder.
+    """Delete the temporary files in a folder that are older than one hour.
 
-    Younger temporary files stay, because another process may be writing them.
+    Killed processes have left these files. Younger temporary files stay, because another process
+    may still be writing them.
     """
     now = time.time()
     for path in folder.glob(".*.tmp"):
@@ -87,11 +90,11 @@ def remove_stale(folder: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Flush a folder to the disk, so that renamed files in it survive a power cut.
+    """Flush a folder to the disk, so that the new names of its files survive a power cut.
 
     If the file system does not support this, nothing happens.
     """
-    # The file itself is whole already, so an error here is ignored.
+    # The files themselves are whole already, so an error here is ignored.
     with contextlib.suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:
@@ -100,19 +103,20 @@ def _sync_folder(folder: Path) -> None:
             os.close(descriptor)
 
 
-#: What a user does about a results folder that cannot be written.
+#: Advice to a user whose results folder cannot be written.
 ELSEWHERE = "name another folder by results=FOLDER"
 
 
 def check_writable(folder: Path, argument: str = "results", remedy: str = ELSEWHERE) -> None:
     """Check that a file can be created in a folder, and leave no file there.
 
-    If the folder does not exist, the nearest existing folder above it is checked.
+    If the folder does not exist, the nearest existing folder above is checked.
 
     Raises
     ------
     InputError
-        If no file can be created.
+        If no file can be created, the path is too long, or more than `MOST_NEW` folders would have
+        to be made. The message names `argument` and ends with the advice `remedy`.
     """
     # Not `exists`: a dangling link prevents the creation of a folder too.
     nearest, missing = folder.absolute(), 0
@@ -133,12 +137,14 @@ def check_writable(folder: Path, argument: str = "results", remedy: str = ELSEWH
 
 @contextlib.contextmanager
 def refuse_in_one_line(folder: Path) -> Iterator[None]:
-    """Turn an error of the file system, while files are written to a folder, into one line.
+    """Turn an error of the file system inside the context into an InputError of one line.
+
+    `folder` is the folder to which the files are written.
 
     Raises
     ------
     InputError
-        Instead of any OSError inside the context; it names the file.
+        Instead of any OSError. The message names the file, or `folder` if the file is not known.
     """
     try:
         yield
@@ -147,7 +153,10 @@ def refuse_in_one_line(folder: Path) -> Iterator[None]:
 
 
 def name_refusal(error: OSError, folder: Path) -> str:
-    """The file that the file system refused (else the folder), and why."""
+    """Return a text with the file that could not be written, and the reason.
+
+    If the error does not name the file, the text names `folder`.
+    """
     notes = getattr(error, "__notes__", [])
     refused = notes[0] if notes else error.filename or folder
     return f"{refused}: cannot be written ({error.strerror or error})"
@@ -156,7 +165,10 @@ def name_refusal(error: OSError, folder: Path) -> str:
 def unwritable(
     folder: Path, error: OSError, argument: str = "results", remedy: str = ELSEWHERE
 ) -> InputError:
-    """The one-line error for a folder that cannot be written."""
+    """Return (not raise) the one-line InputError for a folder that cannot be written.
+
+    The message names `argument` and the folder, gives the reason, and ends with `remedy`.
+    """
     reason = error.strerror or str(error)
     shown = str(folder) if len(str(folder)) <= 200 else f"{str(folder)[:200]}..."
     return InputError(f"{argument}: {shown} cannot be written ({reason}); {remedy}")

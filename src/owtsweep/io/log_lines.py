@@ -1,4 +1,4 @@
-"""Logged messages as printable lines: schemes and libraries log what they like."""
+"""Makes logged messages printable lines, because schemes and libraries log what they like."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from owtsweep.errors import as_text, printable
 
 
 def read_message(record: logging.LogRecord) -> str:
-    """The message of a record. Where its arguments do not fit its text, it says so."""
+    """Return the message of a log record; if it cannot be formatted, a text that says so."""
     try:
         return record.getMessage()
     except Exception as error:  # the text and its arguments are a scheme's or a library's
@@ -16,16 +16,17 @@ def read_message(record: logging.LogRecord) -> str:
 
 
 class Lines(logging.Formatter):
-    """Formats printable lines. Lines after a message's first are indented: none looks like a new
-    message.
+    """The formatter that makes printable lines of a log record.
+
+    All lines of a message but the first are indented, so that none looks like a new message.
     """
 
     def format(self, record: logging.LogRecord) -> str:
-        """The lines of a record, and of its traceback if it has one."""
+        """Return the record's lines, joined by line breaks; a traceback's lines are included."""
         plain = logging.makeLogRecord({**vars(record), "msg": self.text(record), "args": None})
         first, *more = super().format(plain).splitlines()
         return "\n".join([printable(first), *(f"  {printable(line)}" for line in more)])
 
     def text(self, record: logging.LogRecord) -> str:
-        """What is written as the message."""
+        """Return the text that is written as the record's message; a subclass may override this."""
         return read_message(record)

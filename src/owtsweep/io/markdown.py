@@ -1,4 +1,4 @@
-"""Write tables in Markdown."""
+"""Makes tables in Markdown."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterable, Sequence
 def table(
     columns: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: Collection[str] = ()
 ) -> str:
-    """Write a table in Markdown, without a line break after the last row.
+    """Return a table as Markdown text, without a line break after the last row.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def table(
 
 
 def escape(text: str) -> str:
-    """A text that is one line of Markdown, in which names make no HTML, no link and no picture."""
+    """Return the text as one line of Markdown that makes no HTML tag, no link and no picture."""
     line = re.sub(r"[\r\n\v\f\x1c-\x1e\x85\u2028\u2029]+", " ", text)
     return re.sub(r"<(?=[A-Za-z/!?])", "&lt;", line).replace("](", "]\\(")
 

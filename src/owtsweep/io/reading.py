@@ -1,4 +1,4 @@
-"""Read files that other people made: regular files only, and never more than fits."""
+"""Reads files that other people made: regular files only, and only up to a given size."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from owtsweep.errors import InputError
 
 
 def require_regular(path: Path) -> None:
-    """Check that a path is a file: a pipe would block, and a device may never end.
+    """Check that a path is a regular file: a pipe would block, and a device may never end.
 
     Raises
     ------
     InputError
-        If there is none, or it is something else.
+        If nothing exists at the path, or a folder, a pipe or a device is there.
     """
     mode = _mode(path, "file")
     if not stat.S_ISREG(mode):
@@ -29,7 +29,7 @@ def require_folder(path: Path) -> None:
     Raises
     ------
     InputError
-        If there is none, or it is something else.
+        If nothing exists at the path, or something other than a folder is there.
     """
     if not stat.S_ISDIR(_mode(path, "folder")):
         raise InputError(f"{path}: this is a file; name a folder")
@@ -46,12 +46,12 @@ def _mode(path: Path, kind: str) -> int:
 
 
 def read_bytes(path: Path, most: int) -> bytes:
-    """The bytes of a file of at most `most` bytes.
+    """Read a file of at most `most` bytes; return its content.
 
     Raises
     ------
     InputError
-        If it is no file, cannot be read, or is larger.
+        If the path is no regular file, or the file cannot be read or is larger than `most` bytes.
     """
     require_regular(path)
     try:
@@ -65,12 +65,13 @@ def read_bytes(path: Path, most: int) -> bytes:
 
 
 def read_text(path: Path, most: int) -> str:
-    """The text of a UTF-8 file of at most `most` bytes.
+    """Read a UTF-8 file of at most `most` bytes; return its text.
 
     Raises
     ------
     InputError
-        As `read_bytes`, or if it is no text in UTF-8.
+        If the path is no regular file, or the file cannot be read, is larger than `most` bytes, or
+        is no text in UTF-8.
     """
     try:
         return read_bytes(path, most).decode("utf-8")
@@ -79,12 +80,13 @@ def read_text(path: Path, most: int) -> str:
 
 
 def read_json(path: Path, most: int) -> Any:
-    """The data of a JSON file of at most `most` bytes; of any type, and some hundred levels deep.
+    """Read a JSON file of at most `most` bytes; return its data, which may be of any type.
 
     Raises
     ------
     InputError
-        As `read_text`, or if it is no JSON, or nests too deeply.
+        If `read_text` refuses the file, the text is no JSON, or the data nest too deeply for
+        Python's parser.
     """
     import json
 

@@ -1,4 +1,4 @@
-"""Write and read the tables of a run: CSV files whose numbers are read back exactly."""
+"""Writes and reads the tables of a run: CSV files whose numbers are read back exactly."""
 
 from __future__ import annotations
 
@@ -22,7 +22,13 @@ _QUOTED = re.compile(rb'"[^"]*"')
 
 
 def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
-    """Write each table as `<name>.csv`, without the index: all, or none if the disk is full."""
+    """Write each table as `<name>.csv` without its index; if the disk is full, write none.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses a file.
+    """
     # pandas writes a float as `repr` does: the shortest text that reads back as the same number.
     contents = {}
     for name, table in tables.items():
@@ -31,16 +37,22 @@ def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
 
 
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
-    """Write a table as `<name>.csv`, whole or not at all, without the index; return the file."""
+    """Write a table as `<name>.csv` without its index, whole or not at all; return the path.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses the file.
+    """
     write_tables(folder, {name: table})
     return folder / f"{name}.csv"
 
 
 def read_table(folder: Path, name: str) -> pd.DataFrame:
-    """Read the table `<name>.csv` of a run's folder.
+    """Read the table `<name>.csv` in the folder of a run.
 
     An empty field becomes NaN in a column of numbers, and "" in a column of text. A column whose
-    fields are all empty is read as numbers.
+    fields are all empty is read as a column of NaN.
 
     Raises
     ------
@@ -64,13 +76,14 @@ def read_table(folder: Path, name: str) -> pd.DataFrame:
 def _parse(data: bytes) -> pd.DataFrame:
     import pandas as pd
 
-    # Not the Arrow engine: it takes half a table for one field if a quote never ends, and guesses
-    # dates. A scheme may be named "NA", so only an empty field is a missing value.
+    # Not pandas' Arrow engine: if a quote never ends, it reads half a table as one field; and it
+    # guesses dates. A scheme may be named "NA", so only an empty field is a missing value.
     exact: Any = {} if _is_exact(pd.__version__) else {"float_precision": "round_trip"}
     table: pd.DataFrame = pd.read_csv(
         BytesIO(data), low_memory=False, keep_default_na=False, na_values=[""], **exact
     )
-    # pandas fills up short lines, takes a field too many for a row's name, and renames columns.
+    # pandas accepts damaged tables: it fills short lines, takes a surplus field as the row's name,
+    # and renames columns of equal names.
     commas = _QUOTED.sub(b"", data).count(b",")
     header = BytesIO(data).readline()
     names = pd.read_csv(BytesIO(header), header=None, dtype=str, keep_default_na=False).iloc[0]
@@ -82,6 +95,6 @@ def _parse(data: bytes) -> pd.DataFrame:
 
 
 def _is_exact(version: str) -> bool:
-    """Whether this version of pandas reads numbers exactly without being told."""
+    """Return whether pandas reads numbers exactly without an option (from version 3.1 on)."""
     major, minor = version.split(".")[:2]
     return (int(major), int(minor)) >= (3, 1)

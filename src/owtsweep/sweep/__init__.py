@@ -1,6 +1,7 @@
-"""The machinery that serves every study: plan, run, store, resume, provenance.
+"""The machinery of sweeps that serves every study: it plans, runs, stores and resumes.
 
-It knows no physics: a study implements `owtsweep.sweep.study.Study`, and nothing here looks inside
-the content of a block. A run is a folder. Its shards are immutable files, each named by the hash of
-everything that its rows depend on. So resuming a run means computing "the plan minus the shards".
+The machinery knows no physics. A study implements `owtsweep.sweep.study.Study`, and nothing here
+looks inside the content of a block. A run is a folder. A shard is an immutable file in this folder,
+which holds the rows of one block. The shard's name is a hash of everything that the rows depend on.
+So resuming a run means computing "the plan minus the shards".
 """

@@ -1,6 +1,6 @@
-"""Computing on other machines: a dask cluster, driven through a backend of joblib.
+"""Computes on other machines: on a dask cluster, driven through a backend of joblib.
 
-Imported on demand: `dask[distributed]` is an extra, and takes half a second to load.
+This module is imported on demand: `dask[distributed]` is an extra, and takes half a second to load.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from owtsweep.sweep.worker import one_line
 
 _Base: Any = DaskDistributedBackend
 
-#: Seconds to reach a scheduler, and to find a worker there.
+#: Most seconds to wait for a scheduler's answer, and then for a worker.
 PATIENCE_AT_START = 10.0
 #: Seconds without a scheduler or any worker after which all remaining tasks count as failed.
 PATIENCE = 60.0
@@ -38,7 +38,10 @@ _NETWORK = ("distributed", "tornado")
 
 @dataclass(frozen=True)
 class Lost:
-    """Stands for the result of a task that was lost; `final` if the whole cluster is lost."""
+    """The stand-in for the result of a task that was lost.
+
+    `task` is the number of the task. `final` says whether the whole cluster is lost.
+    """
 
     task: int
     reason: str
@@ -47,17 +50,20 @@ class Lost:
 
 @contextmanager
 def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterator[Client]:
-    """A connection to a cluster whose workers have been checked.
+    """Yield a connection to the dask cluster at `address`, after its workers have been checked.
+
+    `metadata` holds the versions that each worker must have (`versions.all_versions`).
 
     Raises
     ------
     InputError
-        If the scheduler does not answer or has no workers, or if a worker cannot do the work.
+        If the scheduler does not answer or has no workers. If a worker cannot load the study or has
+        other versions. If a tls:// address comes without certificates.
     """
     _require_certificates(address)
     try:
-        # First without a `Client`: one that fails half-way lives on, and ends with a traceback. In
-        # a thread, because a notebook has a loop of its own.
+        # Connect without a `Client` first: a Client that fails half-way lives on, and ends with a
+        # traceback. In a thread, because a notebook has an event loop of its own.
         with ThreadPoolExecutor(1) as pool:
             pool.submit(asyncio.run, _greet(address)).result()
         client = Client(address, timeout=PATIENCE_AT_START, set_as_default=False)
@@ -86,7 +92,10 @@ async def _greet(address: str) -> None:
 
 
 def _require_certificates(address: str) -> None:
-    """Refuse tls:// without certificates: dask notices too late to clean up."""
+    """Raise InputError if a tls:// address comes without certificates.
+
+    dask would notice this too late to clean up.
+    """
     if address.startswith("tls:"):
         require(
             Security().get_connection_args("client")["ssl_context"] is not None,
@@ -96,13 +105,13 @@ def _require_certificates(address: str) -> None:
 
 
 def _loggers() -> list[logging.Logger]:
-    """The loggers of dask and of its network library that are not disabled."""
+    """Return those loggers of dask and of its network library that are not disabled."""
     names = [n for n in logging.root.manager.loggerDict if n.split(".")[0] in _NETWORK]
     return [logger for name in names if not (logger := logging.getLogger(name)).disabled]
 
 
 def _hush() -> None:
-    """Silence dask while its connections close: it shows a traceback for each that is in use."""
+    """Silence dask's loggers: closing a connection that is in use would show a traceback."""
     for logger in _loggers():
         logger.disabled = True
 
@@ -125,10 +134,10 @@ def _check_workers(client: Client, address: str, study: Study, metadata: Mapping
 
 
 class Backend(_Base):  # type: ignore[misc]
-    """joblib's backend for dask, extended to notice tasks that fail outside their code.
+    """joblib's backend for dask, extended to notice tasks that fail outside their own code.
 
-    joblib 1.6 waits for ever for a task whose workers died or could not load it, and for a cluster
-    that is gone.
+    joblib 1.6 would wait for ever for a task whose workers died or could not load the task, and for
+    a cluster that is gone.
     """
 
     def __init__(self, client: Client) -> None:
@@ -136,8 +145,8 @@ class Backend(_Base):  # type: ignore[misc]
         self._last_seen = time.monotonic()
 
     def effective_n_jobs(self, n_jobs: int = 1) -> int:
-        # With one worker left joblib would run the tasks itself, in this process; with none it
-        # would raise, while `_watch` has more patience.
+        # If one worker is left, joblib would run the tasks itself, in this process. If none is
+        # left, joblib would raise at once, but `_watch` waits for a new worker.
         cores: int = sum(self.client.ncores().values())
         return max(2, cores)
 
@@ -173,7 +182,7 @@ class Backend(_Base):  # type: ignore[misc]
             await asyncio.sleep(0.01)
 
     async def _watch(self) -> None:
-        """Give up when there has been no worker for too long."""
+        """Report a task as lost once there has been no worker for `PATIENCE` seconds."""
         self._last_seen = time.monotonic()
         while self._continue:
             await asyncio.sleep(_LOOK)
@@ -190,7 +199,7 @@ class Backend(_Base):  # type: ignore[misc]
 
 
 def _short(error: Any) -> str:
-    """dask's reason in one line, without its advice to read the logs."""
+    """Return dask's reason for a lost task in one line, without the advice to read the logs."""
     text = one_line(error) if isinstance(error, BaseException) else "the task was cancelled"
     if "all those workers died" in text:
         return "KilledWorker: every worker that tried it died"

@@ -1,4 +1,4 @@
-"""Compare runs: open them, find how they differ, let their study compare them, write the result."""
+"""Compares runs: opens them, finds how they differ, lets their study compare, writes the result."""
 
 from __future__ import annotations
 
@@ -34,7 +34,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Compared:
-    """A finished comparison: its folder, the findings of the study, the terminal's table, notes."""
+    """A finished comparison.
+
+    Attributes
+    ----------
+    folder
+        The folder that the comparison was written to.
+    findings
+        What the study has found.
+    overview
+        The table that the terminal shows: one row per run.
+    notes
+        Lines on runs that are left out or incomplete, and notes of the study.
+    """
 
     folder: Path
     findings: Findings
@@ -43,25 +55,27 @@ class Compared:
 
 
 def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
-    """Compare the runs of a multirun, or some runs, and write the comparison.
+    """Compare the runs of a multirun, or any runs of one study, and write the comparison.
 
     Parameters
     ----------
     paths
-        One multirun folder, or several folders of runs (or of multiruns).
+        One multirun folder, or several folders, each of a run or of a multirun.
     load
-        Opens the run in a folder (`owtsweep.load`).
+        A function that opens the run in a folder (`owtsweep.load`).
 
     Returns
     -------
     Compared
-        Its folder is `<multirun>/comparison`, or `comparison-<hash>` beside the first run.
+        The comparison. It is written to `<path>/comparison` if one path is given, and otherwise to
+        `comparison-<hash>` beside the first run.
 
     Raises
     ------
     InputError
-        If there are fewer than two runs with a succeeded case, their studies differ or cannot
-        compare, or they have nothing in common. Nothing has been written then.
+        If fewer than two runs have a succeeded case, a run is named twice, the runs belong to
+        different studies or have nothing in common, their study cannot compare runs, or the folder
+        cannot be written. Nothing has been written then.
     """
     import pandas as pd
 
@@ -99,7 +113,10 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
 def _open(
     paths: Sequence[str], load: Callable[[Path], Run]
 ) -> tuple[list[Run], list[str], list[str]]:
-    """The runs at these paths, the keys that a multirun swept, and notes on unreadable runs."""
+    """Open the runs at these paths.
+
+    Return the runs, the keys that multiruns among them swept, and notes on runs that are left out.
+    """
     runs: list[Run] = []
     preferred: list[str] = []
     notes: list[str] = []
@@ -124,7 +141,10 @@ def _open(
 
 
 def _members(path: Path, notes: list[str]) -> tuple[list[Path], list[str]]:
-    """The run folders of a multirun in order, and the keys that were swept."""
+    """Return the run folders of the multirun at `path` in order, and the keys that it swept.
+
+    A note on each run that was never started is added to `notes`.
+    """
     folders = sorted(config.parent for config in path.glob("*/config.yaml"))
     planned = read_record(path)
     if planned is None:

@@ -38,16 +38,17 @@ BACKENDS = ("threading", "loky", "dask")
 
 @dataclass(frozen=True)
 class Executor:
-    """Runs tasks of a study and stores their shards.
+    """The executor, which runs the tasks of a sweep through joblib and stores their shards.
 
     Attributes
     ----------
     work
-        What its workers need to know.
+        What the workers need to know.
     workers
-        How many workers there are; 0 means a whole cluster.
+        Number of workers; 0 means all workers of a cluster.
     client
-        The connection to a cluster (`owtsweep.sweep.cluster.connected`), for backend "dask".
+        The connection to a cluster (`owtsweep.sweep.cluster.connected`) if the backend is "dask";
+        otherwise None.
     """
 
     work: Work
@@ -55,17 +56,18 @@ class Executor:
     client: Any = None
 
     def run(self, tasks: Sequence[Plan], tell: Callable[[int], None]) -> Generator[TaskResult]:
-        """Run the tasks and yield each result as it arrives.
+        """Run the tasks, and yield the result of each task as soon as it arrives.
 
-        Closing the iterator stops the workers: processes at once, threads after their current
-        block, since a thread cannot be ended from outside.
+        Closing the generator stops the workers. Processes stop at once. Threads stop after their
+        current block, because a thread cannot be ended from outside.
 
         Parameters
         ----------
         tasks
-            Blocks by key.
+            The tasks; each maps keys to blocks.
         tell
-            Called by threads with the number of cases of each finished block.
+            A function that threads call with the number of cases of each finished block. Processes
+            and other machines do not call it.
         """
         if not tasks:
             return
@@ -95,11 +97,12 @@ class Executor:
     def _run_rounds(
         self, work: Work, tasks: list[Plan], local: Local | None
     ) -> Generator[TaskResult]:
-        """Run all tasks. If a worker dies, run tasks again until the block that killed it is found.
+        """Run all tasks, and yield their results; if a worker dies, find the block that killed it.
 
-        A broken pool of processes does not say which task broke it. All tasks that were running are
-        suspects. They run again, one half after the other, until one suspect is left. Each of its
-        blocks then runs as a task of its own, appended to `tasks`.
+        A broken pool of processes does not say which task has broken the pool. So all tasks that
+        were running are suspects. The suspects run again, one half after the other, until a single
+        suspect is left. Then each block of this task runs as a task of its own, which is appended
+        to `tasks`.
         """
         rounds = deque([list(range(len(tasks)))])
         while rounds:
@@ -170,7 +173,7 @@ class Executor:
                 results.close()
 
     def _make_parallel(self, tasks: int) -> Any:
-        """A `joblib.Parallel` for a number of tasks."""
+        """Return a `joblib.Parallel` that suits the backend, for a given number of tasks."""
         from joblib import Parallel
 
         options: dict[str, Any]
@@ -181,8 +184,9 @@ class Executor:
             options = {"backend": Backend(self.client), "pre_dispatch": self.workers or "2*n_jobs"}
         else:
             workers = min(self.workers, tasks)
-            # With one job joblib would run it in this thread: it could kill this process, and
-            # neither would Ctrl-C end it nor could its own KeyboardInterrupt be told from Ctrl-C.
+            # At least two jobs: with one, joblib would run the tasks in this thread. A task could
+            # then kill this process, Ctrl-C would not end it, and a KeyboardInterrupt that a task
+            # raises would look like Ctrl-C.
             options = {
                 "n_jobs": max(workers, 2),
                 "backend": self.work.backend,
@@ -191,7 +195,10 @@ class Executor:
         return Parallel(return_as="generator_unordered", batch_size=1, **options)
 
     def _store_returned(self, result: TaskResult) -> None:
-        """Store the shards that a worker has handed back."""
+        """Store the shards that a worker has sent back instead of storing them.
+
+        Cases of a shard that cannot be stored are counted as failed in `result`.
+        """
         for shard in result.returned:
             try:
                 decode(shard.data, shard.key, self.work.store.needed)
@@ -203,7 +210,10 @@ class Executor:
         result.returned.clear()
 
     def _count_stored(self, number: int, blocks: Plan, reason: str) -> TaskResult:
-        """The result of a task that did not report; its stored blocks count as computed."""
+        """Make the result of a task that did not report.
+
+        Blocks that are stored count as computed; all other blocks count as failed for `reason`.
+        """
         result = TaskResult(number)
         for key, block in blocks.items():
             if self._is_done(key):
@@ -218,11 +228,11 @@ class Executor:
 
 @contextmanager
 def shared_token(folder: Path) -> Iterator[str | None]:
-    """The name of a file in the run folder that exists while the context is open.
+    """Make a file in the run folder, yield its name, and delete the file at the end.
 
-    A machine that finds the file shares the folder: the name is random, so a folder with the same
-    path on another machine does not contain it. The name is None if the file cannot be written;
-    then workers send their shards back.
+    A machine that finds the file shares the folder. The file's name is random, so a folder with an
+    equal path on another machine does not contain such a file. If the file cannot be written, yield
+    None; then workers send their shards back.
     """
     # Named like a temporary file, so that one left by a killed sweep is cleaned up too.
     path = folder / f".shared.{secrets.token_hex(8)}.tmp"
@@ -240,11 +250,12 @@ def shared_token(folder: Path) -> Iterator[str | None]:
 
 @contextmanager
 def _hold_interrupts(hold: bool) -> Iterator[None]:
-    """Delay Ctrl-C and the end of the terminal while processes are started.
+    """Block the signals SIGINT (Ctrl-C) and SIGHUP (the terminal ends) inside the context.
 
-    The processes inherit the blocked signals. Both reach the whole group: a process that is still
-    loading its libraries would die of Ctrl-C with a traceback, and joblib's own process that
-    tidies up would die of the other, with one traceback for each thing that it knew.
+    Processes started inside the context inherit the block. Without it, both signals would reach all
+    of them. A process that is still loading its libraries would die of SIGINT with a traceback.
+    joblib's resource tracker would die of SIGHUP with many tracebacks. If `hold` is False, or this
+    is not the main thread, nothing is blocked.
     """
     if not hold or threading.current_thread() is not threading.main_thread():
         yield
@@ -257,4 +268,4 @@ def _hold_interrupts(hold: bool) -> Iterator[None]:
 
 
 class _Stop(Exception):
-    """Nothing more can be computed: a full disk, a cluster that is gone; the message says why."""
+    """The exception that ends a sweep early, e.g. if the disk is full; the message says why."""

@@ -1,4 +1,4 @@
-"""Many shards as one table of rows, in bounded memory.
+"""Joins many shards to one table of rows, in bounded memory.
 
 An Arrow table of a hundred rows takes some 10 kB in addition to its content, and pandas needs more
 memory for text than for numbers. So shards are joined in batches, and each text is stored as an
@@ -19,23 +19,23 @@ from owtsweep.errors import InputError
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Shards that are joined at a time.
+#: Number of shards that are joined at a time.
 BATCH = 256
 
 
 def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
-    """The rows of all tables in their order, or None if there is no table.
+    """Join the rows of all tables, in the order of the tables; return None if there is no table.
 
     Parameters
     ----------
     tables
-        `pyarrow.Table`s; each is freed once it is read.
+        `pyarrow.Table`s. They are read in batches, so that each can be freed soon.
 
     Returns
     -------
     DataFrame
-        Text columns are categorical, with sorted categories; `as_text` makes them plain text. If a
-        table lacks a column, its rows are empty in that column.
+        All rows. Text columns are categorical, with sorted categories; `as_text` makes them plain
+        text. If a table lacks a column, the rows of that table have missing values in the column.
 
     Raises
     ------
@@ -58,9 +58,11 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
 
 
 def sort_rows(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
-    """Sort the rows in place and stably by these columns (text alphabetically); return the frame.
+    """Sort the rows of a frame in place by these columns; return the frame.
 
-    Works column by column, so that memory never holds a second copy of the whole frame.
+    The first column counts most. Text is sorted alphabetically, missing text comes last, and equal
+    rows keep their order. Columns are sorted one by one, so that memory never holds a second copy
+    of the whole frame.
     """
     order = np.lexsort([_rank(frame[name]) for name in reversed(columns)])
     for name in frame.columns:
@@ -69,14 +71,14 @@ def sort_rows(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
 
 
 def as_text(frame: pd.DataFrame) -> pd.DataFrame:
-    """A copy whose categorical columns are plain text."""
+    """Return a copy of the frame whose categorical columns are plain text."""
     text = {name: frame[name] for name in frame.columns if _is_categorical(frame[name])}
     return frame.astype({name: column.cat.categories.dtype for name, column in text.items()})
 
 
 def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
-    """The joined columns of some tables, copied out of Arrow's memory."""
-    # Permissive: a column of whole numbers may be of fractions in another shard.
+    """Join some tables; return column name -> values, copied out of Arrow's memory."""
+    # Permissive: a column may hold whole numbers in one shard and fractions in another.
     try:
         joined = pa.concat_tables(tables, promote_options="permissive").combine_chunks()
     except pa.ArrowInvalid as error:
@@ -92,7 +94,10 @@ def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
 
 
 def _whole(pieces: list[Any], sizes: list[int]) -> Any:
-    """One column joined from its pieces; a piece may be None or hold no value."""
+    """Join the pieces of one column; a piece may be None or hold missing values only.
+
+    `sizes` are the numbers of rows of the pieces.
+    """
     import pandas as pd
 
     filled = [piece for piece in pieces if piece is not None and not _is_nothing(piece)]
@@ -108,7 +113,7 @@ def _whole(pieces: list[Any], sizes: list[int]) -> Any:
 
 
 def _nothing_like(piece: Any, size: int) -> Any:
-    """A column of missing values, of a type that can be joined with the type of `piece`."""
+    """Make a column of `size` missing values, of a type that can be joined with `piece`."""
     import pandas as pd
 
     if piece.dtype.kind in "iuf":
@@ -131,7 +136,7 @@ def _is_categorical(column: Any) -> bool:
 
 
 def _rank(column: Any) -> Any:
-    """Numbers whose order is the order of the column's values; missing values come last."""
+    """Return numbers that sort as the column's values do; missing values come last."""
     if column.dtype.kind in "iufb":
         return column.to_numpy()
     coded = column.astype("category").cat

@@ -1,4 +1,4 @@
-"""Names that are hashes: the key of a block, the hash and the folder of a run."""
+"""Computes names from hashes: the key of a block, the hash of a run, the folder of a run."""
 
 from __future__ import annotations
 
@@ -17,18 +17,19 @@ from owtsweep.sweep.study import Block, Study
 KEY_BYTES = 16
 #: Bytes of a run's hash: few, so that it can be typed.
 HASH_BYTES = 5
-#: Bytes of a folder's name that every file system takes.
+#: Most bytes of a folder's name: every file system takes as many.
 LONGEST_NAME = 255
-#: Top-level keys of a configuration that may change without making it another run. They say what is
-#: swept over, how it is computed and where results are stored.
+#: Top-level keys of a configuration that may change without making another run. They say what is
+#: swept over, how the sweep is computed and where results are stored.
 NOT_IDENTIFYING = frozenset({"grid", "schemes", "compute", "results", "name"})
 
 
 def block_key(study: Study, block: Block) -> str:
-    """The key of a block's shard: 32 hexadecimal digits.
+    """Return the key of a block, which names its shard: 32 hexadecimal digits.
 
-    It depends on the study's name, its two versions and the block's content only. So the content
-    must hold everything that the rows depend on, including the seed.
+    The key depends only on the study's name, `schema_version` and `numerics_version`, and on the
+    block's content. So the content must hold everything that the rows depend on, including the
+    seed.
 
     Raises
     ------
@@ -45,16 +46,19 @@ def block_key(study: Study, block: Block) -> str:
 
 
 def run_hash(config: Config) -> str:
-    """The hash that identifies a run: 10 hexadecimal digits.
+    """Return the hash that identifies a run: 10 hexadecimal digits.
 
-    A larger grid, another scheme, more workers or another folder do not change it.
+    The hash covers the configuration without `grid`, `schemes`, `compute`, `results` and `name`. So
+    a larger grid, another scheme, more workers or another folder do not change the hash.
     """
     identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_IDENTIFYING}
     return _digest(identity, HASH_BYTES, what="config")
 
 
 def run_folder(config: Config) -> Path:
-    """Where a run lives: `<results>/<name>`, or `<results>/<experiment>-<hash>` without a name.
+    """Return the folder of a run: `<results>/<name>`, or `<results>/<experiment>-<hash>`.
+
+    The second form is used if the key `name` is null.
 
     Raises
     ------

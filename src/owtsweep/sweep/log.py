@@ -1,7 +1,7 @@
-"""run.log in the run folder: the messages logged by a sweep and its workers, with their times.
+"""Writes run.log in the run folder: the messages that a sweep and its workers log, with times.
 
-It holds messages of `owtsweep` from level INFO up. Messages of other loggers (of a user's scheme or
-a library) and Python's warnings are included from WARNING up.
+The file has the messages of `owtsweep` from level INFO up. From other loggers (of a user's scheme
+or a library) it has messages from level WARNING up, and Python's warnings.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from pathlib import Path
 from owtsweep.io.files import unwritable
 from owtsweep.io.log_lines import Lines, read_message
 
-#: Most entries of a task that are sent to the coordinator; a scheme may warn at every step.
+#: Most log entries of a task that its worker sends back; a scheme may warn at every step.
 MOST_ENTRIES = 50
 
 _here = threading.local()
@@ -27,7 +27,10 @@ _captures = 0
 
 @dataclass(frozen=True)
 class LogEntry:
-    """A logged message sent from a worker: plain values only, so that it can always be pickled."""
+    """A logged message that a worker sends back; plain values only, so that it can be pickled.
+
+    `name` is the logger's name, and `created` the time in seconds since 1970.
+    """
 
     name: str
     level: int
@@ -36,18 +39,18 @@ class LogEntry:
 
 
 def working_on(label: str) -> None:
-    """Set the label of the block that this thread runs; it appears in the thread's messages."""
+    """Set the label of the block that this thread runs; run.log shows it with each message."""
     _here.label = label
 
 
 @contextmanager
 def run_log(folder: Path) -> Iterator[None]:
-    """Append to `run.log` while the context is open.
+    """Append logged messages to `run.log` in the folder while the context is open.
 
     Raises
     ------
     InputError
-        If the file cannot be opened. Later errors of the file do not stop the sweep.
+        If the file cannot be opened. Later errors while writing the file are ignored.
     """
     try:
         handler = _Quiet(folder / "run.log", encoding="utf-8")
@@ -65,7 +68,12 @@ def run_log(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
-    """A list of what this thread logs; empty unless `elsewhere`, because `run_log` gets it here."""
+    """Yield a list that receives what this thread logs while the context is open.
+
+    `elsewhere` says whether the thread runs in another process than `run_log`. If it is False, the
+    list stays empty, because `run_log` receives the messages itself. The list has at most
+    `MOST_ENTRIES` messages, and one that counts those left out.
+    """
     entries: list[LogEntry] = []
     if not elsewhere:
         yield entries
@@ -79,7 +87,7 @@ def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
 
 
 def repeat(entries: Sequence[LogEntry]) -> None:
-    """Log the entries of a worker again, with their original times."""
+    """Log the entries that a worker has sent back, with their original times."""
     for entry in entries:
         logger = logging.getLogger(entry.name)
         copy = logger.makeRecord(entry.name, entry.level, "", 0, entry.message, (), None)
@@ -153,7 +161,7 @@ def _text(record: logging.LogRecord) -> str:
 
 
 class _Labelled(Lines):
-    """Adds the label of the block that the thread runs."""
+    """The formatter of run.log, which adds the label of the block that the thread runs."""
 
     def text(self, record: logging.LogRecord) -> str:
         return read_message(record) if hasattr(record, "from_worker") else _text(record)

@@ -1,4 +1,4 @@
-"""`multirun.json`: the runs of a multirun in their order, and what was swept."""
+"""Writes and reads `multirun.json`: the runs of a multirun in their order, and what was swept."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from owtsweep.io.reading import read_json
 
 RECORD = "multirun.json"
 VERSION = 1
-#: Most bytes of a record: that of a hundred thousand runs.
+#: Most bytes of a record: enough for a hundred thousand runs.
 MOST_BYTES = 100_000_000
 
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """A run of a multirun: the name of its folder, all overrides and the swept values."""
+    """A run of a multirun: the name of its folder, all its overrides, and key -> swept value."""
 
     folder: str
     overrides: list[str]
@@ -29,14 +29,17 @@ class PlannedRun:
 
 @dataclass(frozen=True)
 class Planned:
-    """The content of a record: the names of the run folders in order, and the swept keys."""
+    """The content of multirun.json: the names of the run folders in order, and the swept keys."""
 
     folders: list[str]
     keys: list[str]
 
 
 def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedRun]) -> None:
-    """Write the record of a multirun: the overrides as given, and the runs in their order."""
+    """Write `multirun.json` into the multirun's folder.
+
+    `overrides` are the overrides as the user gave them; `runs` are the runs in their order.
+    """
     content = {
         "multirun_version": VERSION,
         "overrides": list(overrides),
@@ -46,12 +49,12 @@ def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedR
 
 
 def read_record(folder: Path) -> Planned | None:
-    """The record of a multirun in a folder, or None if there is none.
+    """Read `multirun.json` in a multirun's folder; return None if there is no such file.
 
     Raises
     ------
     InputError
-        If the file is not a record of a multirun.
+        If the file cannot be read, or is not the record of a multirun.
     """
     path = folder / RECORD
     if not os.path.lexists(path):

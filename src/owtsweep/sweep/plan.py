@@ -1,4 +1,4 @@
-"""The work of a sweep: the blocks of its configuration by key, grouped into tasks."""
+"""Plans the work of a sweep: the blocks of its configuration by key, grouped into tasks."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Plan = dict[str, Block]
 
 
 def make_plan(study: Study, config: Config) -> Plan:
-    """All blocks of a configuration by key; blocks with equal content are merged.
+    """Return all blocks of a configuration by key; of blocks with equal content, keep the first.
 
     Raises
     ------
     InputError
-        If there are no blocks, or if the study refuses the configuration.
+        If the configuration has no blocks, or the study refuses the configuration.
     """
     plan: Plan = {}
     for block in study.engine(config).plan(config):
@@ -28,7 +28,10 @@ def make_plan(study: Study, config: Config) -> Plan:
 
 
 def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
-    """One task per group of blocks, because blocks of a group share expensive inputs."""
+    """Group the blocks of a plan into tasks: one task per `Block.group`, as key -> block.
+
+    Blocks of one group share expensive inputs, so they should run together.
+    """
     groups: dict[str, Plan] = {}
     for key, block in plan.items():
         groups.setdefault(block.group, {})[key] = block
@@ -36,5 +39,5 @@ def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
 
 
 def count_cases(plan: Mapping[str, Block]) -> int:
-    """How many cases the blocks hold."""
+    """Return the number of cases that the blocks of a plan hold."""
     return sum(block.cases for block in plan.values())

@@ -1,4 +1,4 @@
-"""Progress of a sweep, shown on the terminal or in a log."""
+"""Shows the progress of a sweep, on the terminal or in a log."""
 
 from __future__ import annotations
 
@@ -12,35 +12,36 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.progress import Task
 
-#: Seconds between two lines if there is no terminal.
+#: Seconds between two lines of `LineProgress`.
 INTERVAL = 30.0
 
 
 class Progress:
-    """What a sweep reports while it runs; this one shows nothing."""
+    """The interface through which a sweep reports its progress; this class shows nothing."""
 
     def start(self, total_cases: int, reused: int) -> None:
-        """The sweep begins; `reused` of its cases are stored already."""
+        """Begin: the sweep has `total_cases` cases, of which `reused` are stored already."""
 
     def advance(self, cases: int) -> None:
         """Add a number of finished cases, successful or failed; may be called from any thread."""
 
     def fail(self, label: str, reason: str, cases: int) -> None:
-        """Report that a number of the finished cases have failed."""
+        """Report that `cases` of the finished cases, in the block `label`, failed for `reason`."""
 
     def stop(self) -> None:
-        """The sweep has ended, successfully or not."""
+        """End: the sweep is over, whether it has succeeded or not."""
 
 
 class LineProgress(Progress):
-    """A plain line at the start, every 30 s and at the end, for logs and pipes.
+    """The progress as plain lines, for logs and pipes: at the start, every 30 s and at the end.
 
     Parameters
     ----------
     stream
-        Where the lines go. If it is closed, the sweep goes on without output.
+        The stream to which lines are printed. If the stream is closed, the sweep goes on without
+        output.
     clock
-        Seconds, as `time.monotonic`.
+        A function that returns the present time in seconds, as `time.monotonic` does.
     """
 
     def __init__(self, stream: TextIO, clock: Callable[[], float] = time.monotonic) -> None:
@@ -51,7 +52,7 @@ class LineProgress(Progress):
         self._began = self._said = 0.0
 
     def start(self, total_cases: int, reused: int) -> None:
-        """Print the number of cases, and start the clock."""
+        """Print the numbers of cases, note the time, and begin to print a line at intervals."""
         self._total, self._reused, self._done = total_cases, reused, reused
         self._began = self._said = self._clock()
         self._say(f"{total_cases} cases, {reused} of them stored already")
@@ -68,7 +69,7 @@ class LineProgress(Progress):
             self._failed += cases
 
     def look(self) -> None:
-        """Print a line if the interval has passed."""
+        """Print a line if 30 s have passed since the last one."""
         if self._clock() - self._said >= INTERVAL:
             self._said = self._clock()
             self._say(self._line())
@@ -100,9 +101,10 @@ class LineProgress(Progress):
 
 
 class BarProgress(Progress):
-    """A bar with the cases done and failed, their rate and the time left.
+    """The progress as a bar, with the cases done and failed, their rate and the time left.
 
-    The first failure of each reason is a line above it; all are listed at the end of the sweep.
+    For each reason, the first failure is printed as a line above the bar. All failures are listed
+    at the end of the sweep.
     """
 
     def __init__(self, console: Console) -> None:
@@ -128,16 +130,16 @@ class BarProgress(Progress):
         )
 
     def start(self, total_cases: int, reused: int) -> None:
-        """Show the bar; stored cases count as done but not in the rate."""
+        """Show the bar; the `reused` cases count as done, but not in the rate."""
         self._task = self._bar.add_task("", total=total_cases, completed=reused, failed="")
         self._bar.start()
 
     def advance(self, cases: int) -> None:
-        """Move the bar."""
+        """Move the bar by a number of finished cases."""
         self._bar.advance(self._task, cases)
 
     def fail(self, label: str, reason: str, cases: int) -> None:
-        """Count, and print a line above the bar if the reason is new."""
+        """Count failed cases, and print a line above the bar if the reason is new."""
         self._failed += cases
         self._bar.update(self._task, failed=f", {self._failed} failed")
         if reason not in self._reasons:
@@ -145,13 +147,13 @@ class BarProgress(Progress):
             self._console.print(f"failed: {label}: {reason}", markup=False, highlight=False)
 
     def stop(self) -> None:
-        """Leave the bar as it stands."""
+        """Stop the bar and leave it on the screen as it is."""
         if self._bar.live.is_started:
             self._bar.stop()
 
 
 def make_progress() -> Progress:
-    """A bar if stderr is a terminal, else a line at intervals."""
+    """Return a `BarProgress` if stderr is a terminal; otherwise a `LineProgress`."""
     if not sys.stderr.isatty():
         return LineProgress(sys.stderr)
     from rich.console import Console
@@ -160,7 +162,7 @@ def make_progress() -> Progress:
 
 
 def _duration(seconds: float) -> str:
-    """A duration in seconds as text: 45 s, 12 min, 3 h 20 min."""
+    """Return a duration, given in seconds, as text: 45 s, 12 min or 3 h 20 min."""
     if seconds < 90.0:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60.0)

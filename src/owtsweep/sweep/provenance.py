@@ -1,4 +1,4 @@
-"""manifest.json: how a run was made, without names of users, machines or folders."""
+"""Makes and reads manifest.json: how a run was made, without names of users and machines."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ PACKAGES = (
     "numpy", "scipy", "pandas", "pyarrow", "numba", "casadi", "filterpy", "joblib", "hydra-core",
 )  # fmt: skip
 CLUSTER_PACKAGES = ("dask", "distributed")
-#: With more blocks than this the manifest holds a summary of their seconds, not each value.
+#: Up to this number of blocks, the manifest lists each block's seconds; above, a summary only.
 MOST_BLOCKS = 1000
 SLOWEST = 10
 MANIFEST = "manifest.json"
-#: Most bytes of a manifest: a configuration and the seconds of `MOST_BLOCKS` fit several times.
+#: Most bytes of a manifest: far more than a configuration and the seconds of `MOST_BLOCKS` take.
 MOST_BYTES = 50_000_000
 
 
 def start_manifest(
     run: Run, text: str, argv: Sequence[str] | None, backend: str, workers: int
 ) -> dict[str, Any]:
-    """The manifest of a run that begins now, as plain JSON data; `state` is "running".
+    """Return the manifest of a run that begins now, as plain JSON data; `state` is "running".
 
     Parameters
     ----------
@@ -49,9 +49,9 @@ def start_manifest(
     text
         The text of config.yaml.
     argv
-        The command line as given, or None when the run was started from Python.
+        The arguments of the command line, or None if the run was started from Python.
     backend, workers
-        The joblib backend and its number of workers.
+        The joblib backend and its number of workers (0: all workers of a cluster).
     """
     packages = (*PACKAGES, *CLUSTER_PACKAGES) if backend == "dask" else PACKAGES
     return {
@@ -90,21 +90,21 @@ def finish_manifest(
     cases: Mapping[str, int],
     blocks: Mapping[str, float],
 ) -> dict[str, Any]:
-    """The manifest of a run that ends now.
+    """Return the manifest of a run that ends now.
 
     Parameters
     ----------
     manifest
-        As it began.
+        The manifest that `start_manifest` made.
     state
-        "done" if all cases are, "incomplete" if some failed, "interrupted" by Ctrl-C, or "error"
-        after an exception.
+        "done" if no case failed, "incomplete" if some failed, "interrupted" after Ctrl-C, or
+        "error" after another exception.
     seconds
-        Wall time.
+        Wall time of the sweep, s.
     cases
-        How many were computed, reused, and failed.
+        Number of cases by `computed`, `reused` and `failed`.
     blocks
-        The seconds of blocks by their labels.
+        Computing time of each block by its label, s.
     """
     return {
         **manifest,
@@ -117,7 +117,10 @@ def finish_manifest(
 
 
 def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
-    """Summary of the blocks' seconds, and each value if there are at most `MOST_BLOCKS`."""
+    """Return a summary of the blocks' computing times, given by label in s.
+
+    The summary lists each block's time only if there are at most `MOST_BLOCKS` blocks.
+    """
     slowest = sorted(blocks, key=lambda label: (-blocks[label], label))[:SLOWEST]
     listed = sorted(blocks) if len(blocks) <= MOST_BLOCKS else []
     return {
@@ -130,7 +133,10 @@ def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
 
 
 def read_earlier_seconds(folder: Path) -> dict[str, float]:
-    """The seconds of blocks from earlier sweeps of this run, as far as the manifest lists them."""
+    """Read the computing times of blocks, by label in s, from the manifest of earlier sweeps.
+
+    Return an empty dict if there is no manifest, or the manifest lists no valid times.
+    """
     try:
         each = read_manifest(folder)["blocks"]["each"].items()
         read = {str(label): float(seconds) for label, seconds in each}
@@ -140,7 +146,10 @@ def read_earlier_seconds(folder: Path) -> dict[str, float]:
 
 
 def was_running(folder: Path) -> bool:
-    """Whether the state is `running`: a sweep of this run is under way, or was killed."""
+    """Return whether the manifest's state is "running": a sweep is under way, or was killed.
+
+    Return False if there is no readable manifest.
+    """
     try:
         return bool(read_manifest(folder).get("state") == "running")
     except InputError:
@@ -148,12 +157,12 @@ def was_running(folder: Path) -> bool:
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """The manifest of a run, whose values may be anything.
+    """Read the manifest of a run; its values are not checked.
 
     Raises
     ------
     InputError
-        If there is none, or it is no mapping.
+        If there is no manifest, or the file cannot be read or holds no mapping.
     """
     path = folder / MANIFEST
     require(os.path.lexists(path), f"{folder}: there is no {MANIFEST} in it; run its sweep")
@@ -163,10 +172,11 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
 
 def git_state(package: Path) -> dict[str, str | bool] | None:
-    """The commit, and whether the sources differ from it; None unless run from a checkout.
+    """Return the commit of the package's checkout, and whether its sources differ from the commit.
 
-    `package` is the folder of the package. A repository does not count as its checkout if it only
-    contains the environment in which the package is installed.
+    Return None if the package does not run from a checkout, or git fails. `package` is the folder
+    of the package; in a checkout it is `src/<package>` below the repository's root. So a repository
+    that only contains an environment with the installed package does not count.
     """
     root = _git(package, "rev-parse", "--show-toplevel")
     if not root or Path(root.strip()).resolve() / "src" / package.name != package:
@@ -180,7 +190,7 @@ def git_state(package: Path) -> dict[str, str | bool] | None:
 
 @cache
 def _find_version(package: str) -> str | None:
-    """The installed version of a package; None if it is not installed."""
+    """Return the installed version of a package; None if the package is not installed."""
     try:
         return version(package)
     except PackageNotFoundError:
@@ -188,7 +198,10 @@ def _find_version(package: str) -> str | None:
 
 
 def _without_places(config: Config) -> dict[str, Any]:
-    """The resolved configuration without folders and addresses, because a run may be published."""
+    """Return the configuration without `results` and `compute.scheduler`.
+
+    A run may be published, so its manifest names no results folder and no scheduler's address.
+    """
     whole = as_mapping(config)
     del whole["results"]
     whole["compute"] = {k: v for k, v in whole["compute"].items() if k != "scheduler"}

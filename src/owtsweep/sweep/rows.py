@@ -1,4 +1,4 @@
-"""What the rows of a block say: whether they can be stored, and which cases have no number."""
+"""Examines the rows of a block: can they be stored, and which cases have no number?"""
 
 from __future__ import annotations
 
@@ -15,7 +15,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Setback:
-    """Cases of a block without a number for the same reason: they failed, or are impossible."""
+    """Cases of one block that have no number for one reason.
+
+    These cases failed, or their scheme cannot compute them. `label` is the block's label, and
+    `cases` the number of cases.
+    """
 
     label: str
     reason: str
@@ -23,14 +27,14 @@ class Setback:
 
 
 def require_rows(study: Study, config: Any, rows: pd.DataFrame) -> None:
-    """Refuse rows that could not be made into tables, before they are stored.
+    """Check, before the rows of a block are stored, that tables can be made of the rows.
 
     Raises
     ------
     TypeError
-        If they are not a DataFrame.
+        If `rows` is not a DataFrame.
     ValueError
-        If there is no row, a column is missing, or a status is unknown.
+        If there is no row, a needed column is missing, or a status is unknown.
     """
     columns = getattr(rows, "columns", None)
     if columns is None:
@@ -46,7 +50,7 @@ def require_rows(study: Study, config: Any, rows: pd.DataFrame) -> None:
 
 
 def collect_setbacks(block: Block, rows: pd.DataFrame, status: str) -> list[Setback]:
-    """The cases of a block whose rows have this status, by reason."""
+    """Return the cases of a block whose rows have this status: one `Setback` per reason."""
     if not (rows["status"].to_numpy() == status).any():
         return []  # saves time: counting nothing with pandas takes longer than writing a shard
     reasons = rows.loc[rows["status"] == status, "reason"].fillna("no reason given").value_counts()

@@ -1,4 +1,4 @@
-"""Checks of the contracts of schemes, sources of motion and studies, for users to run."""
+"""Checks that a user can run on an own scheme, source of motion or study."""
 
 from owtsweep.testing.schemes import (
     check_declaration,

@@ -1,12 +1,12 @@
-"""Checks of the contract of a scheme, for schemes of users too.
+"""Checks that a scheme, also a user's, keeps the contract of a scheme.
 
     from owtsweep.testing import check_scheme
 
     def test_my_scheme():
         check_scheme(MyScheme())
 
-Every check raises `AssertionError` with one line that names the broken part of the contract. The
-four schemes of the hub study pass the same checks. The contract itself is in
+If a scheme breaks the contract, the check raises `AssertionError` with one line that names the
+broken part. The four schemes of the hub study pass these checks. The contract is in
 `owtsweep.studies.hub.contract`.
 """
 
@@ -23,9 +23,9 @@ from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies import compose
 from owtsweep.studies.hub.public import Scheme, Sensors, require_scheme, trajectories
 
-#: Steps of a check: enough for several fixes at every example's rate.
+#: IMU steps of a check: enough for several position fixes with each of `example_sensors()`.
 STEPS = 64
-#: Largest difference of values that must be equal, relative to the largest magnitude.
+#: Largest allowed difference of values that must be equal, relative to the largest magnitude.
 TOLERANCE = 1e-9
 
 
@@ -41,12 +41,13 @@ def check_scheme(
     tuning
         The argument `tuning` of `start`; if None, the configuration of the default study.
     sensors
-        The sensors to check it with; if None, `example_sensors()`.
+        The sensors with which the scheme is checked, one after the other; if None,
+        `example_sensors()`.
 
     Raises
     ------
     AssertionError
-        With one line that names the scheme and the broken part of the contract.
+        If a check fails, with one line that names the scheme and the broken part of the contract.
     """
     check_declaration(scheme)
     if tuning is None:
@@ -62,7 +63,10 @@ def check_scheme(
 
 
 def example_sensors() -> list[Sensors]:
-    """Sensors of different rates and yaws, with no delay, some, and more than a fix interval."""
+    """Return three `Sensors` that differ in rate, yaw and gravity.
+
+    Their GNSS delays are zero, shorter than the interval between position fixes, and longer.
+    """
 
     def sensors(
         rate: float, fix_interval: int, delay: int, yaw: float, gravity: tuple[float, float]
@@ -80,7 +84,13 @@ def example_sensors() -> list[Sensors]:
 
 
 def check_declaration(scheme: Any) -> None:
-    """The scheme has `name`, `linear` and `start`."""
+    """Check that a scheme has a name, a bool `linear` and a method `start`.
+
+    Raises
+    ------
+    AssertionError
+        If one of the three is missing.
+    """
     try:
         require_scheme(scheme, type(scheme).__name__)
     except InputError as error:
@@ -88,7 +98,16 @@ def check_declaration(scheme: Any) -> None:
 
 
 def check_estimates(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
-    """Estimates have the right shapes and are finite; covariances are valid covariances."""
+    """Check that estimates are finite and have the right shapes, and that covariances are valid.
+
+    A covariance is valid if it is symmetric and has no negative eigenvalue. If the scheme is
+    linear, its estimate must also stay at zero when all data are zero.
+
+    Raises
+    ------
+    AssertionError
+        If an estimate breaks one of these rules.
+    """
     for size in (1.0, 1e3):
         force, fixes = _data(sensors, size)
         for k, estimate in enumerate(_run(scheme, sensors, tuning, force, fixes)):
@@ -109,7 +128,15 @@ def check_estimates(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_starts(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
-    """Every `start` gives a new estimator: two are independent and give equal estimates."""
+    """Check that each call of `start` returns a new estimator, independent of all others.
+
+    An estimator must give equal estimates whether it runs alone or beside another one.
+
+    Raises
+    ------
+    AssertionError
+        If `start` returns one estimator twice, or estimates depend on another estimator.
+    """
     force, fixes = _data(sensors)
     alone = _states(_run(scheme, sensors, tuning, force, fixes))
     first, second = scheme.start(sensors, tuning), scheme.start(sensors, tuning)
@@ -126,7 +153,13 @@ def check_starts(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_inputs(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
-    """Input arrays are not changed, and the caller may reuse them."""
+    """Check that `update` neither changes its input arrays nor keeps references to them.
+
+    Raises
+    ------
+    AssertionError
+        If `update` changes an array, or estimates change when the caller reuses the arrays.
+    """
     force, fixes = _data(sensors)
     expected = _states(_run(scheme, sensors, tuning, force, fixes))
     estimator = scheme.start(sensors, tuning)
@@ -150,7 +183,13 @@ def check_inputs(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_superposition(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
-    """The estimate for a sum of data is the sum of the estimates."""
+    """Check that a linear scheme's estimate for a sum of data is the sum of its estimates.
+
+    Raises
+    ------
+    AssertionError
+        If the two differ, or the estimate is always zero.
+    """
     force_a, fixes_a = _data(sensors, seed=1)
     force_b, fixes_b = _data(sensors, seed=2)
     a = _states(_run(scheme, sensors, tuning, force_a, fixes_a))
@@ -165,7 +204,13 @@ def check_superposition(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_kernel(scheme: Any, sensors: Sensors, tuning: Any) -> None:
-    """The scheme's kernel, used by the batch engine, gives the same estimates as `update`."""
+    """Check that the scheme's kernel for the batch engine gives the estimates that `update` gives.
+
+    Raises
+    ------
+    AssertionError
+        If the two differ.
+    """
 
     force, fixes = _data(sensors)
     expected = _states(_run(scheme, sensors, tuning, force, fixes))
@@ -179,14 +224,18 @@ def check_kernel(scheme: Any, sensors: Sensors, tuning: Any) -> None:
 
 
 def _data(sensors: Sensors, size: float = 1.0, seed: int = 0) -> tuple[Array, Array]:
-    """(STEPS, 2) specific force in the IMU's frame and (fixes, 2) positions."""
+    """Draw normally distributed specific forces and positions, of the standard deviation `size`.
+
+    Return the forces in the IMU's frame, shape (STEPS, 2), and the positions, one row per position
+    fix and two columns.
+    """
     random = np.random.default_rng(seed)
     fixes = -(-STEPS // sensors.fix_interval)
     return size * random.normal(size=(STEPS, 2)), size * random.normal(size=(fixes, 2))
 
 
 def _fix(sensors: Sensors, fixes: Array, step: int) -> Array | None:
-    """The fix that arrives at a step, if any."""
+    """Return the position fix that arrives at a step, or None if none arrives."""
     number, since = divmod(step, sensors.fix_interval)
     return None if since else fixes[number]
 
@@ -206,7 +255,10 @@ def _state(estimate: Estimate) -> Array:
 
 
 def _states(estimates: list[Estimate]) -> Array:
-    """(steps, 4) states, read after the run, so that a reused output array is detected."""
+    """Return position and velocity of all estimates, shape (steps, 4).
+
+    The estimates are read after the run, so that an estimator that reuses its output is detected.
+    """
     return np.array([_state(estimate) for estimate in estimates])
 
 

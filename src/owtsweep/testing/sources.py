@@ -1,12 +1,12 @@
-"""Checks of the contract of a source of motion, for sources of users too.
+"""Checks that a source of motion, also a user's, keeps the contract of a source.
 
     from owtsweep.testing import check_source
 
     def test_my_source():
         check_source(MySource(), steps=1000, step=0.02)
 
-Every check raises `AssertionError` with one line that names the broken part of the contract. The
-contract itself is in `owtsweep.motion.source`.
+If a source breaks the contract, the check raises `AssertionError` with one line that names the
+broken part. The contract is in `owtsweep.motion.source`.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ import numpy as np
 
 from owtsweep.motion.source import Motion, Source
 
-#: Largest difference between a derivative and the slope of the series that it belongs to, relative
-#: to the largest value of the derivative.
+#: Largest allowed difference between a derivative (e.g. velocity) and the slope of its series (e.g.
+#: position), relative to the derivative's largest value.
 TOLERANCE = 0.05
-#: Share of the record left out at each end: there the continuation of a file is not known.
+#: Share of a record that is left out at each end: a file's motion beyond its ends is not known.
 EDGE = 0.1
 
 
@@ -32,17 +32,19 @@ def check_source(
     Parameters
     ----------
     source
-        An object with the protocol `owtsweep.motion.source.Source`.
+        An object that follows the protocol `owtsweep.motion.source.Source`.
     steps, step, history
-        A record that the source can give; arguments of `Source.realise`. The step must be short
-        compared with the periods of the motion, and the history at least 1 step.
+        The arguments of `Source.realise` for a record that the source can give: number of steps,
+        length of a step in s, and number of steps before t = 0. The step must be short compared
+        with the periods of the motion, and the history at least 1 step.
     tolerance
-        See `check_derivatives`.
+        Largest allowed difference of a derivative from the slope, relative to the derivative's
+        largest value.
 
     Raises
     ------
     AssertionError
-        With one line that names the source and the broken part of the contract.
+        If a check fails, with one line that names the source and the broken part of the contract.
     """
     name = type(source).__name__
     assert isinstance(source, Source), f"{name}: needs `streams`, `duration` and `realise`"
@@ -58,13 +60,15 @@ def check_source(
 
 
 def check_streams(source: Source, *, steps: int, step: float, history: int) -> None:
-    """The motion depends on the random streams that the source names, and on no others.
+    """Check that the motion depends on the random streams that the source names, and on no others.
+
+    `steps`, `step` and `history` are the arguments of `Source.realise`.
 
     Raises
     ------
     AssertionError
-        If it asks for other streams, gives different bits for equal streams, or equal bits for
-        different streams.
+        If the source asks for streams other than those in `source.streams`. If equal streams give
+        motions that differ in any bit, or different streams give equal motions.
     """
     name = type(source).__name__
     asked: set[str] = set()
@@ -88,21 +92,24 @@ def check_streams(source: Source, *, steps: int, step: float, history: int) -> N
 
 
 def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -> None:
-    """Velocity is the slope of the position, and acceleration is the slope of the velocity.
+    """Check that velocity is the slope of position, and acceleration the slope of velocity.
 
-    Slopes are central differences, so their error is of the order (omega step)^2 / 6.
+    A slope is a central difference. Its relative error is about (omega step)^2 / 6 for a motion of
+    the angular frequency omega in rad/s.
 
     Parameters
     ----------
     name
         The name of the source in messages.
+    motion
+        A motion that the source has given.
     tolerance
-        Largest difference, relative to the largest value of the derivative.
+        Largest allowed difference from the slope, relative to the derivative's largest value.
 
     Raises
     ------
     AssertionError
-        If a derivative differs by more than `tolerance`.
+        If velocity or acceleration differs from the slope by more than `tolerance`.
     """
     steps = len(motion.position)
     inner = slice(1 + int(EDGE * steps), steps - 1 - int(EDGE * steps))
@@ -118,12 +125,15 @@ def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -
 
 
 def check_delayed_positions(name: str, motion: Motion) -> None:
-    """Positions before t = 0 continue into the record, so that a delayed sensor sees one motion.
+    """Check that the positions before t = 0 continue into the record without a jump.
+
+    A delayed sensor reports positions from before t = 0. `name` names the source in messages.
 
     Raises
     ------
     AssertionError
-        If the positions jump at t = 0, or `position_at` does not return them.
+        If the positions jump before or at t = 0, or `motion.position_at` does not return the
+        positions before t = 0 followed by the record.
     """
     history, steps = len(motion.before), len(motion.position)
     whole = np.concatenate([motion.before, motion.position])
@@ -141,7 +151,7 @@ def check_delayed_positions(name: str, motion: Motion) -> None:
 
 
 def _check_shapes(name: str, motion: Motion, steps: int, step: float, history: int) -> None:
-    """The series have the requested number of samples and the same axes."""
+    """Check that all series of a motion have the requested number of samples and equal axes."""
     assert motion.step == step, f"{name}: the step is {motion.step:g} s, not {step:g} s"
     axes = motion.position.shape[1:]
     lengths = {"position": steps, "velocity": steps, "acceleration": steps, "before": history}
@@ -153,11 +163,14 @@ def _check_shapes(name: str, motion: Motion, steps: int, step: float, history: i
 
 
 def _is_same(one: Motion, other: Motion) -> bool:
-    """Whether two motions are equal bit by bit."""
+    """Return whether all series of two motions have equal values."""
     names = ("position", "velocity", "acceleration", "before")
     return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
 
 
 def _streams(replicate: int) -> Callable[[str], np.random.Generator]:
-    """Named streams of a replicate; each call gives a new generator."""
+    """Return a function that makes a new random generator for the name of a stream.
+
+    Equal names give equal generators within a replicate.
+    """
     return lambda name: np.random.default_rng([replicate, *name.encode()])

@@ -1,10 +1,10 @@
-"""Checks of the contract of a study, for studies of users too.
+"""Checks that a study, also a user's, keeps the contract of a study.
 
     def test_my_study():
         check_study(MyStudy())
 
-Every check raises `AssertionError` with one line that names the broken part of the contract. The
-contract itself is in `owtsweep.sweep.study`.
+If a study breaks the contract, the check raises `AssertionError` with one line that names the
+broken part. The contract is in `owtsweep.sweep.study`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE, Study
 from owtsweep.testing.variations import one_case, reversed_grids, variations
 
-#: Columns of the tables that all studies have, before and after the columns of the conditions.
+#: Columns of the tables that all studies have: those left and those right of the conditions'.
 SUMMARY = (("scheme",), ("measure", "window", "mean", "ci_low", "ci_high", "n"))
 BEST_SCHEME = (
     (),
@@ -32,7 +32,7 @@ BEST_SCHEME = (
         "ci_low", "ci_high", "distinguishable",
     ),
 )  # fmt: skip
-#: Further columns, present if a scheme has cells without a value.
+#: Further columns of these tables, present if a scheme has no value in some cells of the grid.
 SETBACK = ("status", "reason")
 
 
@@ -46,16 +46,17 @@ def check_study(
     study
         The study.
     config
-        A small configuration of the study. It is run several times, below its folder `results`. By
-        default the configuration of `study=<name>`, in a temporary folder.
+        A small configuration of the study, which is run several times; runs are stored below the
+        folder that its key `results` names. If None, the default configuration of the study is
+        used, in a temporary folder.
     failing
-        A configuration with which some cases fail and others do not. Without it failures are not
+        A configuration with which some cases fail and others do not. If None, failures are not
         checked.
 
     Raises
     ------
     AssertionError
-        With one line that names the study and the broken part of the contract.
+        If a check fails, with one line that names the study and the broken part of the contract.
     """
     if config is None:
         with TemporaryDirectory() as folder:
@@ -73,7 +74,13 @@ def check_study(
 
 
 def check_plan(study: Study, config: Config) -> None:
-    """The plan is deterministic and independent of the grid's order."""
+    """Check that the plan is deterministic, and that its blocks do not depend on the grid's order.
+
+    Raises
+    ------
+    AssertionError
+        If two plans differ in their keys, or reversing an axis of the grid changes the set of keys.
+    """
     keys = _keys(study, config)
     assert keys == _keys(study, config), f"{study.name}: two plans of one configuration differ"
     for name, other in reversed_grids(config):
@@ -84,12 +91,17 @@ def check_plan(study: Study, config: Config) -> None:
 
 
 def check_keys(study: Study, config: Config) -> list[str]:
-    """Every configuration key changes the keys of some blocks, or is declared inert.
+    """Check that every configuration key changes the keys of some blocks, or is declared inert.
 
     Returns
     -------
     list of str
-        Configuration keys for which no other value was accepted, so that they are not checked.
+        The configuration keys that were not checked, because no tried value was accepted.
+
+    Raises
+    ------
+    AssertionError
+        If an inert key changes the blocks' keys, or another key does not.
     """
     keys = set(_keys(study, config))
     untried = []
@@ -109,7 +121,15 @@ def check_keys(study: Study, config: Config) -> list[str]:
 
 
 def check_run(study: Study, config: Config) -> Run:
-    """A run computes its plan once, is reused by the next sweep, and can be shown and drawn."""
+    """Sweep twice; check that the second sweep computes nothing, and show and draw the run.
+
+    Return the run.
+
+    Raises
+    ------
+    AssertionError
+        If a case fails, the second sweep computes a case, or nothing is shown or drawn.
+    """
     cases = count_cases(make_plan(study, config))
     first = sweep(study, config)
     reasons = [f"{failure.label}: {failure.reason}" for failure in first.failed]
@@ -130,7 +150,14 @@ def check_run(study: Study, config: Config) -> Run:
 
 
 def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
-    """Rows have the required columns, and no row appears twice."""
+    """Check that rows have the required columns and a valid status, and that no row appears twice.
+
+    Raises
+    ------
+    AssertionError
+        If a column is missing, two rows have equal `sort_columns`, a status is unknown, or a row
+        has a reason and the status "ok", or neither.
+    """
     identity = study.engine(config).sort_columns()
     conditions = [c.name for c in study.conditions(config) if not c.expands]
     needed = ["status", "reason", *identity, *conditions]
@@ -148,7 +175,15 @@ def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
 
 
 def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) -> None:
-    """Tables exist, and summary and best_scheme have the columns that scripts rely on."""
+    """Check that there are tables, and that two of them have the columns that scripts rely on.
+
+    The two are `summary` and `best_scheme`; either may be absent.
+
+    Raises
+    ------
+    AssertionError
+        If there is no table, or one of the two has other columns.
+    """
     assert tables, f"{study.name}: a run has no table"
     conditions = [condition.name for condition in study.conditions(config)]
     for name, (before, after) in (("summary", SUMMARY), ("best_scheme", BEST_SCHEME)):
@@ -162,7 +197,13 @@ def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) 
 
 
 def check_blocks_alone(study: Study, config: Config) -> None:
-    """A block gives the same rows whether it runs alone or in its group."""
+    """Check that a block gives equal rows whether it runs alone or together with its group.
+
+    Raises
+    ------
+    AssertionError
+        If the rows differ.
+    """
     engine = study.engine(config)
     for task in make_tasks(make_plan(study, config)):
         blocks = list(task.values())
@@ -175,7 +216,13 @@ def check_blocks_alone(study: Study, config: Config) -> None:
 
 
 def check_failures(study: Study, config: Config) -> None:
-    """A failed case does not make other cases fail, and gives a reason."""
+    """Check that a failed case has a reason and does not make all other cases fail.
+
+    Raises
+    ------
+    AssertionError
+        If no case fails with this configuration, no case succeeds, or a reason is empty.
+    """
     outcome = sweep(study, config)
     rows = outcome.run.cases()
     failed = rows[rows["status"] == FAILED]

@@ -1,4 +1,4 @@
-"""Variations of a configuration: one key changed, an axis reversed, or fewer conditions."""
+"""Makes variations of a configuration: one key changed, an axis reversed, or one case only."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from owtsweep.config import Config, Section, with_values
 from owtsweep.config.section import bare_type
 from owtsweep.errors import InputError
 
-#: Keys that are not varied: grid and schemes only select blocks; study and version have one value.
+#: Keys that are not varied: `grid` and `schemes` only select blocks; the others have one value.
 NOT_VARIED = frozenset({"grid", "schemes", "study", "config_version"})
 
 
 def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
-    """Change each key in turn to another value that the study accepts.
+    """Yield, for each key in turn, the configuration with another value that the study accepts.
 
     Yields
     ------
     tuple
-        The dotted key, whether it is declared to change numbers, and the changed configuration, or
-        None if no tried value was accepted.
+        Three items: the dotted key; True if the key may change numbers, False if it is declared
+        inert; the changed configuration, or None if no tried value was accepted.
     """
     for name, field, value in _leaves(config):
         sections = {name[:end] for end, sign in enumerate(name) if sign == "."}
@@ -30,14 +30,17 @@ def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
 
 
 def reversed_grids(config: Any) -> Iterator[tuple[str, Any]]:
-    """The name of each axis of the grid, and the configuration with that axis reversed."""
+    """Yield the name of each axis of the grid, with the configuration in which it is reversed."""
     for name, values in config.grid:
         if isinstance(values, list):
             yield name, with_values(config, {f"grid.{name}": values[::-1]})
 
 
 def one_case(config: Any) -> Any:
-    """The configuration of one case: first axis values, one replicate, first scheme, new folder."""
+    """Return the configuration of a run with a single case, named `one-case`.
+
+    The case has the first value of each axis, one replicate and the first scheme.
+    """
     values: dict[str, Any] = {"name": "one-case"}
     for name, item in config.grid:
         values[f"grid.{name}"] = item[:1] if isinstance(item, list) else 1
@@ -47,7 +50,7 @@ def one_case(config: Any) -> Any:
 
 
 def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Dotted key, field and value of all keys that are not sections."""
+    """Yield dotted key, field and value of each key that is not a section."""
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         if isinstance(value, Section):
@@ -57,7 +60,10 @@ def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
 
 
 def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
-    """The configuration with the first other value of a key that is accepted, or None."""
+    """Return the configuration with another value of one key: the first that is accepted.
+
+    Return None if no tried value is accepted.
+    """
     for candidate in _candidates(field.annotation, value):
         if candidate == value:
             continue
@@ -71,7 +77,7 @@ def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
 
 
 def _candidates(annotation: Any, value: Any) -> list[Any]:
-    """Other values that a key of this type might take."""
+    """Return values to try for a key of this type; empty if nothing is known of the type."""
     kind = bare_type(annotation)
     if get_origin(kind) is Literal:
         return list(get_args(kind))

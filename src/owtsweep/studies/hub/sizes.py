@@ -1,7 +1,7 @@
-"""Refuses settings whose run would need more memory than machines have, before it is asked for.
+"""Refuses settings whose run would need more memory than machines have, before memory is taken.
 
-The estimates count the largest arrays only. They are a few times too low at worst, and settings
-that make sense stay far below the bounds.
+The estimates of memory count the largest arrays only. At worst they are a few times too low.
+Settings that make sense stay far below the bounds.
 """
 
 from __future__ import annotations
@@ -17,16 +17,19 @@ if TYPE_CHECKING:
 REPLICATES_PER_BLOCK = 8
 #: Most bytes that one part of a run may take.
 MOST_BYTES = 4_000_000_000
-#: Most blocks of a plan: each is a file, and takes 1.3 kB and 0.1 ms to plan.
+#: Most blocks of a plan: each block is a file, and planning it takes 1.3 kB and 0.1 ms.
 MOST_BLOCKS = 1_000_000
 #: Most steps between fixes: gains are stored for each of them, 500 bytes per step and scheme.
 MOST_STEPS_BETWEEN_FIXES = 500_000
-#: Measures times windows of a record, and bytes of a number.
+#: Numbers per record (error measures times time windows), and bytes per number.
 VALUES, NUMBER = 20, 8
 
 
 def check_grid(config: HubConfig) -> None:
-    """Refuse a grid whose plan or tables do not fit into memory."""
+    """Raise InputError if the plan or the tables of the configuration's grid are too large.
+
+    Too large are more than `MOST_BLOCKS` blocks, or tables of more than `MOST_BYTES` bytes.
+    """
     grid, schemes = config.grid, len(config.schemes)
     periods, amplitudes = len(grid.natural_period), len(grid.amplitude)
     records = 1 if config.engine == "expected" else grid.replicates
@@ -37,10 +40,10 @@ def check_grid(config: HubConfig) -> None:
         f"grid: it makes {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give fewer "
         "natural periods, amplitudes or replicates",
     )
-    # the values of one scheme at one period, the rows of all records, and the lines of the tables
+    # bytes: the values of one scheme at one period, the rows of all records, the tables' lines
     values = NUMBER * VALUES * amplitudes * records
     rows = 3 * NUMBER * VALUES * schemes * periods * records * each
-    lines = 10 * NUMBER * schemes * periods * amplitudes  # in large expected maps of one measure
+    lines = 10 * NUMBER * schemes * periods * amplitudes  # large expected grids: one measure
     lines *= 1 if config.engine == "expected" else VALUES
     needed = 3 * values + rows + lines
     require(
@@ -51,7 +54,7 @@ def check_grid(config: HubConfig) -> None:
 
 
 def check_fix_interval(steps: int) -> None:
-    """Refuse more steps between fixes than a schedule of gains can hold."""
+    """Raise InputError if there are too many IMU steps between position fixes to store gains."""
     require(
         steps <= MOST_STEPS_BETWEEN_FIXES,
         f"sensors.gnss.rate: it leaves {steps:.3g} IMU steps between fixes, more than "
@@ -60,9 +63,10 @@ def check_fix_interval(steps: int) -> None:
 
 
 def check_buffers(key: str, window: int, delay: int) -> None:
-    """Refuse a smoother's window whose buffers (`kernels.layout`) do not fit into memory.
+    """Raise InputError if a smoother's buffers (`kernels.layout`) do not fit into memory.
 
-    A chunk is twice as long as the window and the delay; three groups of eight lanes are run.
+    `key` names the window's key in the message. `window` and `delay` are in IMU steps. A record is
+    computed in chunks of twice the window plus the delay, by three groups of eight lanes.
     """
     chunk = 2 * (window + delay)
     needed = 3 * NUMBER * REPLICATES_PER_BLOCK * (6 * (window + chunk) + 4 * chunk + 6 * window)
@@ -74,7 +78,10 @@ def check_buffers(key: str, window: int, delay: int) -> None:
 
 
 def check_horizon(intervals: int) -> None:
-    """Refuse an MHE's window whose maps do not fit into memory."""
+    """Raise InputError if an MHE's window has matrices that do not fit into memory.
+
+    `intervals` is the length of the window in GNSS intervals.
+    """
     needed = 12 * NUMBER * intervals**2
     require(
         needed <= MOST_BYTES,

@@ -21,7 +21,7 @@ REGISTERED = {
     "HME2": "HME1 fed by a moving horizon estimator",
 }
 
-#: What a scheme may have besides the contract.
+#: Attributes and methods that a scheme may have besides name, linear and start.
 OPTIONAL = ("under", "kernel", "stream", "sections", "constrained")
 
 
@@ -32,13 +32,14 @@ def resolve(entry: Any) -> Scheme:
     ----------
     entry
         A registered name; a mapping `{_target_: package.Class, ...}` whose other keys are the
-        arguments of the class; or the `StoredScheme` that stands for one in a run that is read.
+        arguments of the class; or a `StoredScheme`, which stands for a user's scheme in a stored
+        run and is returned as it is.
 
     Raises
     ------
     InputError
-        If the name is unknown, the class cannot be imported or made, or it lacks part of the
-        contract.
+        If the name is unknown, or the class cannot be imported or instantiated, or the scheme
+        lacks its name, `linear` or `start`.
     """
     if isinstance(entry, str):
         if entry not in REGISTERED:
@@ -58,14 +59,15 @@ def resolve(entry: Any) -> Scheme:
 
 
 def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
-    """Return all schemes of a run, in the order of `entries`.
+    """Return all schemes of a run, in the order of `entries` (entries of the key `schemes`).
 
-    If a tuning is given, each scheme is returned in the form that `under` gives it.
+    If `tuning` is given, `under` is applied to each scheme first. `tuning` is the study's
+    configuration.
 
     Raises
     ------
     InputError
-        As `resolve` does; also if the list is empty or two schemes have the same name.
+        If `resolve` refuses an entry, the list is empty, or two schemes have the same name.
     """
     if not entries:
         raise InputError("schemes: the list is empty; use e.g. schemes=[MKF,HME1]")
@@ -78,10 +80,16 @@ def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
 
 
 def under(scheme: Scheme, tuning: Any) -> Scheme:
-    """Return the form that a scheme takes under a tuning.
+    """Return the variant of a scheme that a tuning asks for.
 
-    A scheme whose properties depend on the tuning has a method `under(tuning)`. HME2, for example,
-    is not linear if the tuning has constraints. Any other scheme is returned as it is.
+    A scheme whose properties depend on the tuning has a method `under(tuning)`, which returns the
+    variant. HME2, for example, is not linear if the tuning has constraints. A scheme without this
+    method is returned as it is; so is every scheme if `tuning` is None.
+
+    Raises
+    ------
+    InputError
+        If the method fails or returns no scheme.
     """
     if tuning is None or not hasattr(scheme, "under"):
         return scheme
@@ -93,12 +101,14 @@ def under(scheme: Scheme, tuning: Any) -> Scheme:
 
 @contextmanager
 def _blame(target: str, advice: str) -> Iterator[None]:
-    """Turn whatever a scheme's code raises into one line; only Ctrl-C goes through.
+    """Turn every exception of a scheme's code into an InputError of one line.
 
     Raises
     ------
     InputError
-        It names the scheme.
+        Instead of any exception inside the context, except KeyboardInterrupt, which is not changed.
+        The message names the scheme by `target` and ends with `advice`, unless the exception was
+        an InputError; then the message gives the text of that InputError.
     """
     try:
         yield
@@ -139,12 +149,13 @@ def _instantiate(entry: Mapping[str, Any]) -> Scheme:
 
 
 def check_scheme(scheme: Any, target: str) -> None:
-    """Check that a user's scheme has the parts of the contract: name, linear and start.
+    """Check that a user's scheme has a valid `name`, a bool `linear` and a method `start`.
 
     Raises
     ------
     InputError
-        If a part is missing. The message calls the scheme `target` and lists all missing parts.
+        If one of the three is missing, or `check_name` refuses the name. The message calls the
+        scheme `target` and lists all that is missing.
     """
     lacks = []
     if not (isinstance(getattr(scheme, "name", None), str) and scheme.name):

@@ -1,4 +1,4 @@
-"""EKF: the filter on model (6), with the GNSS innovation set to zero between fixes.
+"""EKF: the Kalman filter on model (6), with the GNSS innovation set to zero between fixes.
 
 Sources: section 5.3 and Eq. (6) of Ren et al. (2019). Model (6) is linear, so this "extended"
 filter is a Kalman filter. The IMU is used without delay. The paper does not say how the covariance

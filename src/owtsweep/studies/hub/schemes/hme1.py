@@ -28,8 +28,8 @@ class DelayedChain:
 
     HME1 and HME2 differ only in the position that they give to the filter. As long as every
     position fix arrives at the step at which it is due, covariances come from the precomputed
-    schedule. After the first fix that does not, `on_schedule` is False, and covariances are
-    computed from the filter's past.
+    schedule. Once a fix is missing or arrives at another step, `on_schedule` is False, and
+    covariances are computed from the filter's own past covariances.
     """
 
     def __init__(self, tuning: FilterTuning, window: int, sensors: Sensors, gains: Chain) -> None:
@@ -41,8 +41,9 @@ class DelayedChain:
         self.smoother = FixedLagSmoother(self.filter.kf.F, window)
         self.input_model = input_model(tuning, sensors)
         self.count = 0
-        # Register 1 delays by N_d steps; the paper prints N_d - 1. Register u_s, which follows
-        # register 1, keeps the N_s inputs that have left it. Both start with zeros.
+        # Register 1 delays samples by N_d steps (the GNSS delay); the paper prints N_d - 1.
+        # Register u_s keeps the last N_s samples that have left register 1; N_s is the length of
+        # the smoother's window. Both registers start with zeros.
         self.samples: deque[Array] = deque(
             [np.zeros(2)] * (sensors.delay + window + 1), maxlen=sensors.delay + window + 1
         )
@@ -52,7 +53,8 @@ class DelayedChain:
     def push(self, specific_force: Array) -> Array:
         """Store the newest IMU sample in register 1; return the sample of N_d steps ago.
 
-        Samples are specific forces (2,) in the IMU's frame, m/s^2. N_d is the delay of the GNSS.
+        N_d is the delay of the GNSS in IMU steps. A sample is a specific force in the IMU's frame,
+        in m/s^2, shape (2,).
         """
         # a copy, because the caller may reuse its array
         self.samples.append(np.array(specific_force, dtype=float))
@@ -61,8 +63,19 @@ class DelayedChain:
     def step(self, delayed: Array, fix: Array | None) -> tuple[Estimate, FilterStep]:
         """Filter, smooth and predict (Algorithms 6 to 9 of Ren et al. 2019).
 
-        `delayed` is the delayed IMU sample, `fix` a position or None. Return the estimate of the
-        present, and the filter's step, which is N_d steps in the past.
+        Parameters
+        ----------
+        delayed
+            The IMU sample of N_d steps ago, as `push` returns it. N_d is the delay of the GNSS.
+        fix
+            The position of N_d steps ago, in NED, in m, shape (2,); None if there is none.
+
+        Returns
+        -------
+        Estimate
+            The estimate of the present motion.
+        FilterStep
+            The filter's results, which are those of N_d steps ago.
         """
         step = self.filter.step(delayed, fix)
         smoothed = self.smoother.update(step.x, step.P, step.x_predicted, step.P_predicted)
@@ -103,7 +116,7 @@ class HME1Estimator:
 
 
 class HME1:
-    """The hub motion estimator 1, tuned by `hme1` and `hme.smoother_window`."""
+    """The scheme HME1 (hub motion estimator 1), tuned by `hme1` and `hme.smoother_window`."""
 
     name = "HME1"
     linear = True
@@ -121,7 +134,7 @@ class HME1:
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """Return the scheme's form for the batch engine, for records of `steps` IMU steps."""
+        """Return the scheme as a `Chain` for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.hme1, sensors),
             sensors,

@@ -25,12 +25,13 @@ from owtsweep.studies.hub.schemes.multirate import FilterStep
 
 
 class MovingHorizonEstimator:
-    """The moving horizon estimator (MHE) of HME2, on two axes: registers 2 and 3, optimisation.
+    """The moving horizon estimator (MHE) of HME2 on two axes, with its registers 2 and 3.
 
-    Source: Algorithms 4 and 5 and Eq. (11) of Ren et al. (2019). As printed there, both parts of
-    register 2 are built from register 1. Here they are built from the past of register 2, which
-    must be what the paper means. The window has a node at each step at which a position fix is due;
-    if the fix is missing, the node has no measurement.
+    Register 2 stores position fixes and inputs; register 3 stores states of the filter. The window
+    has a node at each step at which a position fix is due. If the fix is missing, the node has no
+    measurement. Source: Algorithms 4 and 5 and Eq. (11) of Ren et al. (2019). The paper prints that
+    both parts of register 2 are built from register 1. Here both are built from the past of
+    register 2, which must be what the paper means.
     """
 
     def __init__(self, mhe: Horizon, sensors: Sensors, gains: Chain, solver: str) -> None:
@@ -40,15 +41,16 @@ class MovingHorizonEstimator:
         self.fixes: deque[Array | None] = deque(maxlen=mhe.length + 1)
         self.effects: deque[Array] = deque(maxlen=mhe.length)  # B u, one per GNSS interval
         self.states: dict[int, FilterStep] = {}  # register 3, by the number of the node
-        self.inputs: list[Array] = []  # since the last node, as the MHE uses them
-        self.recent: list[Array] = []  # samples since the last multiple of T_m
+        self.inputs: list[Array] = []  # since the last node, held or averaged as the MHE uses them
+        self.recent: list[Array] = []  # samples since the last multiple of the MHE's interval T_m
         self.held: Array = np.zeros(2)
         self.fix_number = -1
 
     def take_fix(self, fix: Array | None) -> None:
-        """Store the next node's position fix in register 2; None if the fix is missing.
+        """Store the next node's position fix in register 2.
 
-        Call this at each step at which a fix is due, every T_g seconds.
+        Must be called at each step at which a fix is due. `fix` is a position in NED, in m, shape
+        (2,), or None if the fix is missing.
         """
         self.fix_number += 1
         if self.fix_number > 0:
@@ -59,14 +61,14 @@ class MovingHorizonEstimator:
     def determined(self) -> bool:
         """Return whether the window has enough position fixes to determine its states.
 
-        One fix is enough with an arrival term, three without. A fix that the arrival state already
-        includes does not count.
+        One fix is enough if the MHE has an arrival term; otherwise three are. If the arrival state
+        is the filter's, it already includes the window's oldest fix, so that fix does not count.
         """
         used = list(self.fixes)[1 if self.mhe.uses_filter(self.fix_number) else 0 :]
         return sum(fix is not None for fix in used) >= (1 if self.mhe.arrival else 3)
 
     def take_input(self, step: int, force: Array) -> None:
-        """Store the specific force (NED, m/s^2) of the present step in register 2."""
+        """Store the specific force of step number `step` in register 2 (NED, m/s^2, shape (2,))."""
         self.recent.append(force)
         if step % self.mhe.interval == 0:
             averaged = np.sum(self.recent, axis=0) / self.mhe.interval
@@ -80,9 +82,9 @@ class MovingHorizonEstimator:
         self.states.pop(self.fix_number - self.mhe.length - 1, None)
 
     def position(self, since_fix: int) -> Array:
-        """Solve the window; return the position (2,) at the present delayed time, NED, m.
+        """Solve the window; return the position `since_fix` steps after the newest node.
 
-        The present delayed time is `since_fix` steps after the newest node.
+        This is the position at the delayed time at which the filter runs: in NED, in m, shape (2,).
         """
         filled = self.mhe.uses_filter(self.fix_number)
         effects = [*self.effects] + ([self._effect()] if since_fix else [])
@@ -109,7 +111,7 @@ class MovingHorizonEstimator:
         return np.asarray(nodes[:2, -1])
 
     def _effect(self) -> Array:
-        """Compute the effect of the inputs since the last node on the state, shape (6,)."""
+        """Compute how far the inputs since the last node have moved the state, shape (6,)."""
         inputs = np.array(self.inputs).reshape(-1, 2)
         axes = [predict(self.model, np.zeros(3), inputs[:, [i]]) for i in range(2)]
         return np.array(axes).T.ravel()
@@ -132,7 +134,7 @@ class HME2Estimator:
         Raises
         ------
         ValueError
-            If a fix comes at a step at which none is due: the MHE has no node there.
+            If a fix comes at a step at which no fix is due: the MHE has no node at that step.
         """
         since_fix = self.step % self.sensors.fix_interval
         if position is not None and since_fix:
@@ -158,15 +160,15 @@ class HME2Estimator:
 def choose_window(tuning: Any) -> int:
     """Return the length of HME2's smoother window, in IMU steps.
 
-    This is the tuning's `hme.mhe.smoother_window`, or HME1's `hme.smoother_window` if the former is
-    null.
+    This is `hme.mhe.smoother_window` of the tuning. If that key is null, it is
+    `hme.smoother_window`, which HME1 uses.
     """
     window = tuning.hme.mhe.smoother_window
     return int(tuning.hme.smoother_window if window is None else window)
 
 
 class HME2:
-    """The hub motion estimator 2, tuned by `hme2` and `hme`."""
+    """The scheme HME2 (hub motion estimator 2), tuned by `hme2` and `hme`."""
 
     name = "HME2"
     linear = True
@@ -188,12 +190,12 @@ class HME2:
         )
 
     def under(self, tuning: Any) -> HME2 | ConstrainedHME2:
-        """Return the scheme itself, or its constrained form if the tuning sets constraints."""
+        """Return `ConstrainedHME2` if the tuning sets constraints; otherwise the scheme itself."""
         return ConstrainedHME2() if np.any(np.isfinite(tuning.hme.mhe.bounds)) else self
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """Return the scheme's form for the batch engine, for records of `steps` IMU steps."""
+        """Return the scheme as a `Chain` for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.hme2, sensors),
             sensors,
@@ -219,10 +221,10 @@ class ConstrainedHME2:
         return SCHEME.start(sensors, tuning)
 
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Return a new compiled estimator.
+        """Return a new compiled estimator that runs step by step.
 
-        The estimator solves a window by CasADi only if the solution without constraints breaks a
-        constraint.
+        Each window is solved without constraints first. Only if this solution breaks a constraint,
+        the window is solved again by CasADi.
         """
         return SCHEME.stream(sensors, tuning)
 

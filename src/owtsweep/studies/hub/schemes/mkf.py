@@ -1,7 +1,8 @@
-"""MKF: the multirate Kalman filter, Algorithm 6, alone (section 5.3 of Ren et al. 2019).
+"""MKF: the multirate Kalman filter alone (Algorithm 6 and section 5.3 of Ren et al. 2019).
 
 The filter combines delayed position fixes with the undelayed IMU, without register 1, smoother or
-predictor. Its output is compared with the present motion, so the GNSS delay makes the output lag.
+predictor. The filter's output is compared with the present motion. So the GNSS delay makes the
+output lag.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ class FilterScheme:
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """Return the scheme's form for the batch engine, for records of `steps` IMU steps."""
+        """Return the scheme as a `Chain` for the batch engine, for records of `steps` IMU steps."""
         chosen = self._choose(tuning)
         return chain(axis_filter(chosen, sensors), sensors, rule=chosen.update_rule, steps=steps)
 

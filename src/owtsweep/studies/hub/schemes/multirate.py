@@ -19,9 +19,10 @@ _I = np.eye(2)
 class FilterStep(NamedTuple):
     """The results of one step of the multirate Kalman filter (Algorithm 6 of Ren et al. 2019).
 
-    `x` and `P` are the filtered state (8,) and its covariance (8, 8); `x_predicted` and
-    `P_predicted` are the state and covariance before the measurements. `innovation` is the
-    innovation of the position fix, shape (2,); None without a fix.
+    `x` is the filtered state, shape (8,), and `P` the covariance of `x`, shape (8, 8).
+    `x_predicted` and `P_predicted` are the predicted state and covariance, to which this step's
+    measurements have not been applied. `innovation` is the innovation of the position fix; it is
+    None at a step without a fix.
     """
 
     x: Array
@@ -35,10 +36,10 @@ class MultirateKalmanFilter:
     """The multirate Kalman filter on one of the paper's two models, Sigma_1 or Sigma_2.
 
     The states are x, y, v_x, v_y, a_x, a_y, b_x, b_y: position, velocity, acceleration and bias.
-    Yaw enters through the measurement matrix. The paper prints P_0 = I_6 and registers for 9
-    states, but Sigma_1, where the IMU is a measurement, has 8 states. Sigma_2, where the IMU is an
-    input, runs on 8 states too: its acceleration is white noise that is not observed and does not
-    affect the other states.
+    In Sigma_1 the IMU is a measurement; yaw enters through the measurement matrix. In Sigma_2 the
+    IMU is an input, turned to NED first. Sigma_2 runs on 8 states too: its acceleration is white
+    noise that is not observed and does not affect the other states. The paper prints an initial
+    covariance P_0 = I_6 and registers for 9 states, but Sigma_1 has 8 states.
     """
 
     def __init__(self, axis: AxisFilter, rotation: Array, rule: str) -> None:
@@ -61,10 +62,10 @@ class MultirateKalmanFilter:
         self.held_fix: Array = np.zeros(2)
 
     def step(self, force: Array, fix: Array | None) -> FilterStep:
-        """Predict, then correct with this step's measurements.
+        """Predict, then correct with this step's measurements; return the results of both.
 
-        `force` is the specific force (2,) in the IMU's frame, m/s^2. `fix` is the position (2,) in
-        NED, m, or None.
+        `force` is the specific force in the IMU's frame, in m/s^2, shape (2,). `fix` is the
+        position in NED, in m, shape (2,), or None if no position fix has arrived.
         """
         kf = self.kf
         kf.predict(u=self.previous_input)
@@ -87,7 +88,10 @@ class MultirateKalmanFilter:
         )
 
     def _correct(self, force: Array, fix: Array | None) -> None:
-        """Correct with the specific force and the fix, if any, by filterpy (Joseph form)."""
+        """Correct the state by filterpy (Joseph form), with the IMU sample and the fix.
+
+        If `fix` is None, only the IMU sample corrects; if the IMU is an input, only the fix does.
+        """
         parts = []
         if fix is not None:
             parts.append((self.position_rows, fix, self.position_variance))
@@ -101,8 +105,9 @@ class MultirateKalmanFilter:
     def _masked(self, force: Array) -> None:
         """Correct at a step without a fix, by Algorithm 6, lines 5 to 10, of Ren et al. (2019).
 
-        The rule says which part of the gain K is set to zero. The corrected covariance is
-        (I - K H) P as printed.
+        The update rule says which part of the gain K is set to zero: the columns of the position
+        fix (`mask_columns`), or the rows of the position (the other rule, `mask_rows`). The
+        corrected covariance is (I - K H) P as the paper prints it; H is the measurement matrix.
         """
         kf = self.kf
         H = np.vstack([self.position_rows, self.force_rows])

@@ -1,7 +1,7 @@
-"""Stands for a user's scheme of a stored run: what is known of it, without its code.
+"""Stand-ins for users' schemes when a stored run is read; they never run a scheme's code.
 
-A run folder may be another person's. Reading it must not execute what it names, so nothing is
-imported for an entry `{_target_: package.Class}` of a stored configuration.
+A run folder may be another person's. Reading the folder must not execute the code that it names.
+So nothing is imported for an entry `{_target_: package.Class}` of a stored configuration.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from owtsweep.studies.hub.contract import Scheme
 
 
 class StoredScheme(dict[str, Any]):
-    """`owtsweep.studies.hub.contract.Scheme` for reading: it has a name, and cannot start.
+    """The stand-in for a user's scheme in a stored run: it has a name, but cannot start.
 
-    It is also the entry of the key `schemes` for which it stands, so that the configuration keeps
-    its text.
+    The stand-in is a dict that equals the scheme's entry of the key `schemes`, so that the
+    configuration keeps its text.
 
     Attributes
     ----------
     name, linear
-        As the run's plan.json states them.
+        The scheme's name, and whether the scheme is linear, as the run's plan.json states them.
     """
 
     def __init__(self, entry: Mapping[str, Any], name: str, linear: bool) -> None:
@@ -31,7 +31,7 @@ class StoredScheme(dict[str, Any]):
         self.name, self.linear = name, linear
 
     def start(self, sensors: Any, tuning: Any) -> NoReturn:
-        """Refuse: the code of a stored scheme is never run.
+        """Raise an error, because the code of a stored scheme is never run.
 
         Raises
         ------
@@ -45,10 +45,10 @@ class StoredScheme(dict[str, Any]):
 
 
 class StoredKernelScheme(StoredScheme):
-    """A stored scheme that had a kernel."""
+    """The stand-in for a user's scheme that had a kernel when its run was stored."""
 
     def kernel(self, sensors: Any, tuning: Any, steps: int | None = None) -> NoReturn:
-        """Refuse, as `start` does.
+        """Raise an error, because the code of a stored scheme is never run.
 
         Raises
         ------
@@ -68,7 +68,8 @@ def check_name(name: Any) -> None:
     Raises
     ------
     InputError
-        If it is no text, empty, too long, or holds a control character.
+        If the name is no text, is empty, is longer than `LONGEST_NAME`, or holds a character that
+        cannot be printed.
     """
     require(
         isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable(),
@@ -78,7 +79,10 @@ def check_name(name: Any) -> None:
 
 
 def describe(schemes: Sequence[Scheme]) -> list[dict[str, Any]]:
-    """What plan.json holds of the schemes of a run, in their order."""
+    """Return what plan.json stores of a run's schemes: one mapping per scheme, in their order.
+
+    Each mapping holds `name`, `linear`, and `kernel`: whether the scheme has a kernel.
+    """
     return [
         {"name": scheme.name, "linear": scheme.linear, "kernel": hasattr(scheme, "kernel")}
         for scheme in schemes
@@ -86,20 +90,22 @@ def describe(schemes: Sequence[Scheme]) -> list[dict[str, Any]]:
 
 
 def stand_in(entries: Any, described: Any) -> Any:
-    """The entries of a stored key `schemes`, with a `StoredScheme` for each user's scheme.
+    """Return the entries of a stored key `schemes`, with each mapping made a `StoredScheme`.
+
+    An entry that is a name is kept.
 
     Parameters
     ----------
     entries
-        The list as config.yaml has it. If it is no list, it is returned as it is.
+        The value of the key `schemes` in config.yaml. If it is no list, it is returned as it is.
     described
-        As `describe` made it; None for a run of before plans were stored. Then a scheme is called
-        like its class.
+        The list that `describe` made of these entries. None if the run is so old that it has no
+        stored plan; then each stand-in has the name of the scheme's class and counts as linear.
 
     Raises
     ------
     InputError
-        If the description is not one of these entries.
+        If `described` is no list with a name and `linear` for each of these entries.
     """
     if not isinstance(entries, list):
         return entries

@@ -18,24 +18,25 @@ from owtsweep.studies.hub.models import SIGMA_2_STATES, AxisFilter
 def predicted_covariance(
     filtered: list[Array], predicted: list[Array], axis: AxisFilter, model: Discrete, steps: int
 ) -> Array:
-    """Compute the covariance (2, 2) of a prediction of position and velocity along one axis.
+    """Compute the covariance of a predicted position and velocity along one axis, shape (2, 2).
 
-    The prediction starts from the smoothed state of the oldest step s of a window and covers
-    `steps` steps. The covariance is computed as one sum. The smoothed state's error is correlated
-    with the noise of input i of the window through L_i P_{s+i|k}, where k is the window's last step
-    and L_i = C_s ... C_{s+i-1} is a product of the smoother's gains. The error is not correlated
-    with the noise of inputs after the window.
+    The prediction starts from the smoothed state of a window's oldest step s and covers `steps`
+    steps. The window's last step is k. The smoothed state's error is correlated with the noise of
+    the window's inputs. For the input i steps after s, this correlation is L_i P_{s+i|k}. Here
+    P_{s+i|k} is a smoothed covariance, and L_i = C_s ... C_{s+i-1} is a product of the smoother's
+    gains C. The error is not correlated with the noise of inputs after the window.
 
     Parameters
     ----------
     filtered, predicted
-        Covariances P_{k|k} and P_{k|k-1} of the window's steps, (4, 4) each, oldest first.
+        The filtered and the predicted covariance of each step of the window, oldest first. Each
+        has the shape (4, 4): position, velocity, acceleration and bias.
     axis
-        The filter's model.
+        The filter's model for one axis.
     model
-        The predictor's model over one step; its states are position, velocity and bias.
+        The predictor's model of one IMU step; its states are position, velocity and bias.
     steps
-        Number of steps of the prediction. With 0, the filter's covariance is returned.
+        Number of IMU steps of the prediction. If 0, the newest filtered covariance is returned.
     """
     if steps == 0:
         return filtered[-1][:2, :2]
