@@ -217,10 +217,10 @@ def _is_results(override: str) -> bool:
 
 
 def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[str]]) -> None:
-    """Raise `InputError` if two runs would share a folder, as the later would overwrite tables.
+    """Raise `InputError` if two runs would share a run folder, or if results folders differ.
 
-    Runs with different results folders are refused too. `combinations` holds the overrides of each
-    of the `configs`.
+    In a shared folder one run would overwrite the tables of the other. `combinations` holds the
+    overrides of each of the `configs`.
     """
     require(
         len({config.results for config in configs}) <= 1,
@@ -241,8 +241,8 @@ def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[st
 def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str], dict[str, str]]]:
     """Return, for each run, the run's overrides and the run's values of the swept keys.
 
-    The list is empty if the overrides choose another sweeper than Hydra's basic one, because only
-    that sweeper knows its combinations.
+    The list is empty if the overrides choose another sweeper than Hydra's basic one, because the
+    combinations of other sweepers are not known in advance.
     """
     from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
     from hydra.core.override_parser.overrides_parser import OverridesParser

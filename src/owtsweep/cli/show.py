@@ -41,7 +41,7 @@ def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
 
 
 def _describe_folder(opened: Run) -> dict[str, Any]:
-    """Return what the run folder holds now, counted from all its shards."""
+    """Return the case counts, the tables and the figures of the run folder; reads all shards."""
     figures = opened.folder / "figures"
     drawn = len(list(figures.glob("*.png"))) if figures.is_dir() else 0
     return {

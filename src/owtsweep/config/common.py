@@ -67,8 +67,8 @@ class Config(Section):
     def describe_code(self) -> Any:
         """Return a description, as JSON data, of the user's own code that the keys name.
 
-        The description is stored with the run, for readers of the run. This base class returns
-        None, because its keys cannot name code.
+        The description is stored with the run, because reading a run does not execute that code.
+        This base class returns None, because its keys cannot name code.
         """
         return None
 
