@@ -16,7 +16,7 @@ CONFIG_VERSION = 1
 
 
 class Compute(Section):
-    """The keys that say how to compute. No result depends on them, so no block's key does."""
+    """The keys that say how to compute. No result and no block key depends on these keys."""
 
     backend: Literal["auto", "threading", "loky", "dask"] = key(
         "what runs the blocks; auto leaves the choice to the study", default="auto"
@@ -83,8 +83,8 @@ class Config(Section):
         plain
             The keys as plain data.
         described
-            What `describe_code` returned for these keys; None if the run is older than this
-            description.
+            What `describe_code` returned for these keys; None if the run was made before such
+            descriptions were stored.
 
         Raises
         ------
