@@ -1,4 +1,4 @@
-"""`python -m owtsweep`: the process of one command, what stops it, and how it ends."""
+"""`python -m owtsweep`: run one command in this process, obey signals, and end the process."""
 
 import os
 import signal
@@ -9,23 +9,26 @@ from contextlib import suppress
 from types import FrameType
 from typing import NoReturn
 
-#: What stops a command: Ctrl-C, `kill`, and the end of its terminal (Windows has no SIGHUP).
+#: The signals that stop a command: Ctrl-C, `kill`, and the end of the terminal (not on Windows).
 STOPS = ("SIGINT", "SIGTERM", "SIGHUP")
-#: Seconds that a stopped command may take to end, and that threads and processes that schemes have
-#: started may outlive the command.
+#: A stopped command may take this many seconds to end. Threads and processes that schemes have
+#: started may outlive the command by as many seconds.
 GRACE = 5
 
 _stopped_by = 0
 
 
 def run() -> NoReturn:
-    """Run the command line and end the process with its exit code; 128 + signal if stopped."""
+    """Run the command line, then end the process.
+
+    The exit code is that of the command, or 128 plus the number of the signal that stopped it.
+    """
     present = [getattr(signal, name) for name in STOPS if hasattr(signal, name)]
-    # What is ignored stays so (`nohup`, a script's background).
+    # A signal that is ignored stays ignored (`nohup`, or a background job of a script).
     numbers = [number for number in present if signal.getsignal(number) is not signal.SIG_IGN]
     for number in numbers:
         signal.signal(number, _stop)
-    # For the process that tidies up after a pool: nobody need know that it had to.
+    # Silences the process that removes what a pool of processes left behind.
     sys.warnoptions.append("ignore:resource_tracker:UserWarning")
     _open_missing_streams()
     try:
@@ -35,21 +38,23 @@ def run() -> NoReturn:
     except BaseException:
         if not _stopped_by:
             raise
-        _say("interrupted")  # as it began, or as it ended
+        _say("interrupted")  # while the command was starting or ending
         code = 128 + _stopped_by
     if _stopped_by and code:
         # A library interrupted while it loads may abort the normal exit of the interpreter.
         _end(128 + _stopped_by)
     _flush()
-    for number in numbers:  # as the interpreter ends, it would die of them
+    for number in numbers:  # they would kill the interpreter while it ends
         signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_late, args=(code,), daemon=True).start()
     sys.exit(code)
 
 
 def _open_missing_streams() -> None:
-    """Give the null device to streams that were closed (`>&-`): else a file would get their number,
-    and all that libraries and other processes print.
+    """Open the null device for each standard stream that is closed, e.g. by `>&-`.
+
+    Otherwise the next opened file would get the stream's number, and thus all that libraries and
+    other processes print.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
@@ -68,7 +73,10 @@ def _flush() -> None:
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
-    """Stop the command so that it says what is stored; the second time, at once."""
+    """Handle a signal: stop the command by `KeyboardInterrupt`, so that it says what is stored.
+
+    At the second call, end the process at once.
+    """
     global _stopped_by
     if _stopped_by:
         _say("stopped at once; finished blocks are kept")
@@ -81,19 +89,19 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 
 def _end_late(code: int) -> None:
-    """End the process after all: the interpreter would wait for threads for ever."""
+    """End the process after `GRACE` seconds; the interpreter might wait for a thread for ever."""
     time.sleep(GRACE)
     _say("a thread or process that was started here does not end, and is ended")
     _end(code)
 
 
 def _say(text: str) -> None:
-    with suppress(OSError):  # not `print`: a signal may have come while it was at work
+    with suppress(OSError):  # not `print`: the signal may have interrupted a `print`
         os.write(2, f"owtsweep: {text}\n".encode())
 
 
 def _end(code: int) -> NoReturn:
-    """End the process now, and the processes of a pool with their children."""
+    """End this process at once, and also the processes of a pool with their children."""
     _flush()
     if "joblib" in sys.modules:
         from multiprocessing import active_children

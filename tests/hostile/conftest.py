@@ -1,4 +1,4 @@
-"""Makes the good folders once per session, and a copy of what a case needs."""
+"""Make undamaged runs and records once per session, and give each test a copy of what it needs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "motion" / "recorded"), str(HERE.pa
 
 @pytest.fixture(scope="session")
 def good(tmp_path_factory: pytest.TempPathFactory, kernels: None) -> Path:
-    """The folder with the runs a and m, and the records."""
+    """Return a folder with the undamaged run `a`, multirun `m` and folder `records`."""
     import worlds
 
     folder = tmp_path_factory.mktemp("good")
@@ -32,7 +32,11 @@ def good(tmp_path_factory: pytest.TempPathFactory, kernels: None) -> Path:
 
 @pytest.fixture
 def copy(good: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], Path]:
-    """Copies a part of it into the case's folder, which becomes the current one."""
+    """Return a function that copies a part of the folder `good` into the test's own folder.
+
+    The function takes the part's name, e.g. "records/r.csv", and returns the path of the copy. The
+    test's own folder becomes the current folder.
+    """
     monkeypatch.chdir(tmp_path)
 
     def copy_part(name: str) -> Path:

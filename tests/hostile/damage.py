@@ -1,4 +1,4 @@
-"""Ways to make a file hostile: each takes a good file and leaves something bad in its place."""
+"""Damage a file: each `Damage` takes the path of a good file and leaves something bad there."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from pathlib import Path
 
 Damage = Callable[[Path], None]
 
-#: What a terminal would obey, with a half character that cannot be printed.
+#: Control characters that a terminal would obey.
 ESCAPES = "\x1b[31m\x1b]0;owned\x07\u202e\r\x00"
 TEX = r"$\frac{_^%"
-#: A text that grows to 10^9 entries if its aliases are followed.
+#: A YAML text that holds some 10^9 values once its aliases are replaced.
 BOMB = "a: &a [x,x,x,x,x,x,x,x,x,x]\n" + "".join(
     f"{b}: &{b} [{','.join([f'*{a}'] * 10)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
 )
 
 
 def replace_by(content: bytes) -> Damage:
-    """Put other content in place of the file's."""
+    """Return a damage that replaces the content of a file by `content`."""
 
     def damage(path: Path) -> None:
         path.write_bytes(content)
@@ -29,7 +29,7 @@ def replace_by(content: bytes) -> Damage:
 
 
 def change(edit: Callable[[bytes], bytes]) -> Damage:
-    """Change the file's content."""
+    """Return a damage that replaces the content of a file by `edit(content)`."""
 
     def damage(path: Path) -> None:
         path.write_bytes(edit(path.read_bytes()))
@@ -38,7 +38,10 @@ def change(edit: Callable[[bytes], bytes]) -> Damage:
 
 
 def put(make: Callable[[Path], object]) -> Damage:
-    """Put something in place of the file that is no file."""
+    """Return a damage that deletes a file, then calls `make` with the path of the file.
+
+    `make` may leave a folder, a pipe, a link or nothing at the path.
+    """
 
     def damage(path: Path) -> None:
         path.unlink()
@@ -48,7 +51,7 @@ def put(make: Callable[[Path], object]) -> Damage:
 
 
 def flip(seed: int, bits: int = 1) -> Damage:
-    """Flip some bits; the seed says which."""
+    """Return a damage that flips `bits` bits of a file, at random positions drawn from `seed`."""
 
     def edit(content: bytes) -> bytes:
         chosen, changed = random.Random(seed), bytearray(content)
@@ -60,7 +63,7 @@ def flip(seed: int, bits: int = 1) -> Damage:
 
 
 def insert(text: bytes, part: float = 0.5) -> Damage:
-    """Insert some bytes at a part of the file's length."""
+    """Return a damage that inserts `text` behind the first `part` of a file, e.g. 0.5: half."""
     return change(lambda c: c[: int(part * len(c))] + text + c[int(part * len(c)) :])
 
 
@@ -97,7 +100,7 @@ ANY = {
 _TABLE = b"time,x,y\n"
 _ROWS = b"".join(b"%.2f,%.4f,%.4f\n" % (0.1 * k, 0.1 * (k % 7), 0.2 * (k % 5)) for k in range(300))
 
-#: Name -> damage of a table of text: content that may be a record, or none.
+#: Name -> damage of a text table. What is left may be a valid record or an invalid one.
 TEXT = {
     "header_alone": replace_by(_TABLE),
     "one_row": replace_by(_TABLE + b"0,1,2\n"),

@@ -1,4 +1,4 @@
-"""Runs a command line in this process and holds it to what the program promises."""
+"""Run a command line in this process, and check that the command keeps the program's promises."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-#: Seconds after which a command hangs.
+#: A command that takes more than this many seconds counts as hanging.
 PATIENCE = 60
-#: What no output may hold: control characters but line ends, marks of direction, half characters.
+#: What no output may hold: control characters (but tabs and newlines are allowed), marks of the
+#: direction of writing, and halves of surrogate pairs.
 FORBIDDEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
 #: How lines on stderr begin when a command is refused.
 LINES = ("owtsweep: ", "note: ", "  ")
@@ -26,7 +27,7 @@ LINES = ("owtsweep: ", "note: ", "  ")
 
 @dataclass(frozen=True)
 class Ended:
-    """How a command ended."""
+    """The exit code of an ended command, and what the command wrote to stdout and stderr."""
 
     code: int
     out: str
@@ -34,16 +35,17 @@ class Ended:
 
 
 def judge(main: Callable[[list[str]], int], argv: Sequence[str], folder: Path) -> Ended:
-    """Run a command line in a folder and check what every command promises.
+    """Run a command line and check what every command promises.
 
-    No exception, an exit code of 0, 1 or 2, no control character in the output, and no hang. With
-    code 2: the reason is one line on stderr, and nothing in the folder is new or changed, except
-    that a damaged shard may be set aside.
+    Every command ends in time, without an exception, with the exit code 0, 1 or 2, and prints no
+    control character. With code 1, stderr says what failed. With code 2, stderr holds the reason,
+    each line begins with one of `LINES`, and nothing in `folder` is new or changed, except shards:
+    a damaged shard may be set aside.
 
     Raises
     ------
     AssertionError
-        If a promise is broken; the message holds the command and what it said.
+        If a promise is broken; the message holds the command line and the output.
     """
     before = list_files(folder)
     ended = run(main, argv)
@@ -64,15 +66,15 @@ def judge(main: Callable[[list[str]], int], argv: Sequence[str], folder: Path) -
 
 
 def run(main: Callable[[list[str]], int], argv: Sequence[str]) -> Ended:
-    """Run a command line; return its exit code and what it printed.
+    """Run a command line; return the exit code and the output.
 
     Raises
     ------
     AssertionError
-        If an exception leaves it, if it takes longer than `PATIENCE`, or if it starts a process
-        that a file names.
+        If the command raises an exception, takes more than `PATIENCE` seconds, or starts a process
+        other than git and uname.
     """
-    logging.getLogger("owtsweep").handlers.clear()  # they hold an earlier test's stderr
+    logging.getLogger("owtsweep").handlers.clear()  # a handler holds an earlier test's stderr
     out, err = (io.TextIOWrapper(io.BytesIO(), "utf-8", "surrogateescape") for _ in range(2))
     with (
         contextlib.redirect_stdout(out),
@@ -84,7 +86,7 @@ def run(main: Callable[[list[str]], int], argv: Sequence[str]) -> Ended:
         warnings.simplefilter("ignore", ResourceWarning)
         try:
             code = main(list(argv))
-        except SystemExit as ended:  # of --help and --version
+        except SystemExit as ended:  # raised by --help and --version
             code = 0 if ended.code in (0, None) else -1
         except Exception as error:
             raise AssertionError(f"owtsweep {' '.join(argv)!r:.300}: {error!r:.500}") from error
@@ -97,7 +99,7 @@ def _text(stream: io.TextIOWrapper) -> str:
 
 
 def list_files(folder: Path) -> dict[str, str]:
-    """What lies in a folder: name -> kind, size and digest."""
+    """Return all that lies in a folder: relative path -> kind, and digest if it is a file."""
     content = {}
     for path in sorted(folder.rglob("*")):
         mode = path.lstat().st_mode
@@ -122,7 +124,11 @@ def _limit_time(argv: Sequence[str]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _forbid_processes() -> Iterator[None]:
-    """Let no process start but git, which the manifest asks for the commit."""
+    """Raise `AssertionError` at the context's end if any process but git or uname was started.
+
+    git is allowed because the manifest of a run holds the commit. Inside the context, `os.system`
+    starts nothing.
+    """
     system, start = os.system, subprocess.Popen.__init__
     harm: list[object] = []
 

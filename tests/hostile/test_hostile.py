@@ -1,7 +1,7 @@
-"""Hostile inputs over every subcommand; `judge` says what each case is held to.
+"""Run every subcommand on hostile inputs; `judge.judge` checks how each command ends.
 
-A case is a good file with one damage, or words that a tired user may type. Its id names both. Some
-of them run in `make test`, all of them in `make test-faults`.
+A case is a good file with one damage, or words that a tired user may type. The test's id names the
+file and the damage, or the words. `make test` runs some cases, `make test-faults` the others.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from owtsweep.cli.program import main
 
 Copy = Callable[[str], Path]
 
-#: The files of a run that its readers open; * stands for the first shard.
+#: The files of a run that a reader of the run opens; cases/* stands for the first shard.
 RUN_FILES = ("config.yaml", "plan.json", "manifest.json", "cases/*", "summary.csv")
-#: Values that no key expects everywhere.
+#: Name -> value to store at each of the `KEYS`, most of which expect another kind of value.
 VALUES = {
     "null": None, "text": "much", "empty": "", "list": [], "mapping": {"a": 1}, "true": True,
     "zero": 0, "negative": -1, "tiny": 1e-300, "huge": 1e300, "not_a_number": float("nan"),
@@ -34,7 +34,10 @@ VALUES = {
 
 
 def some(items: list[tuple[object, ...]], each: int) -> Iterator[object]:
-    """All cases; only one of `each` runs in `make test`, spread over them."""
+    """Yield all cases as pytest parameters; `make test` runs the first of every `each` cases.
+
+    The other cases are marked `faults`, so `make test-faults` runs them.
+    """
     for number, item in enumerate(items):
         marks = () if number % each == 0 else (pytest.mark.faults,)
         yield pytest.param(*item, marks=marks, id="-".join(str(part) for part in item[:3]))

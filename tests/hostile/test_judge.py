@@ -1,4 +1,4 @@
-"""The judge of the hostile cases notices what it is there to notice."""
+"""`judge.judge` accepts a command that keeps the program's promises, and notices broken ones."""
 
 from __future__ import annotations
 

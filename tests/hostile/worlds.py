@@ -1,4 +1,4 @@
-"""Good folders and records, made once, of which every hostile case gets a copy."""
+"""Make the undamaged runs and records; every hostile test gets a copy of some of them."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ TINY = (
     "record.duration=30", "measures.settling_time=5", "compute.backend=threading",
     "schemes=[MKF,HME1]",
 )  # fmt: skip
-#: The names of the records, one of each format that can be read here.
+#: The names of the records, one for each file format.
 RECORDS = ("r.csv", "r.csv.gz", "r.npz", "r.parquet", "r.outb", "r.out", "r.sel", "r.hdf5")
 
 
 def make_runs(folder: Path) -> None:
-    """Make a multirun of two runs in `folder`/m, and a run in `folder`/a."""
+    """Make a run in `folder`/a, and a multirun of two runs in `folder`/m."""
     assert main(["sweep", *TINY, f"results={folder}", "name=a"]) == 0
     assert main(["sweep", "-m", *TINY, f"results={folder}", "seed=1,2"]) == 0
     next(folder.glob("multirun-*")).rename(folder / "m")
 
 
 def make_records(folder: Path) -> None:
-    """Write one motion of 60 s in every format."""
+    """Write one motion of 60 s, sampled at 10 Hz, into `folder` in every file format."""
     folder.mkdir()
     time = np.arange(600) / 10
     x, y = np.sin(1.5 * time), 0.5 * np.sin(1.5 * time)

@@ -1,4 +1,4 @@
-"""`compare`: how results differ between the runs of a multirun, or between given runs."""
+"""`compare`: show how results differ between the runs of a multirun, or between given runs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from owtsweep.errors import printable
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Write the comparison and print a short form of it."""
+    """Write the comparison of the runs, print a short form of the comparison, and return 0."""
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line
     from owtsweep.sweep.compare import compare

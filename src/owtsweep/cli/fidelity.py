@@ -11,7 +11,13 @@ from owtsweep.errors import InputError, printable
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Write tables, figures and the report into the run's folder fidelity/."""
+    """Write tables, figures and the report into the run's folder fidelity/, and return 0.
+
+    Raises
+    ------
+    InputError
+        If the run's study has no published results, or the run has no records or no succeeded case.
+    """
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line
     from owtsweep.sweep.study import OK, Judged, blame

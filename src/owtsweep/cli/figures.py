@@ -9,7 +9,7 @@ from owtsweep.cli.program import DONE
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Draw all figures of a run into its folder figures/."""
+    """Draw all figures of a run into the run's folder figures/, and return 0."""
     from owtsweep.api import load
     from owtsweep.errors import printable
     from owtsweep.io.files import refuse_in_one_line

@@ -19,7 +19,7 @@ PLURALS = {"spectrum": "spectra", "sensors": "sensors", "compute": "compute"}
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Print the studies, then each one's schemes and config groups."""
+    """Print all studies, then the schemes and config groups of each study, and return 0."""
     print("studies (study=...):")
     choices: dict[Path, list[str]] = {}
     for name in names():
@@ -50,7 +50,7 @@ def _list_choices(study: str, tree: Tree) -> list[str]:
 
 
 def _purpose(study: str) -> str:
-    """The first line of the docstring of a study's module."""
+    """Return the first line of the docstring of a study's module; "" if there is no docstring."""
     lines = (sys.modules[type(get_study(study)).__module__].__doc__ or "").splitlines()
     return lines[0] if lines else ""
 

@@ -1,4 +1,4 @@
-"""`sweep --multirun`: runs one whole study per combination of overrides, through Hydra."""
+"""`sweep --multirun`: run one whole study per combination of overrides, through Hydra."""
 
 from __future__ import annotations
 
@@ -32,19 +32,24 @@ from owtsweep.sweep.provenance import read_manifest
 
 logger = logging.getLogger(__name__)
 
-#: The folder of the outcomes inside the folder of a multirun.
+#: The folder, inside the folder of a multirun, that holds the outcomes of its runs.
 OUTCOMES = ".outcomes"
 NOT_FINISHED = "not finished"
-#: Most bytes of an outcome: overrides may be long, and there are few.
+#: Most bytes of the file of an outcome.
 MOST_BYTES = 10_000_000
 
 
 def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Check every combination first, then run all of them, even if one fails.
+    """Check all combinations of overrides, then run all, even if one fails; return the exit code.
 
-    Only a multirun goes through `hydra.main`, so that Hydra's sweepers and launchers work. All runs
-    lie below one folder, whose name depends only on the overrides, so the same command finds it
-    again.
+    The exit code is the largest among those of the runs. Only a multirun goes through `hydra.main`,
+    so that Hydra's sweepers and launchers work. All run folders lie in one folder. The name of this
+    folder depends only on the overrides, so the same command finds the folder again.
+
+    Raises
+    ------
+    InputError
+        If an override is refused, or two runs would share a folder.
     """
     if options.fresh:
         raise InputError("--fresh: this works on one run; name it without --multirun")
@@ -67,7 +72,7 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     settings = [o for o in options.overrides if o.lstrip("+~").startswith("hydra")]
     if settings:  # refuses launchers and sweepers that are not installed
         compose_hydra(located.tree, settings, settings=True)
-    shutil.rmtree(folder / OUTCOMES, ignore_errors=True)  # those of an earlier time
+    shutil.rmtree(folder / OUTCOMES, ignore_errors=True)  # outcomes of an earlier multirun
     (folder / OUTCOMES).mkdir(parents=True)
     write_record(folder, options.overrides, planned)
     began = time.monotonic()
@@ -85,8 +90,17 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
 class Job:
     """The task that Hydra calls for each run: a plain object, so that launchers can pickle it.
 
-    It never raises, since an exception would stop the rest of a launcher's queue. It writes its
-    outcome to a file in the multirun folder.
+    A call writes the outcome of the run to a file in the multirun folder. An error in the run does
+    not leave the call, since it would stop the rest of a launcher's queue; an interrupt does.
+
+    Attributes
+    ----------
+    folder
+        The folder of the multirun.
+    argv
+        The words of the command line.
+    study
+        The study that the overrides name; None if they name none.
     """
 
     folder: str
@@ -117,21 +131,21 @@ class Job:
 
 @dataclass(frozen=True)
 class JobOutcome:
-    """The outcome of one run, a small file in the multirun folder.
+    """The outcome of one run, which is stored as a small file in the multirun folder.
 
-    Jobs may run in other processes or on other machines (joblib, submitit), so their outcomes are
-    passed in files, not in memory.
+    Runs may be computed in other processes or on other machines (joblib, submitit), so their
+    outcomes are passed in files, not in memory.
 
     Attributes
     ----------
     folder
-        Name of its run folder inside the multirun folder.
+        Name of the run folder inside the multirun folder.
     overrides
         The overrides of this run, without `results`.
     code
         The exit code that this run would have had outside a multirun.
     reason
-        Why the code is not 0; one line.
+        Why the code is not 0, in one line; "" if the code is 0.
     """
 
     folder: str
@@ -141,7 +155,10 @@ class JobOutcome:
 
 
 def _describe_failures(run_folder: Path) -> str:
-    """How many cases failed, according to the manifest of the run."""
+    """Return in words how many cases failed, according to the manifest of the run.
+
+    If the manifest does not hold that number, return "some cases failed".
+    """
     try:
         failed = int(read_manifest(run_folder)["cases"]["failed"])
     except (ValueError, KeyError, TypeError):
@@ -150,7 +167,7 @@ def _describe_failures(run_folder: Path) -> str:
 
 
 def _read_outcome(file: Path) -> JobOutcome:
-    """The outcome in a file; that of a damaged file is a failure, for that reason."""
+    """Return the outcome that a file holds; for a damaged file, a failure with that reason."""
     try:
         match read_json(file, MOST_BYTES):
             case {
@@ -168,10 +185,13 @@ def _read_outcome(file: Path) -> JobOutcome:
 def _tell(
     folder: Path, planned: Sequence[PlannedRun], options: argparse.Namespace, *, stopped: bool
 ) -> list[JobOutcome]:
-    """Print to stderr which runs failed, why, and how to retry them; return all outcomes."""
+    """Print to stderr which runs failed, why, and how to retry them; return all outcomes.
+
+    With `stopped`, because the user has stopped the multirun, also print how many runs are done.
+    """
     silent = NOT_FINISHED if stopped else "its process ended without a word; see its run.log"
     by_run = {run.folder: JobOutcome(run.folder, run.overrides, FAILED, silent) for run in planned}
-    # Those written are also of runs of another sweeper, whose combinations are not known before.
+    # `planned` is empty for other sweepers than Hydra's basic one; their runs are found here.
     for file in sorted((folder / OUTCOMES).glob("*.json")):
         outcome = _read_outcome(file)
         by_run[outcome.folder] = outcome
@@ -180,7 +200,7 @@ def _tell(
     if stopped:
         print(f"{len(outcomes) - len(bad)} of {len(outcomes)} runs done: {folder}/")
     for outcome in bad:
-        if outcome.reason == NOT_FINISHED:  # the same command continues all of them
+        if outcome.reason == NOT_FINISHED:  # repeating the multirun's command continues it
             print(f"{NOT_FINISHED}: {outcome.folder}", file=sys.stderr)
             continue
         extra = ["--config-dir", options.config_dir] if options.config_dir else []
@@ -197,7 +217,11 @@ def _is_results(override: str) -> bool:
 
 
 def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[str]]) -> None:
-    """Refuse runs that would share a folder: one would overwrite the tables of the other."""
+    """Raise `InputError` if two runs would share a run folder, or if results folders differ.
+
+    In a shared folder one run would overwrite the tables of the other. `combinations` holds the
+    overrides of each of the `configs`.
+    """
     require(
         len({config.results for config in configs}) <= 1,
         "results: one multirun has one results folder; give one value",
@@ -215,9 +239,10 @@ def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[st
 
 
 def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str], dict[str, str]]]:
-    """The overrides of each run of Hydra's basic sweeper, and the swept values of each run.
+    """Return, for each run, the run's overrides and the run's values of the swept keys.
 
-    Empty for another sweeper, whose combinations are not known here.
+    The list is empty if the overrides choose another sweeper than Hydra's basic one, because the
+    combinations of other sweepers are not known in advance.
     """
     from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
     from hydra.core.override_parser.overrides_parser import OverridesParser

@@ -1,4 +1,4 @@
-"""The command line: subcommands, flags and exit codes. Subcommands are imported on demand.
+"""Parse the command line and run a subcommand, whose module is imported on demand.
 
 Exit codes: 0 done, 1 some cases failed, 2 bad input, 130 interrupted.
 """
@@ -30,12 +30,12 @@ best where. Reproduces the sensitivity study of Ren et al. (2019)."""
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line, with the parsers of its subcommands."""
+    """An argument parser whose errors are one line; `commands` holds its subcommands' parsers."""
 
     commands: Mapping[str, Parser]
 
     def error(self, message: str) -> NoReturn:
-        """Report bad input like every other error of the program."""
+        """Raise `InputError` with a message of argparse, instead of printing and exiting."""
         raise InputError(f"{message}; see `{self.prog} --help`")
 
 
@@ -88,7 +88,8 @@ def _add_flag(parser: Parser, *names: str, help: str) -> None:
     parser.add_argument(*names, action="store_true", help=help)
 
 
-#: Name -> (what it does, example, arguments). The module of each is owtsweep.cli.<name>.
+#: Name of a subcommand -> what it does, an example, and the function that adds its arguments to a
+#: parser. The module of a subcommand is owtsweep.cli.<name>.
 COMMANDS = {
     "sweep": (
         "Run a study, or finish one that was stopped, and draw its map.",
@@ -134,7 +135,7 @@ COMMANDS = {
 
 
 def make_parser() -> Parser:
-    """The parser of the whole command line."""
+    """Return the parser of the whole command line."""
     parser = Parser(prog=PROGRAM, description=DESCRIPTION)
     parser.add_argument(
         "--version", action="version", version=__version__, help="print the version and stop"
@@ -150,7 +151,7 @@ def make_parser() -> Parser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code."""
+    """Run a command line, `sys.argv` if none is given, and return its exit code."""
     arguments = list(sys.argv[1:] if argv is None else argv)
     _warnings_to_stderr()
     try:
@@ -178,7 +179,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def same_command(arguments: Sequence[str]) -> str:
-    """The command line that continues a sweep, quoted for a shell."""
+    """Return the command line that continues a stopped command, quoted for a shell."""
     words = [word for word in arguments if word not in ("--fresh", "--yes")]
     return f"{PROGRAM} {shlex.join(words)}"
 
@@ -215,9 +216,9 @@ def _run(arguments: list[str]) -> int:
 
 
 def raise_interrupt(error: BaseException) -> None:
-    """Raise KeyboardInterrupt if this error is one in disguise.
+    """Raise `KeyboardInterrupt` if an interrupt led to this error; otherwise return.
 
-    A library that is interrupted in the middle of something may fail in another way then.
+    A library that is interrupted may raise an error of its own while it handles the interrupt.
     """
     earlier = error.__context__
     while earlier is not None and not isinstance(earlier, KeyboardInterrupt):
@@ -234,6 +235,6 @@ def _here_exists() -> bool:
 
 
 def _without_cfg_kind(arguments: list[str]) -> list[str]:
-    """The arguments of a subcommand; of `--cfg job`, as Hydra's users write it, only `--cfg`."""
+    """Return the arguments after the subcommand, with `--cfg job` (Hydra's form) as `--cfg`."""
     pairs = pairwise(arguments)
     return [word for before, word in pairs if (before, word) != ("--cfg", "job")]

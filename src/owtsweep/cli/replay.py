@@ -12,7 +12,10 @@ from owtsweep.config import dump, require
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Describe files, or replay them and write tables, estimates, figures and a report."""
+    """Describe or replay record files, and return the exit code.
+
+    A replay writes tables, estimates, figures and a report.
+    """
     files = [word for word in options.words if "=" not in word]
     overrides = [word for word in options.words if "=" in word]
     if options.describe:

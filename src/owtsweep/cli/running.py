@@ -1,4 +1,4 @@
-"""Steps before and after a run, shared by `sweep`, each run of a multirun, and `replay`."""
+"""The steps before and after a run that `sweep`, `sweep --multirun` and `replay` share."""
 
 from __future__ import annotations
 
@@ -25,12 +25,14 @@ MOST_LABELS = 3
 
 
 def may_start(options: argparse.Namespace, config: Config) -> bool:
-    """Whether to run: `--fresh` deletes stored cases, so the user must confirm it or give `--yes`.
+    """Return whether the run may start; ask the user before `--fresh` deletes stored cases.
+
+    Without `--fresh`, with `--yes`, or without stored cases, return True and ask nothing.
 
     Raises
     ------
     InputError
-        If there are cases to delete, but no terminal to ask the user.
+        If the user would have to be asked, but stdin is no terminal.
     """
     from owtsweep.sweep.keys import run_folder
 
@@ -64,12 +66,15 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
 
 
 def written_tables(outcome: Outcome) -> dict[str, pd.DataFrame]:
-    """The tables of a run as read from its files; empty if no case has succeeded."""
+    """Return the tables that a run has written, by name; an empty dict if no case has succeeded."""
     return {} if outcome.results is None else outcome.run.tables()
 
 
 def _draw_overview(outcome: Outcome) -> bool:
-    """Draw the overview figure; False if that fails, which loses nothing that was computed."""
+    """Draw the run's overview figure; return True, or False if it could not be drawn.
+
+    The reason of a failure is printed to stderr; what the run has computed is kept.
+    """
     from owtsweep.io.files import refuse_in_one_line
     from owtsweep.sweep.study import blame
 
@@ -86,7 +91,11 @@ def _draw_overview(outcome: Outcome) -> bool:
 
 
 def print_answer(run: Run, tables: dict[str, pd.DataFrame], width: int | None = None) -> bool:
-    """Print the study's result in a few lines; False if its package cannot make them."""
+    """Print the run's result in a few lines; return True, or False if the study cannot make them.
+
+    The reason of a failure is printed to stderr. `width` is in characters; None takes that of the
+    terminal.
+    """
     from rich.console import Console
 
     from owtsweep.sweep.study import blame
@@ -101,7 +110,11 @@ def print_answer(run: Run, tables: dict[str, pd.DataFrame], width: int | None = 
 
 
 def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
-    """Print the cases without a number, the reasons, and the folder; return the exit code."""
+    """Print how a run ended and return its exit code: 1 if cases failed, else 0.
+
+    Printed are the cases that failed or that a scheme cannot compute, with the reasons, then the
+    number of computed cases, and `place`, where the results are.
+    """
     for line in setback_lines("unable", outcome.unable) + setback_lines("failed", outcome.failed):
         print(line, file=sys.stderr)
     if outcome.failed:
@@ -115,7 +128,11 @@ def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
 
 
 def setback_lines(word: str, setbacks: Sequence[Setback]) -> list[str]:
-    """One line per reason, the commonest first: `word`, its cases and its first labels."""
+    """Return lines about cases without a result: one line per reason, the commonest reason first.
+
+    A line holds `word`, the number of cases, the reason, and the labels of some blocks. After
+    `MOST_REASONS` lines, one more line says how many reasons are left.
+    """
     by_reason: dict[str, list[Setback]] = {}
     for setback in setbacks:
         by_reason.setdefault(setback.reason, []).append(setback)

@@ -12,12 +12,13 @@ from owtsweep.errors import InputError, printable
 if TYPE_CHECKING:
     from owtsweep.sweep.runs import Run
 
-#: Sections of a stranger's manifest that lie deeper are not shown; longer names are not aligned.
+#: In a manifest, sections nested deeper than `DEEPEST` are not shown, and names longer than
+#: `WIDEST` characters are not aligned.
 DEEPEST, WIDEST = 20, 60
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Print a run's manifest, and what its folder holds now."""
+    """Print a run's manifest and what the run's folder holds now, and return 0."""
     from owtsweep.api import load
     from owtsweep.sweep.provenance import read_manifest
 
@@ -28,7 +29,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
 
 def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
-    """The manifest without its long lists."""
+    """Return the manifest without the configuration and without the list of blocks."""
     shown = dict(manifest)
     if shown.get("state") == "running":
         shown["state"] = "running, or killed: its end is not written"
@@ -40,7 +41,7 @@ def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
 
 
 def _describe_folder(opened: Run) -> dict[str, Any]:
-    """The contents of the run folder; reads all shards."""
+    """Return the case counts, the tables and the figures of the run folder; reads all shards."""
     figures = opened.folder / "figures"
     drawn = len(list(figures.glob("*.png"))) if figures.is_dir() else 0
     return {
@@ -54,7 +55,7 @@ def _count_cases(opened: Run) -> dict[str, Any]:
     cases = dict.fromkeys(("done", "failed", "missing"), 0)
     try:
         plan = opened.plan()
-    except InputError as error:  # a run of before plans were stored, with a scheme of its author's
+    except InputError as error:  # the run has no stored plan, and names a scheme of its author's
         return {"cases": str(error)}
     store = opened.store
     for key, block in plan.items():

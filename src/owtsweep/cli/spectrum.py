@@ -10,7 +10,13 @@ from owtsweep.errors import InputError
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Write figures and tables into the folder spectrum/ of the run, and print the floors."""
+    """Write figures and tables into the run's folder spectrum/, print the noise floors, return 0.
+
+    Raises
+    ------
+    InputError
+        If the study has no error spectra, or the configuration is refused.
+    """
     from owtsweep.io.files import check_writable, refuse_in_one_line
     from owtsweep.studies import compose, get_study
     from owtsweep.sweep.keys import run_folder, run_hash

@@ -10,7 +10,10 @@ from owtsweep.cli.running import may_start, run_one
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Compose and check the configuration, then run it, or all runs of a multirun."""
+    """Run one study, or all runs of a multirun, and return the exit code.
+
+    With `--cfg`, print the configuration instead.
+    """
     if options.multirun:
         from owtsweep.cli.multirun import run_all
 

@@ -1,7 +1,7 @@
-"""Configuration: composed by Hydra into plain data, typed by a study's model, and checked.
+"""The configuration: Hydra composes plain data, a study's model types them, and checks follow.
 
-This package knows no study. `owtsweep.studies` finds a study's tree and model and calls the steps
-in order. After that no OmegaConf objects are used.
+This package knows no study. `owtsweep.studies` finds the tree of YAML files and the pydantic model
+of a study, and calls the three steps in order. After these steps no OmegaConf objects are used.
 """
 
 from owtsweep.config.axes import Axis

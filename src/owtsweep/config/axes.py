@@ -1,4 +1,4 @@
-"""Axes of a grid: lists of numbers, in which an entry may be a range `[first, last, count]`.
+"""Axes of a grid: lists of numbers, in which an entry may also be a range of numbers.
 
 `[{log: [0.05, 10, 5]}, 20]` is five logarithmically spaced numbers from 0.05 to 10, and 20.
 `{linear: [1, 3, 5]}` is five equally spaced numbers from 1 to 3. Ranges are replaced by numbers
@@ -17,13 +17,20 @@ from pydantic.fields import FieldInfo
 ENTRY = "{log: [first, last, count]} or {linear: [first, last, count]}"
 #: A range with more points than this is refused as a typing error.
 MOST_POINTS = 1_000_000
-#: Significant digits of numbers between the ends: 0.3 instead of 0.30000000000000004. So they give,
-#: on every machine, the same block keys as the numbers written out.
+#: Significant digits of the numbers between the ends of a range: 0.3 instead of
+#: 0.30000000000000004. So a range gives the same block keys on every machine, and the same keys as
+#: a list of these numbers.
 DIGITS = 12
 
 
 def expand(values: Any) -> Any:
-    """Replace the ranges in a list by numbers; a value that is not a list is returned unchanged."""
+    """Replace the ranges in a list by numbers; return a value that is not a list unchanged.
+
+    Raises
+    ------
+    ValueError
+        If a range is impossible, or the list has more than `MOST_POINTS` numbers.
+    """
     if not isinstance(values, list):
         return values
     numbers: list[Any] = []
@@ -35,7 +42,7 @@ def expand(values: Any) -> Any:
 
 
 def require_distinct(values: list[Any]) -> list[Any]:
-    """Refuse a list that contains a value twice."""
+    """Return the list; raise `ValueError` if it contains a value twice."""
     if len(set(values)) < len(values):
         raise ValueError("a value stands there twice; list it once")
     return values
@@ -43,24 +50,24 @@ def require_distinct(values: list[Any]) -> list[Any]:
 
 T = TypeVar("T")
 
-#: The list of an axis: not empty, no value twice.
+#: The type of an axis: a list that is not empty and contains no value twice.
 Axis = Annotated[
     list[T], Field(min_length=1), BeforeValidator(expand), AfterValidator(require_distinct)
 ]
 
 
 def is_axis(field: FieldInfo) -> bool:
-    """Whether a field is an axis."""
+    """Return whether the type of a field is an `Axis`."""
     return any(getattr(mark, "func", None) is expand for mark in field.metadata)
 
 
 def _numbers(entry: Mapping[Any, Any]) -> list[float]:
-    """The numbers of one entry, its ends exactly as given.
+    """Return the numbers of one range, e.g. of `{log: [0.05, 10, 5]}`; its ends are not rounded.
 
     Raises
     ------
     ValueError
-        The message continues a sentence that begins with the key of the axis.
+        If the range is impossible. The message continues a sentence that begins with the axis' key.
     """
     shown = ", ".join(f"{spacing}: {ends}" for spacing, ends in entry.items())
     try:

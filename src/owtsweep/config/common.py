@@ -16,7 +16,7 @@ CONFIG_VERSION = 1
 
 
 class Compute(Section):
-    """How to compute; this never changes a result, so it is not part of a block's key."""
+    """The keys that say how to compute. No result and no block key depends on these keys."""
 
     backend: Literal["auto", "threading", "loky", "dask"] = key(
         "what runs the blocks; auto leaves the choice to the study", default="auto"
@@ -39,10 +39,10 @@ class Compute(Section):
 
 
 class Config(Section):
-    """The keys that every study has; a study's configuration adds its own."""
+    """The keys that every study has; a study's configuration class adds further keys."""
 
-    #: Keys and sections on which no stored number depends; a study adds its own. Every other key
-    #: changes the content of the blocks that depend on it (`owtsweep.testing.check_keys`).
+    #: Keys and sections on which no stored number depends; a study may add keys to this set. Every
+    #: other key changes the blocks that depend on it (`owtsweep.testing.check_keys` tests this).
     inert: ClassVar[frozenset[str]] = frozenset(
         {"study", "experiment", "results", "name", "config_version", "compute"}
     )
@@ -65,22 +65,26 @@ class Config(Section):
         return os.path.expanduser(value)  # as a shell: `~nobody` stays as it is
 
     def describe_code(self) -> Any:
-        """What readers of a run must know of code of the user's that the keys name: JSON data.
+        """Return a description, as JSON data, of the user's own code that the keys name.
 
-        It is stored with the run. None if the keys can name no code.
+        The description is stored with the run, because reading a run does not execute that code.
+        This base class returns None, because its keys cannot name code.
         """
         return None
 
     @classmethod
     def hide_code(cls, plain: dict[str, Any], described: Any) -> dict[str, Any]:
-        """Stored keys in which nothing names code any more, so that it cannot be executed.
+        """Return stored keys without the names of code, so that reading a run executes no code.
+
+        This base class returns the keys unchanged, because its keys cannot name code.
 
         Parameters
         ----------
         plain
             The keys as plain data.
         described
-            What `describe_code` said of them; None for a run of before it was stored.
+            What `describe_code` returned for these keys; None if the run was made before such
+            descriptions were stored.
 
         Raises
         ------
@@ -90,7 +94,7 @@ class Config(Section):
         return plain
 
     def check(self) -> None:
-        """Raise `InputError` for values that cannot work together; studies extend it."""
+        """Raise `InputError` if values cannot work together; a study may extend this method."""
         self._check_scheduler(self.compute.backend, self.compute.scheduler)
         engine = type(self).model_fields["engine"]
         require(

@@ -1,4 +1,4 @@
-"""Composes overrides and a tree of files to plain data, with Hydra."""
+"""Compose overrides and a tree of YAML files to plain data, with Hydra."""
 
 from __future__ import annotations
 
@@ -21,25 +21,36 @@ TREES = "studies"
 
 @dataclass(frozen=True)
 class Tree:
-    """A Hydra tree: its folder, its primary file, and the model of its keys (for hints)."""
+    """A folder of YAML files from which Hydra composes a configuration.
+
+    Attributes
+    ----------
+    folder
+        The folder.
+    primary
+        The name of its primary file, without .yaml.
+    model
+        The model of the configuration; error messages take the names of keys from it.
+    """
 
     folder: Path
     primary: str
     model: type[Config]
 
     def groups(self) -> list[str]:
-        """The names of its config groups."""
+        """Return the sorted names of the tree's config groups, i.e. of its subfolders."""
         folders = (path.name for path in self.folder.iterdir() if path.is_dir())
         return sorted(name for name in folders if name != TREES)
 
     def options(self, group: str) -> list[str]:
-        """The names of a group's files."""
+        """Return the sorted names of a config group's files, without .yaml."""
         return sorted(path.stem for path in (self.folder / group).glob("*.yaml"))
 
     def admit(self, overrides: Sequence[str]) -> list[str]:
-        """Put `++` before overrides of keys whose default is in the model, not in the files.
+        """Return the overrides, with `++` before each key whose default is only in the model.
 
-        Hydra refuses to set a key that the files do not list, unless `++` is put before it.
+        Hydra refuses to set a key that the YAML files do not list, unless the override begins with
+        `++`.
         """
         listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
         groups = self.groups()
@@ -54,12 +65,15 @@ class Tree:
 
 
 def quote_home(override: str) -> str:
-    """`results=~/x` as Hydra reads it: in quotes. Most shells do not expand `~` in it."""
+    """Return `results=~/x` as `results='~/x'`, and any other override unchanged.
+
+    Hydra reads `~` only in quotes. Most shells do not expand `~` behind the equals sign.
+    """
     return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
 
 
 def _holds(mapping: Any, path: Sequence[str]) -> bool:
-    """Whether nested mappings contain a key."""
+    """Return whether nested mappings contain a key; `path` is the key, split at its dots."""
     for part in path:
         if not isinstance(mapping, dict) or part not in mapping:
             return False
@@ -68,7 +82,13 @@ def _holds(mapping: Any, path: Sequence[str]) -> bool:
 
 
 def conf_directory() -> Path:
-    """The folder of this package's trees: in the installed package, or beside src in a checkout."""
+    """Return the folder `conf`: inside the installed package, or beside src in a checkout.
+
+    Raises
+    ------
+    InputError
+        If neither folder holds a sweep.yaml.
+    """
     package = Path(__file__).resolve().parents[1]
     for candidate in (package / "conf", package.parents[1] / "conf"):
         if (candidate / "sweep.yaml").is_file():
@@ -77,12 +97,14 @@ def conf_directory() -> Path:
 
 
 def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> Any:
-    """Hydra's composition of a tree and overrides; with `settings`, also Hydra's own settings.
+    """Return the OmegaConf object that Hydra composes from a tree and overrides.
+
+    With `settings`, the object also holds Hydra's own settings.
 
     Raises
     ------
     InputError
-        With a one-line message, for errors of Hydra and OmegaConf.
+        For errors of Hydra and OmegaConf; the message is one line.
     """
     from hydra import compose, initialize_config_dir
 
@@ -93,10 +115,12 @@ def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = Fals
 def compose_plain(
     tree: Tree, overrides: Sequence[str], config_dir: str | None = None
 ) -> dict[str, Any]:
-    """Compose a tree and overrides to plain data.
+    """Compose a tree and overrides to plain data: dicts, lists and scalars.
 
     Parameters
     ----------
+    tree
+        The YAML files.
     overrides
         Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`.
     config_dir
@@ -105,7 +129,8 @@ def compose_plain(
     Raises
     ------
     InputError
-        With a one-line message, for anything that Hydra refuses.
+        If Hydra refuses an override or a file, `config_dir` is no folder, or a value could not be
+        stored; the message is one line.
     """
     for override in overrides:
         require(
@@ -150,7 +175,7 @@ def _find_folder(config_dir: str) -> Path:
 
 
 def _require_storable(key: str, value: Any, depth: int = 2) -> None:
-    """Refuse what `config.stored` would not read back from the run's folder."""
+    """Raise `InputError` for a value that `config.stored` could not read from a run's folder."""
     if isinstance(value, str):
         require("${" not in value, f"{key}: {value!r} holds ${{, which cannot be stored")
     if isinstance(value, dict | list):

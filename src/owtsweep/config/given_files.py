@@ -1,7 +1,7 @@
-"""The user's own YAML files (`--config-dir`), looked at before Hydra reads them.
+"""Check the user's own YAML files (`--config-dir`) before Hydra reads them.
 
-They are their files, so they may hold interpolations and aliases. But a typing error must not end
-in a traceback, and aliases of aliases must not stand for more data than fit into memory.
+The user trusts these files, so they may hold interpolations and aliases. But a typing error must
+not end in a traceback, and aliases of aliases must not stand for more data than fit into memory.
 """
 
 from __future__ import annotations
@@ -13,17 +13,20 @@ from owtsweep.config.stored import DEEPEST, MOST_BYTES
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_text
 
-#: Most values that a file may stand for, once its aliases are replaced.
+#: A file may hold at most this many values, counted after its aliases have been replaced.
 MOST_VALUES = 1_000_000
 
 
 def check_chosen_files(directory: Path, overrides: Sequence[str]) -> None:
-    """Check the files that overrides choose from a folder of groups, e.g. `tuning=mine`.
+    """Check the files that overrides choose from a folder of config groups.
+
+    `tuning=mine` chooses the file tuning/mine.yaml in `directory`. A file that is not in
+    `directory` is not checked.
 
     Raises
     ------
     InputError
-        If one cannot be read, is no YAML, nests too deeply or stands for too many values.
+        If a file cannot be read, is no YAML, nests too deeply, or holds too many values.
     """
     for override in overrides:
         group, _, options = override.lstrip("+").partition("=")
@@ -49,12 +52,15 @@ def _check_file(path: Path) -> None:
 
 
 def _measure(text: str) -> tuple[int, int]:
-    """How deep YAML nests, and how many values it holds once aliases are replaced."""
+    """Return how deep a YAML text nests, and how many values it holds with aliases replaced.
+
+    Counting stops as soon as the depth exceeds `DEEPEST` or the number exceeds `MOST_VALUES`.
+    """
     import yaml
 
     deepest = 0
-    sizes: dict[str | None, int] = {}  # of what an anchor names
-    open_lists: list[tuple[str | None, int]] = []  # anchor, and values when it began
+    sizes: dict[str | None, int] = {}  # anchor -> number of values that it names
+    open_lists: list[tuple[str | None, int]] = []  # anchor, and `values` at its start
     values = 0
     for event in yaml.parse(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
         if isinstance(event, yaml.AliasEvent):

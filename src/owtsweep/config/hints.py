@@ -13,7 +13,10 @@ RENAMED: dict[str, str] = {}
 
 
 def list_keys(model: Any, prefix: str = "") -> list[str]:
-    """All keys of a configuration's model, dotted, sections included."""
+    """Return all dotted keys of a configuration's model; sections are keys too.
+
+    `prefix` is put before every key.
+    """
     keys = []
     for name, field in model.model_fields.items():
         keys.append(f"{prefix}{name}")
@@ -23,7 +26,11 @@ def list_keys(model: Any, prefix: str = "") -> list[str]:
 
 
 def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
-    """One line about a key not in `keys`: its new name, the nearest key or the keys beside it."""
+    """Return a one-line message about a key that is not in `keys`.
+
+    The message gives the new name of a renamed key, or the other keys of the key's section, or the
+    most similar key.
+    """
     if key in RENAMED:
         return f"{key}: this key was renamed; use {RENAMED[key]}"
     section, _, leaf = key.rpartition(".")
@@ -39,6 +46,6 @@ def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
 
 
 def suggest_name(name: str, names: Sequence[str]) -> str:
-    """The nearest name, if one is similar, and all names."""
+    """Return words that list all names, after the most similar one if any is similar."""
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     return (f"did you mean {near[0]}? There" if near else "there") + f" are {', '.join(names)}"

@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 @contextmanager
 def hydra_in_one_line(tree: Tree | None = None) -> Iterator[None]:
-    """Raise `InputError` for errors of Hydra and OmegaConf inside the context."""
+    """Turn errors of Hydra, OmegaConf and YAML inside the context into an `InputError`.
+
+    With a tree, the message also lists the valid names of keys and options.
+    """
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
     from yaml import YAMLError
@@ -32,7 +35,7 @@ def hydra_in_one_line(tree: Tree | None = None) -> Iterator[None]:
 
 
 def in_one_line(error: Exception, tree: Tree | None = None) -> str:
-    """The message of an error in one line; with a tree it also lists the valid names."""
+    """Return an error's message in one line; with a tree, the line also lists the valid names."""
     text = str(error)
     unknown = re.search(r"Could not override '([^']+)'", text)
     if tree and unknown and "is not in struct" in f"{text} {error.__cause__}":

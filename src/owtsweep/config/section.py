@@ -10,13 +10,16 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
-#: The magnitudes that a number other than zero may have. Squares and fourth powers of numbers
-#: beyond them, and products of these, overflow or vanish.
+#: The least and the largest magnitude of a number other than zero. Beyond them, squares, fourth
+#: powers and their products may overflow or vanish.
 SMALLEST, LARGEST = 1e-30, 1e30
 
 
 def require_magnitude(value: float) -> float:
-    """Refuse a number with which nothing can be computed."""
+    """Return the number; raise `ValueError` if its magnitude is not from 1e-30 to 1e30.
+
+    Zero, NaN and infinity are returned too: other checks refuse those.
+    """
     if math.isfinite(value) and value != 0.0 and not SMALLEST <= abs(value) <= LARGEST:
         raise ValueError(
             f"{value:g} cannot be computed with; its magnitude must be from {SMALLEST:g} to "
@@ -32,14 +35,14 @@ NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(
 
 #: Attributes that hold the bounds of a number.
 BOUNDS = ("gt", "ge", "lt", "le")
-#: What `key` says of a field besides its type, default and bounds, if it says nothing.
+#: The defaults of those facts that `key` declares besides a type, a default and bounds.
 NO_FACTS = {"unit": "", "form": "", "advice": "", "younger": False}
 #: How messages and docs/configuration.md name a type.
 TYPE_NAMES = {bool: "true or false", str: "text", int: "a whole number", float: "a number"}
 
 
 class Section(BaseModel):
-    """Base of all sections: frozen, and a key that no field declares is an error.
+    """The base class of all sections. A section is frozen, and refuses a key that is no field.
 
     Numbers given as text are converted, whole floats count as integers, and a number is accepted
     as text. But true and false are neither numbers nor text, and no other value is true or false.
@@ -49,12 +52,14 @@ class Section(BaseModel):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        """Refuse bounds on a list of numbers: pydantic would compare them with the list itself.
+        """Check, when a subclass is defined, that no field puts bounds on a list of numbers.
+
+        pydantic would compare such bounds with the list itself, not with its numbers.
 
         Raises
         ------
         TypeError
-            When the class is defined, so that its author sees the error.
+            If a field does; the message says how to write the bounds.
         """
         for name, field in cls.model_fields.items():
             bounded = any(hasattr(mark, sign) for mark in field.metadata for sign in BOUNDS)
@@ -92,16 +97,17 @@ def key(
     meaning
         The sentence about the key in docs/configuration.md.
     default
-        Its value if a configuration does not set it; without a default the key is required.
+        The value of the key if a configuration does not set it. A key without a default is
+        required.
     unit
         Unit of a number, or of each number of a list.
     form
-        What a list must be, in words, for messages: "two edges in Hz".
+        What a list must hold, in words, for error messages, e.g. "two edges in Hz".
     advice
-        A remedy, for the message about a number below its bound.
+        A remedy, for the error message about a number below its lower bound.
     younger
-        Whether the key is younger than stored runs. While it has its default it does not identify
-        a configuration, so that hashes and block keys of stored runs do not change.
+        True if some stored runs were made before this key existed. Such a key is left out of
+        hashes and block keys while it has its default, so those of stored runs do not change.
     bounds
         As for `pydantic.Field`: ge, gt, le, lt of a number, min_length and max_length of a list.
     """
@@ -110,13 +116,13 @@ def key(
 
 
 def read_facts(field: FieldInfo) -> dict[str, Any]:
-    """The facts that `key` declared for a field, other than type, default and bounds."""
+    """Return the unit, form, advice and younger that `key` declared for a field, by name."""
     extra = field.json_schema_extra
     return NO_FACTS | extra if isinstance(extra, dict) else NO_FACTS
 
 
 def bare_type(annotation: Any) -> Any:
-    """A type without its bounds and without `| None`."""
+    """Return a type without its bounds and without `| None`."""
     if get_origin(annotation) is Annotated:
         return bare_type(get_args(annotation)[0])
     if get_origin(annotation) in (UnionType, Union):
@@ -125,15 +131,19 @@ def bare_type(annotation: Any) -> Any:
 
 
 def item_type(annotation: Any) -> Any:
-    """The bare type of a value or, if it is a list, of each item."""
+    """Return the bare type of the items if `annotation` is a list, else the bare type itself.
+
+    A bare type has no bounds and no `| None`.
+    """
     kind = bare_type(annotation)
     return bare_type(get_args(kind)[0]) if get_origin(kind) is list else kind
 
 
 def fields_along(model: Any, path: Iterable[str | int]) -> list[FieldInfo]:
-    """The fields of the sections that a path leads through, and of the key at its end.
+    """Return the fields along a path of names: one per section on the way, then the key's field.
 
-    Shorter than the path if it leads into a list or a mapping, or if there is no such key.
+    The list is shorter than the path if the path leads into a list or a mapping, or if the key
+    does not exist.
     """
     fields = []
     for name in path:
@@ -145,5 +155,5 @@ def fields_along(model: Any, path: Iterable[str | int]) -> list[FieldInfo]:
 
 
 def is_section(kind: Any) -> bool:
-    """Whether a type is a section."""
+    """Return whether a type is a subclass of `Section`."""
     return isinstance(kind, type) and issubclass(kind, Section)

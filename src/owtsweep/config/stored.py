@@ -1,7 +1,7 @@
-"""config.yaml: all keys of a run's configuration, as the program writes it and as others may.
+"""Write and read config.yaml, which holds all keys of a run's configuration.
 
-A run folder may be another person's. So a stored configuration is read with care: it is resolved
-data and nothing else.
+A run folder may be another person's, so a stored configuration is read with care: it may hold only
+values, no interpolations and no aliases.
 """
 
 from __future__ import annotations
@@ -17,26 +17,26 @@ from owtsweep.config.typed import as_plain
 from owtsweep.errors import InputError, require
 from owtsweep.io.reading import read_text
 
-#: Most bytes of a stored configuration: the largest grid fits a hundred times.
+#: Most bytes of a stored configuration. The largest grid needs a hundredth of this.
 MOST_BYTES = 10_000_000
-#: How deep lists and mappings of a stored configuration may lie in each other.
+#: The lists and mappings of a stored configuration may be nested at most this deep.
 DEEPEST = 20
 
 
 def dump(config: Config) -> str:
-    """The configuration as YAML."""
+    """Return a configuration as YAML text."""
     from omegaconf import OmegaConf
 
     return OmegaConf.to_yaml(OmegaConf.create(as_plain(config)))
 
 
 def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
-    """The plain data of a YAML file; with `resolve`, interpolations are replaced by their values.
+    """Return the plain data of a YAML file; `resolve` replaces interpolations by their values.
 
     Raises
     ------
     InputError
-        If it is missing or does not hold a mapping of keys.
+        If the file is missing, or does not hold a mapping of keys.
     """
     from omegaconf import OmegaConf
 
@@ -50,14 +50,14 @@ def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
 
 
 def read_stored(path: Path) -> tuple[dict[str, Any], str]:
-    """The plain data of a stored config.yaml, and its text.
+    """Return the plain data of a stored config.yaml, and the text of the file.
 
     Raises
     ------
     InputError
-        If it is missing, no file, too large, not a mapping of keys, or not resolved: an
-        interpolation (`${...}`) would read this user's environment, and an alias (`*name`) can
-        stand for more data than fit into memory.
+        If the path is missing or no file, or the file is too large, is not a mapping of keys, or
+        holds an interpolation or an alias. An interpolation (`${...}`) could read this user's
+        environment. An alias (`*name`) can stand for more data than fit into memory.
     """
     from omegaconf import OmegaConf
 
@@ -78,7 +78,7 @@ def read_stored(path: Path) -> tuple[dict[str, Any], str]:
 
 
 def _check_events(text: str) -> None:
-    """Refuse YAML that grows or nests without bounds, before any of it is made."""
+    """Raise `InputError` if a YAML text has an alias or nests too deeply, before it is loaded."""
     import yaml
 
     depth = 0
@@ -93,7 +93,7 @@ def _check_events(text: str) -> None:
 
 
 def _texts(value: Any) -> Iterator[str]:
-    """All texts in plain data, keys included."""
+    """Yield all texts in plain data, including the keys of mappings."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict):
@@ -106,12 +106,12 @@ def _texts(value: Any) -> Iterator[str]:
 
 
 def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
-    """The plain data of an OmegaConf object; `resolve` replaces interpolations.
+    """Return the plain data of an OmegaConf object; `resolve` replaces interpolations by values.
 
     Raises
     ------
     InputError
-        If it is not a mapping, or an interpolation names a key that is missing.
+        If the object is not a mapping, or an interpolation to be replaced names a missing key.
     """
     from omegaconf import OmegaConf
 

@@ -1,4 +1,4 @@
-"""Plain data become frozen objects of a given model, and these plain data again."""
+"""Turn plain data into frozen objects of a given model, and such objects into plain data."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ C = TypeVar("C", bound=Config)
 
 
 def typed(model: type[S], plain: Any) -> S:
-    """An object of the model; conditions on several keys together are not checked.
+    """Return an object of the model; conditions on several keys together are not checked.
 
     Raises
     ------
@@ -31,12 +31,12 @@ def typed(model: type[S], plain: Any) -> S:
 
 
 def checked(model: type[C], plain: Any) -> C:
-    """An object of the model, with all checks done.
+    """Return an object of the model, after all checks.
 
     Raises
     ------
     InputError
-        As `typed`, and for values that do not fit together.
+        For unknown keys, wrong types, values out of bounds, and values that do not fit together.
     """
     config = typed(model, plain)
     config.check()
@@ -44,21 +44,21 @@ def checked(model: type[C], plain: Any) -> C:
 
 
 def changed(section: S, **values: Any) -> S:
-    """A copy with some fields replaced; types and bounds are not checked."""
+    """Return a copy of a section with some fields replaced; types and bounds are not checked."""
     return section.model_copy(update=values)
 
 
 def as_plain(section: Section) -> dict[str, Any]:
-    """A configuration or a section with every key, as dicts, lists and scalars."""
-    return section.model_dump(warnings=False)  # `changed` checks no types, so nor does this
+    """Return all keys of a configuration or a section, as dicts, lists and scalars."""
+    return section.model_dump(warnings=False)  # `changed` does not check types, so nor does this
 
 
 def as_mapping(section: Section) -> dict[str, Any]:
-    """The identifying part of a configuration or a section: dicts, lists and scalars.
+    """Return the part of a configuration or a section from which hashes and block keys are made.
 
-    A key that is younger than stored runs is left out while it has its default value. So is a
-    younger section whose keys all have their defaults. So hashes and block keys of stored runs do
-    not change.
+    It consists of dicts, lists and scalars. A key declared as younger than stored runs is left out
+    while it has its default value. So is a younger section whose keys all have their defaults.
+    Hence a new key does not change the hashes and block keys of stored runs.
     """
     mapping = as_plain(section)
     for name, field in type(section).model_fields.items():
@@ -72,12 +72,12 @@ def as_mapping(section: Section) -> dict[str, Any]:
 
 
 def with_values(section: S, values: Mapping[str, Any]) -> S:
-    """A copy of a configuration (or of a section) with some dotted keys set.
+    """Return a copy of a configuration or a section, with the values of some dotted keys set.
 
     Raises
     ------
     InputError
-        As `typed`.
+        For unknown keys, wrong types and values out of bounds.
     """
     plain = as_plain(section)
     for key, value in values.items():

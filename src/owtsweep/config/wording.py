@@ -1,4 +1,4 @@
-"""Turn the errors of pydantic into one line: the key, what is wrong, what would work."""
+"""Turn an error of pydantic into one line: the key, what is wrong, and what would work."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ TYPES = {"bool": bool, "string": str, "int": int, "float": float}
 
 
 def in_one_line(error: ValidationError, model: Any) -> str:
-    """The first error in one line; unknown and missing keys come before wrong values."""
+    """Return a one-line message about one of the errors.
+
+    An unknown key is reported first, then a missing key, then a wrong value.
+    """
     order = {"extra_forbidden": 0, "missing": 1}
     first = min(error.errors(include_url=False), key=lambda e: order.get(e["type"], 2))
     kind, value, limits, path = first["type"], first["input"], first.get("ctx", {}), first["loc"]
@@ -50,7 +53,10 @@ def in_one_line(error: ValidationError, model: Any) -> str:
 
 
 def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: str) -> str:
-    """A sentence about a number beyond its bound."""
+    """Return what the message says about a number beyond its bound.
+
+    `kind` is pydantic's name of the error, and `limits` holds the bound.
+    """
     shown = f"{value:g}" if isinstance(value, float) else str(value)  # it may be a text, or huge
     number = f"{shown} {unit}".strip()
     if kind == "finite_number":

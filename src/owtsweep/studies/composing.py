@@ -1,4 +1,4 @@
-"""Make the configuration of a study: composed from its tree, typed by its model, and checked."""
+"""Make the configuration of a study: compose the study's YAML files, type the keys, check them."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Located(NamedTuple):
     Attributes
     ----------
     study
-        The study that the overrides name; if None, the tree names it.
+        The study that the overrides name; None if they name none, so that the tree names it.
     tree
-        The study's tree.
+        The YAML files of the study.
     overrides
         The overrides for Hydra, without `study=NAME`.
     """
@@ -30,13 +30,15 @@ class Located(NamedTuple):
 
 
 def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
-    """Find the tree that overrides belong to.
+    """Find the study that overrides name, the study's tree of YAML files, and Hydra's overrides.
+
+    `primary` is the name of the tree's primary file: "sweep" or "replay".
 
     Raises
     ------
     InputError
-        If they name several studies, an unknown one, or one whose primary file is not `primary`,
-        because another command runs it.
+        If the overrides name several studies, an unknown study, or a study that another command
+        runs because its primary file is not `primary`.
     """
     name, others = _take_out_study(overrides)
     if name is None:
@@ -60,7 +62,8 @@ def compose(
     ----------
     overrides
         Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`. `study=NAME` among them
-        selects the study whose tree is composed; without it, the hub study.
+        selects the study whose tree is composed; without it, the first built-in study whose
+        primary file is `primary` is taken ("hub" for "sweep").
     config_dir
         A folder with further config groups (`--config-dir`).
     primary
@@ -69,7 +72,7 @@ def compose(
     Raises
     ------
     InputError
-        With a one-line message, for anything that is wrong.
+        If anything is wrong with the overrides or files; the message is one line.
     """
     located = locate(overrides, primary=primary)
     plain = compose_plain(located.tree, located.overrides, config_dir)
@@ -91,7 +94,7 @@ def from_mapping(mapping: Any, study: str | None = None) -> Config:
     mapping
         An OmegaConf object.
     study
-        The study's name; if None, the mapping names the study.
+        The study's name; None takes the value of the mapping's key `study`, or else "hub".
 
     Raises
     ------
@@ -108,7 +111,7 @@ def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
 
 
 def _check_command(study: str, primary: str) -> None:
-    """Refuse a study that another command runs, i.e. whose tree has another primary file."""
+    """Raise `InputError` if a study's primary file is not `primary`: another command runs it."""
     needed = registry.find_entry(study).primary
     if needed == primary:
         return
@@ -122,7 +125,15 @@ def _key(override: str) -> str:
 
 
 def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
-    """The study that the overrides name, and the other overrides (for Hydra)."""
+    """Return the name of the study that the overrides name, and the other overrides.
+
+    The name is None if no override is `study=NAME`.
+
+    Raises
+    ------
+    InputError
+        If the overrides are one text, or name an unknown study or several studies.
+    """
     require(
         not isinstance(overrides, str),
         f"overrides: {overrides!r} is one text; give a list, e.g. ['tuning=matched']",

@@ -1,6 +1,6 @@
-"""Opens a run for reading; nothing that its folder names is executed.
+"""Open a run for reading.
 
-The folder may be another person's.
+The run's folder may be another person's, so no code that the folder names is executed.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ def open_run(folder: Path) -> Run:
     Raises
     ------
     InputError
-        If the folder holds no run, one that this version cannot read, or one of a study that is
-        not installed.
+        If the folder holds no run, this version cannot read the run, or the run's study is not
+        installed.
     """
     path = folder / "config.yaml"
     require_folder(folder)
@@ -40,13 +40,13 @@ def open_run(folder: Path) -> Run:
 
 
 def load_config(path: Path) -> Config:
-    """Read a config.yaml alone.
+    """Read a config.yaml without the other files of its run.
 
     Raises
     ------
     InputError
-        If it is missing, is not a configuration of this program, or belongs to a study that is not
-        installed.
+        If the file is missing, is not a configuration of this program, or belongs to a study that
+        is not installed.
     """
     return _make_config(path, read_stored(path)[0], None)
 

@@ -1,6 +1,7 @@
 """Write docs/configuration.md: `python -m owtsweep.studies.reference docs/configuration.md`.
 
-The page is made from the models of all studies: type, unit, default, bounds, meaning of each key.
+The page is made from the models of all studies. It lists the type, unit, default, bounds and
+meaning of each key.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ cannot be computed with. Grids, windows and horizons that would need more than 4
 This page is written by `python -m owtsweep.studies.reference docs/configuration.md`."""
 
 COLUMNS = ("key", "type", "unit", "default", "bounds", "meaning")
-#: A key of the page: the texts of its columns.
+#: One row of a table of the page, about one key: the texts of the `COLUMNS`.
 Row = tuple[str, ...]
 TYPES: dict[Any, str] = {
     bool: "true or false", str: "text", int: "whole number", float: "number", Literal: "choice",
@@ -46,12 +47,15 @@ TYPES: dict[Any, str] = {
 }  # fmt: skip
 #: pydantic's name of a bound -> its sign.
 LIMITS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤", "min_length": "", "max_length": ""}
-#: A default with more characters is not shown; `--cfg` prints it.
+#: A default with more characters than this is not shown; `--cfg` prints all defaults.
 LONGEST = 72
 
 
 def reference() -> str:
-    """The page: keys of all studies, then the keys that each built-in study adds or changes."""
+    """Return the page as Markdown.
+
+    The keys that all studies have come first, then those that each built-in study adds or changes.
+    """
     seen = dict.fromkeys(_describe(Config, as_plain(Config(study="")))[1:])
     sentence = "`study=NAME` says which; without it the study is `hub`."
     parts = [INTRODUCTION, "## Every study", sentence, table(COLUMNS, seen)]
@@ -65,12 +69,17 @@ def reference() -> str:
 
 
 def _describe(model: Any, defaults: Mapping[str, Any], prefix: str = "") -> list[Row]:
-    """A row for each key of a model.
+    """Return one row of a table for each key of a model, including the keys of its sections.
 
     Parameters
     ----------
+    model
+        The model of a configuration or of a section.
     defaults
-        Values in a configuration without overrides; no default is shown for a key missing here.
+        Key -> value in a configuration without overrides; a key that is missing here gets an empty
+        default in its row.
+    prefix
+        The text before each key, e.g. "compute." for the keys of that section.
     """
     rows: list[Row] = []
     for name, field in model.model_fields.items():
@@ -97,7 +106,7 @@ def _type(field: FieldInfo) -> str:
 
 
 def _bounds(field: FieldInfo) -> Iterator[str]:
-    """The bounds of a value, in words."""
+    """Yield the bounds of a field's value in words, e.g. "≥ 0", "not empty", or each option."""
     kind = bare_type(field.annotation)
     if get_origin(kind) is Literal:
         yield from (f"`{option}`" for option in get_args(kind))
@@ -112,7 +121,7 @@ def _bounds(field: FieldInfo) -> Iterator[str]:
 
 
 def _nested(annotation: Any) -> Iterator[Any]:
-    """The bounds inside a type: of the items of a list, or of a type that also allows null."""
+    """Yield pydantic's bounds inside a type: of a list's items, or of a type that allows null."""
     for argument in get_args(annotation):
         yield from argument.metadata if isinstance(argument, FieldInfo) else _nested(argument)
     if get_origin(annotation) is Annotated:
@@ -120,7 +129,7 @@ def _nested(annotation: Any) -> Iterator[Any]:
 
 
 def _shown(value: Any) -> str:
-    """A default as a user would write it."""
+    """Return a default value as a user would write it; a hint at `--cfg` if it is too long."""
     if value is None:
         text = "null"
     elif isinstance(value, bool):

@@ -1,11 +1,12 @@
-"""Find studies by name: built-in ones, and entry points `owtsweep.studies` of other packages.
+"""Find studies by name: built-in studies, and those of other packages by their entry points.
 
 A package adds a study with two lines in its pyproject.toml,
 
     [project.entry-points."owtsweep.studies"]
     tower = "tower_study:TowerStudy"
 
-and a Hydra tree in the folder `conf` beside that module. Its primary file is sweep.yaml.
+and with YAML files for Hydra in the folder `conf` beside that module. Their primary file is
+sweep.yaml.
 """
 
 from __future__ import annotations
@@ -40,9 +41,10 @@ class Entry:
     target
         "module:Class"; the class is called without arguments.
     primary
-        The primary file of its tree; if it is not "sweep", the subcommand of that name runs it.
+        The name of the primary file of the study's tree, which is also the name of the subcommand
+        that runs the study.
     implied
-        Overrides that select this study in its tree.
+        Overrides that select this study in a tree that several studies share.
     package
         The distribution that contains the study; "" for a built-in study.
     """
@@ -62,17 +64,18 @@ OURS = {
 
 
 def names() -> list[str]:
-    """The names of all studies: built-in ones first, then those of other packages."""
+    """Return the names of all studies: first built-in studies, then those of other packages."""
     return [*OURS, *sorted({name for name, _ in _of_others()})]
 
 
 def find_entry(name: str) -> Entry:
-    """The entry of the study of that name.
+    """Return the entry of the study called `name`.
 
     Raises
     ------
     InputError
-        If there is none (with the nearest name and all names), or if several packages have one.
+        If there is no such study, or if several packages have one. In the first case the message
+        lists all names, after the most similar one.
     """
     if name in OURS:
         return OURS[name]
@@ -86,7 +89,7 @@ def find_entry(name: str) -> Entry:
 
 
 def get_study(name: str) -> Study:
-    """The study of that name; only what it needs is imported.
+    """Import the study called `name`, make it, and return it; no other study is imported.
 
     Raises
     ------
@@ -107,12 +110,14 @@ def get_study(name: str) -> Study:
 
 @contextmanager
 def blame_package(name: str) -> Iterator[None]:
-    """Turn any error in a study of another package into one line that names the package.
+    """Turn any error inside the context into one line that names the package of a study.
+
+    `name` is the name of the study. If the study is built in, its errors are not changed.
 
     Raises
     ------
     InputError
-        Instead of any error inside the context; errors of built-in studies are not changed.
+        If there is an error inside the context, and the study is of another package.
     """
     try:
         yield
@@ -128,7 +133,10 @@ def blame_package(name: str) -> Iterator[None]:
 
 
 def _of_others() -> list[tuple[str, Entry]]:
-    """Names and entries of other packages' studies, without those named like a built-in study."""
+    """Return the names and entries of other packages' studies.
+
+    A study that has the name of a built-in study is left out.
+    """
     return [
         (point.name, Entry(point.value, package=point.dist.name if point.dist else point.value))
         for point in entry_points(group=GROUP)
@@ -137,18 +145,18 @@ def _of_others() -> list[tuple[str, Entry]]:
 
 
 def _lacks(study: Any) -> list[str]:
-    """The members of the protocol `Study` that an object lacks."""
+    """Return the sorted names of those members of the protocol `Study` that an object lacks."""
     protocol = {*Study.__annotations__, *(n for n in vars(Study) if not n.startswith("_"))}
     return sorted(member for member in protocol if not hasattr(study, member))
 
 
 def find_tree(name: str) -> Tree:
-    """The Hydra tree of a study.
+    """Return the tree of YAML files of the study called `name`.
 
     Raises
     ------
     InputError
-        As `get_study`, or if the study has no tree.
+        If there is no such study, the study does not work, or it has no tree.
     """
     entry, model = find_entry(name), get_study(name).config_type()
     if entry.package:

@@ -1,4 +1,7 @@
-"""One reader per file format; `open_table` chooses by the extension, then by the content."""
+"""Open recorded motion in any file format, each of which has a reader of its own.
+
+`open_table` chooses the reader by the file's extension, then by the content.
+"""
 
 from __future__ import annotations
 
@@ -29,12 +32,13 @@ READERS = {
 
 
 def open_table(path: str | Path) -> ChannelTable:
-    """Open a file of channels.
+    """Open a file of channels: read their names and units, but not yet their numbers.
 
     Raises
     ------
     InputError
-        If it is no file, is empty, is not what its extension says, or has too many channels.
+        If the path is no file, or the file may not be read, is empty, has an unknown extension, is
+        not what its extension says, or has too many channels.
     """
     path = Path(path)
     require_regular(path)

@@ -34,15 +34,17 @@ HEADERS: dict[tuple[int, int], Callable[[Any], tuple[Any, ...]]] = {
 
 
 def open_npz(path: Path) -> ChannelTable:
-    """Open a NumPy archive of arrays of equal length n.
+    """Open a NumPy archive of arrays that all have the same number n of rows.
 
-    An array of shape (n,) is one channel. An array of shape (n, 2) becomes the channels name_x and
-    name_y.
+    An array of shape (n,) becomes one channel, called like the array. An array of shape (n, 2) or
+    (n, 3) becomes the channels name_x, name_y and name_z. One with more columns becomes name_1,
+    name_2, ... Arrays that hold no numbers or have more than two dimensions are left out.
 
     Raises
     ------
     InputError
-        For a damaged archive, pickled objects, or arrays of different lengths.
+        If the archive is damaged, holds pickled objects or no array of numbers, or if its arrays
+        differ in their number of rows.
     """
     places: dict[str, tuple[str, int | None]] = {}  # channel -> member, column
     lengths: set[int] = set()
@@ -83,14 +85,14 @@ def open_npz(path: Path) -> ChannelTable:
 
 
 def require_channels(path: Path, count: int) -> None:
-    """Check that a file does not announce more than `MOST_CHANNELS`."""
+    """Raise `InputError` if a file announces more than `MOST_CHANNELS` channels."""
     if count > MOST_CHANNELS:
         raise refuse(path, f"has {count} channels; at most {MOST_CHANNELS} are read")
 
 
 @contextmanager
 def _reading(path: Path) -> Iterator[None]:
-    """Turn the errors that a damaged archive raises into one line."""
+    """Turn errors that a damaged NumPy archive raises inside the context into an `InputError`."""
     try:
         yield
     except InputError:
@@ -105,9 +107,16 @@ def _reading(path: Path) -> Iterator[None]:
 def _find_shape(
     path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo
 ) -> tuple[int, ...] | None:
-    """The shape that a member's header announces; None if it holds no channels.
+    """Return the shape that the header of an archive's member announces.
 
-    The header may lie, so it is held against the size of the member before numpy believes it.
+    Return None if the member is left out: an array that does not hold plain numbers, or that has
+    neither one nor two dimensions.
+
+    Raises
+    ------
+    InputError
+        If the member holds pickled objects, fewer bytes than its header announces, or too many
+        numbers.
     """
     with archive.open(member) as stream:
         read_header = HEADERS.get(np.lib.format.read_magic(stream))
@@ -129,13 +138,14 @@ def _find_shape(
 def open_parquet(path: Path) -> ChannelTable:
     """Open a Parquet file.
 
-    Units come from the fields' metadata (`unit` or `units`). Timestamps become seconds from the
-    first one.
+    The unit of a column is the entry `unit` or `units` of the field's metadata. Timestamps become
+    seconds since the first timestamp.
 
     Raises
     ------
     InputError
-        If the file is damaged; on loading, also if a column does not hold numbers.
+        If the file is damaged or has too many columns. Loading raises it too, if the file is
+        damaged or a column does not hold numbers.
     """
     import pyarrow as pa
     from pyarrow import parquet
@@ -153,7 +163,7 @@ def open_parquet(path: Path) -> ChannelTable:
         stated = metadata.get(b"unit", metadata.get(b"units", b"")).decode(errors="replace")
         units.append("s" if pa.types.is_timestamp(field.type) else stated)
     names = number_repeats(schema.names)
-    # Texts may hold numbers. As a dictionary, one long text that stands in all rows is read once.
+    # Texts may hold numbers. As a dictionary, a long text that all rows repeat is read only once.
     is_text = (pa.types.is_string, pa.types.is_large_string)
     texts = [field.name for field in schema if any(test(field.type) for test in is_text)]
 
@@ -172,11 +182,20 @@ def open_parquet(path: Path) -> ChannelTable:
 
 
 def _load_column(path: Path, file: Any, place: int, rows: int | None) -> Array:
-    """One column, read in batches: a page may unpack to far more rows than are wanted."""
+    """Return the first `rows` numbers of a column; None returns at most `MOST_VALUES`.
+
+    `place` is the number of the column, from 0. The column is read in batches, because a page of
+    the file may unpack to far more rows than are wanted.
+
+    Raises
+    ------
+    InputError
+        If the column does not hold numbers.
+    """
     import pyarrow as pa
 
     field = file.schema_arrow.field(place)
-    number = file.schema_arrow.names[:place].count(field.name)  # among columns of that name
+    number = file.schema_arrow.names[:place].count(field.name)  # among the columns of the same name
     is_time = pa.types.is_timestamp(field.type)
     parts: list[Any] = []
     count, most = 0, MOST_VALUES if rows is None else rows

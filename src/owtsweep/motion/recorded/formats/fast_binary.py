@@ -2,18 +2,18 @@
 
 The layout, little-endian and without padding (OpenFAST, NWTC library, subroutine WrBinFAST):
 
-    int16    kind: 1 with time; 2 without time; 3 without time, uncompressed; 4 as 2, with
-             the length of the names
+    int16    kind: 1 with time; 2 without time; 3 without time, uncompressed; 4 like kind 2,
+             but the next number says how long names are
     int16    length of names and units (only in kind 4; 10 otherwise)
     int32    number of channels besides time; int32 number of time steps
-    float64  kind 1: scale and offset of time; else first time and time step
+    float64  scale and offset of time (kind 1), or first time and time step in s (other kinds)
     float32  scales, then float32 offsets of the channels (not kind 3)
     int32    length of the description, then its characters
     chars    names of time and the channels, then their units
     int32    packed time of every step (kind 1)
     int16    packed values (float64 in kind 3), the channels of one step together
 
-A value is (packed - offset) / scale.
+In kinds 1, 2 and 4 a value is (packed - offset) / scale, and so is the time of kind 1.
 """
 
 from __future__ import annotations
@@ -36,7 +36,24 @@ SHORT = 10  # characters of a name in kinds 1 to 3
 
 @dataclass(frozen=True)
 class Header:
-    """The header of a file; `first` is the byte at which the numbers begin."""
+    """The header of a FAST binary file with n channels besides time.
+
+    Attributes
+    ----------
+    kind
+        The kind of file, 1 to 4.
+    steps
+        The number of time steps.
+    clock
+        In kind 1 the scale and offset of time; else the first time and the time step, in s.
+    scale, offset
+        Shape (n,): (packed value - offset) / scale is the value of a channel.
+    names, units
+        The names and units of time and the n channels, in this order; a unit is "" if the file
+        states none.
+    first
+        The byte of the file at which the numbers begin.
+    """
 
     kind: int
     steps: int
@@ -130,7 +147,10 @@ def _load(
 
 
 def _decode(raw: bytes) -> str:
-    """Decode a name or unit from UTF-8, else from Latin-1; FAST versions write N·m differently."""
+    """Return a name or unit, decoded from UTF-8 if possible, else from Latin-1.
+
+    Versions of FAST differ in how they encode the point in N·m.
+    """
     try:
         return raw.decode("utf-8").strip("\0 ")
     except UnicodeDecodeError:

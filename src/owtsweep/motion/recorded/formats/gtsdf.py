@@ -1,11 +1,12 @@
 """Read HDF5 in the General Time Series Data Format (gtsdf), which HAWC2 writes as .hdf5.
 
-The groups block0000, block0001, ... hold `data` (observations, attributes) and the attributes
-`time_step` and `time_start`. They may also hold `time` (0, 1, 2, ... if absent), `gains` and
-`offsets`. Then time = time_start + time_step * time and value = data * gain + offset. In integer
-data the largest value of the type means missing. The root holds `attribute_names` and
-`attribute_units`, without time. The documentation of DTU's Wind Energy Toolbox (wetb.gtsdf) defines
-the format.
+Each of the groups block0000, block0001, ... holds the table `data`, with one row per time step and
+one column per channel, and the HDF5 attributes `time_step` and `time_start`. A group may also hold
+the vectors `time` (0, 1, 2, ... if absent), `gains` and `offsets`. The time of a row is
+time_start + time_step * time, and the value of a channel is data * gain + offset. In integer data
+the largest value of the type means that a value is missing. The root holds the channels'
+`attribute_names` and `attribute_units`; time is not among these. The documentation of DTU's Wind
+Energy Toolbox (wetb.gtsdf) defines the format.
 """
 
 from __future__ import annotations
@@ -29,17 +30,18 @@ from owtsweep.motion.recorded.formats.table import (
 )
 
 TIME = "Time"
-#: Bytes of a name or unit; an array of longer ones is not read.
+#: Most bytes of a name or unit. An array whose texts may be longer is not read.
 LONGEST_WORD = 1024
 
 
 def open_gtsdf(path: Path) -> ChannelTable:
-    """Open a gtsdf file; needs h5py.
+    """Open a gtsdf file with the package h5py.
 
     Raises
     ------
     InputError
-        If h5py is not installed, the file is not HDF5 or not gtsdf, or it links to other files.
+        If h5py is not installed, or the file is not HDF5, is not gtsdf, has too many channels, or
+        holds links where data should be.
     """
     try:
         import h5py
@@ -70,7 +72,7 @@ def open_gtsdf(path: Path) -> ChannelTable:
 
 @contextmanager
 def _reading(path: Path) -> Iterator[None]:
-    """Turn the errors that h5py raises for a damaged file into one line."""
+    """Turn errors that h5py raises for a damaged file into an `InputError`."""
     try:
         yield
     except InputError:
@@ -82,7 +84,13 @@ def _reading(path: Path) -> Iterator[None]:
 
 
 def _open_data(path: Path, file: Any, block: str) -> Any:
-    """The table of numbers of a block."""
+    """Return the HDF5 dataset of a block: one row per time step, one column per channel.
+
+    Raises
+    ------
+    InputError
+        If the block holds no table of numbers.
+    """
     import h5py
 
     group = _follow(path, file, block)
@@ -93,12 +101,12 @@ def _open_data(path: Path, file: Any, block: str) -> Any:
 
 
 def _follow(path: Path, group: Any, name: str) -> Any:
-    """A member of a group; None if there is none.
+    """Return the member `name` of an HDF5 group; None if the group has no such member.
 
     Raises
     ------
     InputError
-        If it would read another file, which may be anything, or unpack to more than fits.
+        If the member is a link, might read another file, or is stored in too large pieces.
     """
     import h5py
 
@@ -117,7 +125,11 @@ def _follow(path: Path, group: Any, name: str) -> Any:
 
 
 def _read_words(path: Path, file: Any, key: str, count: int) -> list[str]:
-    """Read the names or the units of `count` channels; each is "" if the file states none."""
+    """Return the names or the units of `count` channels, stripped of blanks.
+
+    `key` is the name of the dataset that holds them. If the file has no such dataset of `count`
+    texts, or the texts may be too long, each name or unit is "".
+    """
     words = _follow(path, file, key)
     if words is None or words.shape != (count,) or words.dtype.itemsize > LONGEST_WORD:
         return [""] * count
@@ -126,7 +138,13 @@ def _read_words(path: Path, file: Any, key: str, count: int) -> list[str]:
 
 
 def _read_vector(path: Path, group: Any, name: str, count: int) -> Array | None:
-    """(count,) the first numbers of a member of a block; None if there is none."""
+    """Return the first `count` numbers of a member of a block; None if there is no such member.
+
+    Raises
+    ------
+    InputError
+        If the member does not hold so many numbers.
+    """
     vector = _follow(path, group, name)
     if vector is None:
         return None

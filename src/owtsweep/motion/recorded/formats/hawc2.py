@@ -25,16 +25,26 @@ from owtsweep.motion.recorded.formats.table import ChannelTable, number_repeats,
 
 SUMMARY_LINE = 8
 FIRST_CHANNEL = 12
-#: A .sel file takes some 150 bytes a channel.
+#: Most bytes of a .sel file, which needs some 150 bytes per channel.
 MOST_BYTES = 1 << 24
 NAME, UNIT = slice(12, 43), slice(43, 54)
 
 
 @dataclass(frozen=True)
 class Selection:
-    """The content of a .sel file: number of scans, channels, scale factors, duration in s.
+    """The content of a .sel file with n channels.
 
-    `factors` is None if the numbers in the .dat file are ASCII.
+    Attributes
+    ----------
+    scans
+        The number of scans, i.e. of time steps.
+    names, units
+        The name and the unit of each channel; a unit is "" if the file states none.
+    factors
+        Shape (n,), the factor by which the stored numbers of each channel are to be multiplied;
+        None if the .dat file holds text, whose numbers need no factor.
+    duration
+        The duration of all scans, in s.
     """
 
     scans: int
@@ -45,9 +55,9 @@ class Selection:
 
 
 def find_companion(path: Path, suffix: str) -> Path | None:
-    """Return the file of equal name with the extension `suffix`, in lower or upper case.
+    """Return the path with its extension replaced by `suffix`, in lower or upper case.
 
-    Returns None if there is no such file.
+    Return None if neither of these files exists.
     """
     candidates = (path.with_suffix(suffix), path.with_suffix(suffix.upper()))
     return next((candidate for candidate in candidates if candidate.exists()), None)
@@ -59,7 +69,8 @@ def open_hawc2(path: Path) -> ChannelTable:
     Raises
     ------
     InputError
-        If the other file is missing, the .sel file is not HAWC2's, or the .dat file is cut short.
+        If the other file is missing, the .sel file is not HAWC2's, or the .dat file is empty or cut
+        short.
     """
     wanted = ".dat" if path.suffix.lower() == ".sel" else ".sel"
     other = find_companion(path, wanted)
@@ -153,9 +164,9 @@ def _load_text(
 def _restore_time(values: Array, place: int, selection: Selection) -> Array:
     """Return the time channel at full resolution, and any other channel as it is.
 
-    The file stores time in 16 bits or 6 digits, so times repeat in a long file. They are replaced
-    by uniform times, duration / scans apart, if these equal the stored times apart from rounding.
-    `place` is the number of the channel, from 0.
+    HAWC2 stores time in 16 bits or 6 digits, so times repeat in a long file. Uniform times, with a
+    step of duration / scans, replace the stored times if the two differ only by rounding. `place`
+    is the number of the channel, from 0.
     """
     if place != 0 or not selection.names[0].lower().startswith("time") or not len(values):
         return values

@@ -1,4 +1,7 @@
-"""The bytes of a text file, unpacked if it is compressed, and never more than a table can have."""
+"""Read the bytes of a text file, which are unpacked if the file is compressed.
+
+A file that would unpack to too many bytes, or has a line longer than any table's, is refused.
+"""
 
 from __future__ import annotations
 
@@ -12,17 +15,19 @@ from pathlib import Path
 from owtsweep.io.reading import require_regular
 from owtsweep.motion.recorded.formats.table import refuse, shorten
 
-#: Bytes of a longest line, and of the blocks that are read at once.
+#: Most bytes of a line, and the number of bytes that are read at once.
 BLOCK = 1 << 22
-#: A compressed file may unpack to this many bytes, or to this many times its size if that is more.
+#: A compressed file may unpack to `MOST_UNPACKED` bytes, or to `MOST_TIMES` times its size if that
+#: is more.
 MOST_UNPACKED, MOST_TIMES = 150_000_000, 50
 
 
 class TextStream(io.RawIOBase):
-    """The bytes of a text file.
+    """The bytes of a text file, unpacked if the file's name ends in .gz.
 
-    Reading raises `InputError` if the file is damaged, unpacks to too much (see `MOST_TIMES`), or
-    has a line longer than `BLOCK`, for which a parser would ask for any amount of memory.
+    Reading raises `InputError` if the file is damaged, or has a line of more than `BLOCK` bytes,
+    for which a parser might need any amount of memory. So does a compressed file that unpacks to
+    more than `MOST_UNPACKED` bytes and to more than `MOST_TIMES` times its size.
     """
 
     def __init__(self, path: Path) -> None:
@@ -36,11 +41,17 @@ class TextStream(io.RawIOBase):
         self._line = 0
 
     def readable(self) -> bool:
-        """True, as pandas wants to know."""
+        """Return True, since the stream can be read; pandas asks."""
         return True
 
     def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
-        """Fill a buffer with the next bytes; return their number, 0 at the end."""
+        """Write the next bytes into a buffer; return their number, which is 0 at the end.
+
+        Raises
+        ------
+        InputError
+            If the file is damaged, unpacks to too many bytes, or has too long a line.
+        """
         try:
             chunk = self._source.read(len(buffer))
         except (OSError, EOFError, zlib.error) as error:
@@ -60,13 +71,13 @@ class TextStream(io.RawIOBase):
         return len(chunk)
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file and the stream."""
         self._source.close()
         super().close()
 
 
 def read_blocks(path: Path) -> Iterator[bytes]:
-    """The text in blocks of whole lines, about `BLOCK` bytes each."""
+    """Yield a text file, unpacked, in blocks of whole lines, of about `BLOCK` bytes each."""
     rest = b""
     with TextStream(path) as stream:
         while chunk := stream.read(BLOCK):

@@ -1,4 +1,4 @@
-"""The opened file of channels: names and units have been read, numbers are read on demand."""
+"""The opened file of channels. Names and units have been read; numbers are read on demand."""
 
 from __future__ import annotations
 
@@ -9,15 +9,16 @@ from pathlib import Path
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, printable
 
-#: At most this many numbers are read from a file: rows times channels that are used, 8 bytes each.
+#: At most this many numbers of 8 bytes are read from a file: rows times channels that are used.
 MOST_VALUES = 200_000_000
-#: A regular grid of times, the record's own or the IMU's, has at most this many steps. A replay
-#: takes some 160 bytes a step.
+#: A regular grid of times (of the record, or of the IMU) has at most this many steps. A replay
+#: needs some 160 bytes per step.
 MOST_STEPS = 50_000_000
 MOST_CHANNELS = 10_000
-#: Longer names and units of channels are cut.
+#: Names and units of channels are cut to this many characters.
 LONGEST_NAME = 200
-#: `load(names, rows)` returns name -> (n,) float64. It reads at most `rows` rows; None reads all.
+#: `load(names, rows)` returns name -> float64 array of shape (n,). The number n of rows is at most
+#: `rows`; None reads all rows.
 Load = Callable[[Sequence[str], int | None], Mapping[str, Array]]
 
 
@@ -38,7 +39,7 @@ class ChannelTable:
     load
         Reads the named channels in the file's units; missing values are NaN.
     rows
-        The number of rows that the file announces; None if only reading it tells.
+        The number of rows that the file announces; None if it announces none, as text does.
     """
 
     path: Path
@@ -54,7 +55,7 @@ class ChannelTable:
 
 
 def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names with repetitions numbered: `a, a` becomes `a, a (2)`."""
+    """Return the names, with repeated names numbered: `a, a` becomes `a, a (2)`."""
     seen: dict[str, int] = {}
     result = []
     for name in names:
@@ -64,12 +65,14 @@ def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def make_safe(table: ChannelTable) -> ChannelTable:
-    """A table that never loads more than `MOST_VALUES`, with names and units that can be printed.
+    """Return a copy of a table with printable names and units, and a limit to what it loads.
+
+    The copy's `load` raises `InputError` if it would load more than `MOST_VALUES` numbers.
 
     Raises
     ------
     InputError
-        If it has more than `MOST_CHANNELS`; and `load`, if it would load more than `MOST_VALUES`.
+        If the table has more than `MOST_CHANNELS` channels.
     """
     if len(table.names) > MOST_CHANNELS:
         many = len(table.names)
@@ -91,9 +94,9 @@ def make_safe(table: ChannelTable) -> ChannelTable:
 
 
 def require_room(path: Path, rows: int, channels: int, whole: int | None = None) -> None:
-    """Check that so many rows of so many channels are not more than `MOST_VALUES`.
+    """Raise `InputError` if `rows` times `channels` exceeds `MOST_VALUES`.
 
-    `whole` is the number of all rows, for the message; None if it is not clear.
+    `whole` is the number of all rows of the file, for the message; None if that is not known.
     """
     if rows * channels <= MOST_VALUES:
         return
@@ -107,7 +110,7 @@ def require_room(path: Path, rows: int, channels: int, whole: int | None = None)
 
 
 def tidy(text: str) -> str:
-    """A name or unit that can be printed, cut to `LONGEST_NAME`."""
+    """Return a name or unit that can be printed, cut to `LONGEST_NAME` characters and "..."."""
     text = printable(text)
     return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."
 
@@ -118,5 +121,5 @@ def shorten(error: Exception, length: int = 120) -> str:
 
 
 def refuse(path: Path, reason: str) -> InputError:
-    """Make the error to raise for a file; the message is the file's path, then the reason."""
+    """Return the error to raise for a file; the message is the file's path, then the reason."""
     return InputError(f"{path}: {reason}")

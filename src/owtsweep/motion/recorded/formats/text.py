@@ -1,8 +1,8 @@
 """Read text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed.
 
-The reader finds the layout from the first lines. Data begin at the first two lines that hold mostly
-numbers and have the same number of fields. The line above them holds the names; if it holds units,
-the names are one line higher. Anything above the names is skipped.
+The reader finds the layout from the first lines. The data begin at the first two lines that have
+equally many fields, mostly numbers. The line above the data holds the names of the columns. If that
+line holds units, the names are one line higher. Anything above the names is skipped.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ MISSING = (
 
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?$")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?$")
-#: Such a number may also have a comma between its thousands.
+#: Numbers with a comma that may be a decimal comma, or may separate thousands.
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}$")
 _INTEGER = re.compile(r"[+-]?\d+$")
 _TIME = re.compile(r"\W*(t|time.*)$", re.IGNORECASE)
@@ -58,7 +58,7 @@ class Layout:
     first
         Number of lines above the data.
     names, units
-        Of each column; a unit is "" if the file states none.
+        The name and the unit of each column; a unit is "" if the file states none.
     decimal
         "." or ",": the character between the whole part of a number and the rest.
     """
@@ -76,7 +76,8 @@ def open_text(path: Path) -> ChannelTable:
     Raises
     ------
     InputError
-        If the file is empty, has no two lines of numbers, or what its commas mean is not clear.
+        If the file is empty, is not text in UTF-8 or Latin-1, has no table of numbers, or has
+        commas whose meaning is not clear.
     """
     layout = find_layout(path, _read_head(path))
     load = partial(_load_blanks if layout.delimiter == " " else _load_delimited, path, layout)
@@ -87,7 +88,13 @@ def open_text(path: Path) -> ChannelTable:
 
 
 def _read_head(path: Path) -> list[str]:
-    """Read the first lines of a file, at most `HEAD` bytes; an incomplete last line is dropped."""
+    """Return the first lines of a text file, at most `HEAD` bytes, without a cut last line.
+
+    Raises
+    ------
+    InputError
+        If the file is empty, is UTF-16, or holds binary data.
+    """
     with TextStream(path) as stream:
         raw = stream.read(HEAD)
     if not raw.strip():
@@ -97,7 +104,7 @@ def _read_head(path: Path) -> list[str]:
     if b"\0" in raw:
         raise refuse(path, "holds binary data, not text; give it the extension of its format")
     try:
-        text = codecs.getincrementaldecoder("utf-8-sig")().decode(raw)  # its end may be cut
+        text = codecs.getincrementaldecoder("utf-8-sig")().decode(raw)  # the last letter may be cut
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
@@ -105,22 +112,24 @@ def _read_head(path: Path) -> list[str]:
 
 
 def split_fields(line: str, delimiter: str) -> list[str]:
-    """Split a line into fields, and remove blanks and quotes around each field."""
+    """Return the fields of a line, without blanks and quotes around a field."""
     if delimiter == " ":
         return [field.strip('"') for field in line.split()]
-    if '"' in line and len(line) < 100_000:  # the module csv has a limit to a field
+    if '"' in line and len(line) < 100_000:  # the module csv limits the length of a field
         quoted = next(csv.reader([line.strip("\r\n")], delimiter=delimiter, skipinitialspace=True))
         return [field.strip() for field in quoted]
     return [field.strip().strip('"').strip() for field in line.rstrip("\r\n").split(delimiter)]
 
 
 def find_layout(path: Path, lines: list[str]) -> Layout:
-    """Find delimiter, names, units, the decimal character and the first line of the data.
+    """Find the delimiter, names, units, decimal character and first line of data of a text table.
+
+    `lines` are the first lines of the file.
 
     Raises
     ------
     InputError
-        If there is no table of numbers, or what its commas mean is not clear.
+        If the lines hold no table of numbers, or commas whose meaning is not clear.
     """
     written = [(number, line) for number, line in enumerate(lines) if line.strip()]
     for place, (first, line) in enumerate(written):
@@ -145,12 +154,14 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
 
 
 def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
-    """The decimal character of the numbers at the beginning of the data.
+    """Return the decimal character of the numbers at the beginning of the data: "." or ",".
+
+    `data` holds the fields of each line; `first` is the number of the first of these lines, from 0.
 
     Raises
     ------
     InputError
-        If some have a comma and others a point, or a comma may stand between thousands.
+        If some numbers have a comma and others a point, or all commas may separate thousands.
     """
     commas = [field for fields in data for field in fields if _DECIMAL_COMMA.match(field)]
     if not commas:
@@ -160,7 +171,7 @@ def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
     hint = "write numbers with a point, and no other character"
     if point is not None:
         if commas[0] not in data[0]:
-            return "."  # a text further down
+            return "."  # the comma is in a text further down
         raise refuse(path, f"line {first + 1} on has numbers like {commas[0]} and {point}: {hint}")
     if all(_THOUSANDS.match(field) for field in commas):
         whole = commas[0].replace(",", "")
@@ -170,9 +181,10 @@ def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
 
 
 def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: str) -> None:
-    """Raise if commas stand between the columns and inside the numbers: `0,05,1,25` is not clear.
+    """Raise `InputError` if commas between columns may also be decimal commas, as in `0,05,1,25`.
 
-    The sign is a header with a time and fewer names than the numbers below it have parts.
+    This is assumed if the line of data holds only integers, and the header names a time but has
+    fewer names than the line has fields, though at least half as many.
     """
     names = split_fields(header.lstrip("#!%").strip(), ",")
     parts = len(fields)
@@ -198,14 +210,14 @@ def _find_delimiter(line: str) -> str:
 
 def _is_data(fields: list[str]) -> bool:
     numbers = sum(1 for f in fields if _NUMBER.match(f) or _DECIMAL_COMMA.match(f))
-    missing = sum(1 for f in fields if f in MISSING)  # none of these looks like a number
+    missing = sum(1 for f in fields if f in MISSING)  # no text in MISSING looks like a number
     return numbers > 0 and 2 * (numbers + missing) >= len(fields)
 
 
 def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
-    """Read names and units of `count` columns from the lines above the data.
+    """Return the names and the units of `count` columns, read from the lines above the data.
 
-    Without names, the columns are called 1, 2, 3, ...
+    If no line holds names, the columns are called 1, 2, 3, ... A unit is "" if none is stated.
     """
     rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above[-2:]]
     units = [""] * count
@@ -225,7 +237,11 @@ def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[st
 
 
 def _holds_units(rows: list[list[str]]) -> bool:
-    """Whether the last of these rows holds units: in brackets, or below a row of as many names."""
+    """Return whether the last row holds units.
+
+    It does if all its fields are in brackets, or if all are known units and the row above it has
+    equally many fields.
+    """
     last = [field for field in rows[-1] if field not in ("", "-")]
     if all(_BRACKETED.match(field) for field in last):
         return True
@@ -236,9 +252,9 @@ def _holds_units(rows: list[list[str]]) -> bool:
 def _load_delimited(
     path: Path, layout: Layout, names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """Load columns with pyarrow, block by block, so that only the wanted ones use memory.
+    """Load columns with pyarrow, block by block, so that only the wanted columns use memory.
 
-    Its own streaming reader would read the file in a thread that may outlive an error.
+    The streaming reader of pyarrow is not used: its thread may outlive an error.
     """
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
@@ -278,9 +294,10 @@ def _not_numbers(path: Path, error: Exception) -> InputError:
 
 
 def _lengthen(column: Array, count: int, least: int) -> Array:
-    """Copy the first `count` values to an array twice as long, or of length `least` if longer.
+    """Return a longer array that begins with the first `count` values of `column`.
 
-    The rest of the array takes no memory until values are written to it.
+    The array is twice as long as `column`, but has at least `least` values. The part without
+    values takes no memory until values are written to it.
     """
     result = np.empty(max(2 * len(column), least))
     result[:count] = column[:count]
