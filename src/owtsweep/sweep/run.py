@@ -1,4 +1,4 @@
-"""A sweep: computes the blocks of the plan that are not stored, then writes the tables."""
+"""Runs a sweep: computes the blocks of the plan that are not stored, then writes the tables."""
 
 from __future__ import annotations
 
@@ -40,23 +40,24 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a sweep did.
+    """The outcome of a sweep.
 
     Attributes
     ----------
     run
-        The run it worked on.
+        The run to which the sweep belongs.
     computed, reused
-        Cases computed now, and cases stored before. Together with the cases of `failed` they are
-        the whole plan.
+        Number of cases that this sweep computed, and of cases that were stored before. Together
+        with the cases of `failed` they are the whole plan.
     failed
-        Cases that failed now; the next sweep tries them again.
+        Cases that failed in this sweep; the next sweep tries them again.
     seconds
-        Wall time.
+        Wall time, s.
     results
-        The rows and tables; None if no case has succeeded.
+        The rows and tables of the run; None if no case has succeeded or no tables could be made.
     unable
-        Cases, computed or stored, that have no number because their scheme cannot work there.
+        Cases, computed or stored before, that have no number because their scheme cannot compute
+        them.
     """
 
     run: Run
@@ -69,7 +70,7 @@ class Outcome:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a sweep; the message has the number of stored cases and of all cases."""
+    """The exception after Ctrl-C; its message has the numbers of stored cases and of all cases."""
 
 
 def sweep(
@@ -80,31 +81,32 @@ def sweep(
     progress: Progress | None = None,
     argv: Sequence[str] | None = None,
 ) -> Outcome:
-    """Compute the cases of a configuration that are not stored yet, and aggregate all cases.
+    """Compute the cases of a configuration that are not stored yet; make tables of all cases.
 
     Parameters
     ----------
     study, config
-        What to run; the configuration must be checked already.
+        The study and its configuration, which must be checked already.
     fresh
-        Delete the stored cases of this run first.
+        If True, the stored cases of this run are deleted first.
     progress
         Receives the progress of the sweep; by default nothing is shown.
     argv
-        The command line, for the manifest.
+        The arguments of the command line, for the manifest; None if started from Python.
 
     Returns
     -------
     Outcome
-        It lists failed cases; they raise no exception.
+        What was computed, reused and failed. A failed case raises no exception.
 
     Raises
     ------
     InputError
-        Before anything is written, if the plan is empty or the folder cannot be written.
+        Before anything is computed, if the plan is empty, the folder cannot be written or holds
+        another run, or the backend cannot be used.
     Interrupted
-        A `KeyboardInterrupt`, after the workers were stopped. Stored blocks stay, and the next
-        sweep continues from there.
+        After Ctrl-C, once the workers have stopped; this is a `KeyboardInterrupt`. Stored blocks
+        stay, and the next sweep reuses them.
     """
     plan = make_plan(study, config)
     run = Run(run_folder(config), config, study, plan)
@@ -139,11 +141,14 @@ def _prepare(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
 
 
 def _require_same_run(run: Run) -> None:
-    """Refuse a folder named by the user that holds another run: tables must not be mixed."""
+    """Raise InputError if a folder that the user named holds another run.
+
+    The tables of two runs must not be mixed.
+    """
     path = run.folder / "config.yaml"
     if path.is_file():
         plain, _ = read_stored(path)
-        # another study's keys would not be known
+        # of another study's configuration the keys would not be known
         same_study = plain.get("study") == run.config.study
         model = type(run.config)
         require(
@@ -155,7 +160,7 @@ def _require_same_run(run: Run) -> None:
 
 @dataclass
 class _Sweep:
-    """One sweep under way."""
+    """A sweep that is under way, with what it has counted so far."""
 
     run: Run
     plan: Plan
@@ -169,7 +174,7 @@ class _Sweep:
     seconds: dict[str, float] = field(default_factory=dict)
 
     def __call__(self, text: str) -> Outcome:
-        """Run it; `text` is the configuration as config.yaml has it."""
+        """Run the sweep; return its outcome. `text` is the content of config.yaml."""
         began = time.perf_counter()
         earlier = read_earlier_seconds(self.run.folder)
         labels = [block.label for block in self.plan.values()]
@@ -204,7 +209,7 @@ class _Sweep:
 
     def _compute(self, others: bool) -> None:
         store = self.run.store
-        if not others:  # what another sweep computes now counts as new
+        if not others:  # another sweep may have computed a block anew just now: keep that block
             self._drop_doubtful()
         missing = {key: block for key, block in self.plan.items() if store.status(key) != "done"}
         total = count_cases(self.plan)
@@ -222,12 +227,12 @@ class _Sweep:
                 self._take(result)
 
     def _drop_doubtful(self) -> None:
-        """Delete stored blocks that are to be computed anew, and say why."""
+        """Delete the stored blocks that must be computed anew, and log why."""
         store = self.run.store
         reasons: dict[str, int] = {}
         for key, block in self.plan.items():
             if block.anew and store.path(key).exists():
-                store.path(key).unlink(missing_ok=True)  # another sweep may be faster
+                store.path(key).unlink(missing_ok=True)  # another sweep may delete the file first
                 reasons[block.anew] = reasons.get(block.anew, 0) + block.cases
         for reason, cases in reasons.items():
             logger.warning("%d stored cases are computed anew: %s", cases, reason)
@@ -251,7 +256,7 @@ class _Sweep:
             self.progress.fail(failure.label, failure.reason, failure.cases)
 
     def _count_stored(self) -> int:
-        """How many cases the folder holds, including those of tasks that did not report."""
+        """Return the number of cases that are stored, also by tasks that did not report."""
         store = self.run.store
         present = {path.name for path in store.cases.glob("part-*.parquet")}
         there = [block for key, block in self.plan.items() if store.path(key).name in present]
@@ -260,7 +265,10 @@ class _Sweep:
         return sum(block.cases for block in there) - failed
 
     def _aggregate(self) -> Results | None:
-        """Write the study's tables, if any case has succeeded."""
+        """Write the study's tables; return the rows and the tables.
+
+        Return None, and write nothing, if no case has succeeded or the study fails at its tables.
+        """
         run = self.run
         rows, _ = run.stored()
         if rows is not None and (rows["status"] == UNABLE).any():
@@ -271,7 +279,7 @@ class _Sweep:
         try:
             with blame(run.study):
                 results = Results(rows, run.engine.tables(run.config, rows))
-        except InputError as error:  # the cases are stored; nothing of them is lost
+        except InputError as error:  # no case is lost: all are stored
             self._fail([Setback("no tables were made", str(error), 0)])
             return None
         try:

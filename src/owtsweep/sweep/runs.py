@@ -1,4 +1,4 @@
-"""A run for reading: a folder with a configuration, cases and tables."""
+"""Reads and draws a run: a folder with a configuration, cases and tables."""
 
 from __future__ import annotations
 
@@ -36,18 +36,18 @@ class Results:
 
 @dataclass(frozen=True)
 class Run:
-    """One run: finished, interrupted or still under way.
+    """A run, which may be finished, interrupted or still under way.
 
     Attributes
     ----------
     folder
         The run folder.
     config
-        The resolved configuration; it says which cases belong to the run.
+        The resolved configuration, which says which cases belong to the run.
     study
-        The study that the configuration belongs to.
+        The study to which the configuration belongs.
     stored_plan
-        The plan that the folder holds beside the configuration; None if it holds none.
+        The run's plan, if it has been made or read already; None if the folder holds no plan.
     """
 
     folder: Path
@@ -62,7 +62,7 @@ class Run:
 
     @property
     def store(self) -> Store:
-        """The shards."""
+        """The store of the run's shards."""
         with blame(self.study):
             return Store(self.folder, needed_columns(self.study, self.config))
 
@@ -72,21 +72,22 @@ class Run:
         return self.study.engine(self.config)
 
     def plan(self) -> Plan:
-        """The blocks that the run consists of, by key: as stored, or else planned anew.
+        """Return the blocks of the run by key: `stored_plan`, or a new plan if that is None.
 
         Raises
         ------
         InputError
-            If no plan is stored, and planning would need a user's scheme of the stored run.
+            If `stored_plan` is None, and a new plan needs the code of a user's scheme, which is
+            never imported when a run is read.
         """
         if self.stored_plan is None:
             return make_plan(self.study, self.config)
         return self.stored_plan
 
     def cases(self) -> pd.DataFrame:
-        """The rows of all stored cases of the plan, failed ones included, sorted by case.
+        """Return the rows of all stored cases of the plan, including failed cases, sorted by case.
 
-        Missing blocks are left out with a logged warning.
+        Blocks that are missing are left out with a logged warning.
 
         Raises
         ------
@@ -110,11 +111,11 @@ class Run:
         return rows
 
     def stored(self) -> tuple[pd.DataFrame | None, int]:
-        """The rows of `cases`, or None if there are none, and the number of missing blocks.
+        """Return the rows of all stored cases, and the number of blocks that are missing.
 
-        Only the shards of the plan are read, no other files in the folder. The rows are sorted, so
-        that sums over them do not depend on the order of the grid. Text columns are categorical, so
-        that millions of rows fit into memory.
+        The rows are None if no case is stored. Only the shards of the plan are read, no other files
+        in the folder. The rows are sorted, so that sums of rows do not depend on the order of the
+        grid. Text columns are categorical, so that millions of rows fit into memory.
         """
         rows, missing = self.store.read_all(self.plan())
         if rows is not None:
@@ -124,7 +125,10 @@ class Run:
         return rows, len(missing)
 
     def unable(self) -> list[Setback]:
-        """Stored cases that their scheme cannot compute, by block and reason; reads all shards."""
+        """Return the stored cases that their scheme cannot compute, by block and reason.
+
+        This reads all shards of the plan.
+        """
         setbacks = []
         store = self.store
         for key, block in self.plan().items():
@@ -134,45 +138,45 @@ class Run:
         return setbacks
 
     def table(self, name: str) -> pd.DataFrame:
-        """The table `<name>.csv`.
+        """Read the table `<name>.csv` of the run.
 
         Raises
         ------
         InputError
-            If the run has no such table.
+            If the run has no table of this name, or the file is damaged.
         """
         return read_table(self.folder, name)
 
     def tables(self) -> dict[str, pd.DataFrame]:
-        """All tables of the run by name; empty if no case has succeeded yet."""
+        """Read all tables of the run; return them by name, or {} if no case has succeeded yet."""
         return {
             path.stem: read_table(self.folder, path.stem)
             for path in sorted(self.folder.glob("*.csv"))
         }
 
     def draw(self, only: str | None = None, results: Results | None = None) -> list[Path]:
-        """Draw all figures of the run, or a single one, into its folder figures/.
+        """Draw all figures of the run, or a single figure, into the folder `figures` of the run.
 
         Parameters
         ----------
         only
-            The name of a single figure to draw.
+            The name of the single figure to draw; None draws all figures.
         results
-            The results to draw, if they are in memory; otherwise the shards are read.
+            The results to draw, if they are in memory. If None, the shards are read.
 
         Returns
         -------
         list of Path
-            The files. A figure that this run cannot have (e.g. because a scheme is missing) is left
-            out with a logged warning, unless it is `only`.
+            The files of the figures. If the run cannot have a figure (e.g. because a scheme is
+            missing), the figure is left out with a logged warning, unless `only` names it.
 
         Raises
         ------
         InputError
-            If the run has no finished case or no figure of that name, or its study is another
-            package's and does not work.
+            If no case has succeeded, there is no figure named `only`, or the study comes from
+            another package and does not work.
         OSError
-            If the file system refuses a file; figures that were there stay whole.
+            If the file system refuses a file; figures drawn earlier stay whole.
         """
         folder = self.folder / "figures"
         rows = results.rows if results else self._finished()
@@ -180,7 +184,7 @@ class Run:
             bool((rows["status"] == OK).any()),
             f"{self.folder}: no case has succeeded, so there is nothing to draw; see its run.log",
         )
-        # made of these rows, not read from files
+        # the tables are made of these rows, not read from files
         with blame(self.study):
             tables = results.tables if results else self.engine.tables(self.config, rows)
             drawings = self.engine.drawings(self.config, tables, rows, self.metadata())
@@ -188,13 +192,13 @@ class Run:
         return draw_each(drawings, folder, only, partial(blame, self.study))
 
     def metadata(self) -> dict[str, str]:
-        """Facts about the run that its figures store."""
+        """Return what the files of the run's figures store: the hash and the folder's name."""
         return {"run": self.hash, "folder": printable(self.folder.name)}
 
     def summary(self) -> pd.DataFrame:
-        """Means and intervals over the replicates: `summary.csv`."""
+        """Read `summary.csv`: means of the replicates, with confidence intervals."""
         return self.table("summary")
 
     def best_scheme(self) -> pd.DataFrame:
-        """The best scheme per cell of the grid: `best_scheme.csv`."""
+        """Read `best_scheme.csv`: the best scheme in each cell of the grid."""
         return self.table("best_scheme")

@@ -1,7 +1,7 @@
-"""What the columns of stored rows may hold.
+"""Checks what the columns of stored rows hold.
 
-The seal of a shard shows damage, not forgery: whoever has this package can seal other rows. So
-rows are held against this schema when they are read, and before they are stored.
+The seal of a shard shows damage, but not forgery: whoever has this package can seal other rows. So
+rows are checked when they are read, and also before they are stored.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _KINDS = {
     "bool": FLAGS,
     "null": NOTHING,
 }
-#: What `Engine.row_types` says of a column -> the kinds that it may be of.
+#: What `Engine.row_types` says of a column -> the kinds of values that the column may hold.
 _ALLOWED: Mapping[type | None, tuple[str, ...]] = {
     str: (TEXT, CATEGORIES, NOTHING),
     float: (NUMBERS, NOTHING),
@@ -38,14 +38,14 @@ Needed = Mapping[str, type | None]
 
 
 class WrongRows(Exception):
-    """Rows that no table can be made of; the message says why."""
+    """The error for rows of which no table can be made; the message says why."""
 
 
 def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
-    """The columns without which no table can be made of a study's rows.
+    """Return the columns that every row of a study must have: name -> `str`, `float` or None.
 
-    They are those that every row has, the engine's `sort_columns` and `row_types`, and the
-    conditions that do not expand.
+    None stands for any type. The columns are `status` and `reason`, those of the engine's
+    `sort_columns` and `row_types`, and the conditions that do not expand.
     """
     engine = study.engine(config)
     conditions = [c.name for c in study.conditions(config) if not c.expands]
@@ -54,12 +54,15 @@ def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
 
 
 def kinds_of(schema: Any) -> dict[str, str]:
-    """The kinds of the columns of a `pyarrow.Schema` by name.
+    """Return column name -> kind for a `pyarrow.Schema`.
+
+    A kind is "text", "categories" (coded text), "numbers", "flags", or "nothing" for a column of
+    missing values.
 
     Raises
     ------
     WrongRows
-        If two columns have one name, or one holds neither text nor numbers nor flags.
+        If two columns have equal names, or a column is of none of these kinds.
     """
     kinds: dict[str, str] = {}
     for name, type_ in zip(schema.names, schema.types, strict=True):
@@ -77,12 +80,14 @@ def kinds_of(schema: Any) -> dict[str, str]:
 
 
 def check_columns(schema: Any, needed: Needed) -> None:
-    """Check that the columns are there and of their kinds.
+    """Check that a `pyarrow.Schema` has all needed columns, and that their types are allowed.
+
+    `needed` is what `needed_columns` returns.
 
     Raises
     ------
     WrongRows
-        If one is missing or holds something else.
+        If a needed column is missing or of another type, or `kinds_of` refuses the schema.
     """
     kinds = kinds_of(schema)
     for name, type_ in needed.items():
@@ -94,12 +99,12 @@ def check_columns(schema: Any, needed: Needed) -> None:
 
 
 def check_table(table: Any, needed: Needed) -> None:
-    """Check the values of a `pyarrow.Table` whose columns were checked.
+    """Check the values of a `pyarrow.Table` whose columns `check_columns` has checked.
 
     Raises
     ------
     WrongRows
-        If a status is none of the three, or a text that the study needs is missing.
+        If there are no rows, a status is unknown, or a needed text other than `reason` is missing.
     """
     for name, type_ in needed.items():
         if type_ is str and name != "reason" and table[name].null_count:
@@ -114,7 +119,7 @@ def check_statuses(statuses: frozenset[Any]) -> None:
     Raises
     ------
     WrongRows
-        If one of them is none of the three, or there is none.
+        If there is no value, or a value is not in `STATUSES`.
     """
     if not statuses:
         raise WrongRows("it has no rows")

@@ -1,9 +1,9 @@
-"""The bytes of a shard: a Parquet file with a seal that shows any damage or mistaken identity.
+"""Makes and reads the bytes of a shard: a Parquet file with a seal that shows any damage.
 
-Parquet's page checksums cover only the pages: a flipped byte in a page header or in the footer
-(column names, row counts, our versions) is not noticed. So each file carries a seal. This is a
-digest in the file's metadata, computed over the file with zeros in place of the digest. The page
-checksums are there for other readers.
+The page checksums of Parquet cover only the pages. They do not notice a flipped byte in a page
+header or in the footer (column names, row counts, our versions). So each file carries a seal: a
+digest in the file's metadata, computed from the file with zeros in place of the digest. The file
+also has page checksums, for other readers.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ _MOST_VALUES = 20
 
 
 class DamagedShard(Exception):
-    """The bytes are not the shard they should be; the message says why."""
+    """The error for bytes that are damaged or belong to another block; the message says why."""
 
 
 def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
-    """Rows as a sealed Parquet file; equal rows and metadata give equal bytes.
+    """Return rows as the bytes of a sealed Parquet file; equal arguments give equal bytes.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
     Raises
     ------
     WrongRows
-        If a column is of a type that `decode` would refuse.
+        If two columns have equal names, or `decode` would refuse the type of a column.
     """
     # Column by column: `Table.from_pandas` takes longer than the rest of this function.
     table = pa.table({str(name): pa.array(rows[name].array, from_pandas=True) for name in rows})
@@ -72,7 +72,7 @@ def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
 
 
 def decode(data: bytes, key: str, needed: Needed) -> Any:
-    """The rows of a sealed file as a `pyarrow.Table`.
+    """Return the rows of a sealed file as a `pyarrow.Table`, after checking all bytes.
 
     Parameters
     ----------
@@ -81,14 +81,14 @@ def decode(data: bytes, key: str, needed: Needed) -> Any:
     key
         The key of the block.
     needed
-        The columns that must be there (`schema.needed_columns`).
+        The columns that the rows must have (`schema.needed_columns`).
 
     Raises
     ------
     DamagedShard
-        If any byte differs from what was written, or if it is the shard of another block.
+        If any byte differs from what was written, or the file is the shard of another block.
     WrongRows
-        If it was sealed so, but these are not a study's rows.
+        If the file is undamaged, but its rows lack needed columns or hold wrong values.
     """
     with _refusal():
         # Shards are small: Arrow's threads cost more than they save.
@@ -99,12 +99,17 @@ def decode(data: bytes, key: str, needed: Needed) -> Any:
 
 
 def read_statuses(data: bytes, key: str, needed: Needed) -> frozenset[str]:
-    """The distinct statuses of a sealed file; reads no page if all are the same.
+    """Return the distinct values of the column `status` in a sealed file.
+
+    All bytes are verified, as in `decode`. But the column is decoded only if its statistics show
+    more than one value. Parameters are those of `decode`.
 
     Raises
     ------
-    DamagedShard, WrongRows
-        As `decode`: all bytes are verified here too.
+    DamagedShard
+        If any byte differs from what was written, or the file is the shard of another block.
+    WrongRows
+        If a needed column is missing or of another type, or a status is unknown.
     """
     with _refusal():
         file = _opened(data, key, {"status": str, **needed})

@@ -1,4 +1,4 @@
-"""Identify a user's code in the key of a block by hashes of the sources that it depends on."""
+"""Hashes the sources of a user's code, so that the key of a block identifies the code."""
 
 from __future__ import annotations
 
@@ -13,19 +13,20 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-#: Stands for a source that cannot be read, e.g. of a class defined in a notebook.
+#: The stand-in for the hash of a source that cannot be read, e.g. of a class in a notebook.
 UNKNOWN = "unknown"
 
 
 def describe_source(code: type) -> dict[str, Any]:
-    """What identifies a user's class: part of the content of its blocks.
+    """Return what identifies the code of a user's class, as a part of a block's content.
 
     Returns
     -------
     dict
-        `source`: the hash of its module's source, or `UNKNOWN`. `modules`: name -> hash of each
-        other module of the user that it imports, directly or indirectly; absent if there is none.
-        `version`: the version that the class declares, as text; absent if it declares none.
+        `source`: the hash of the source of the class's module, or `UNKNOWN`. `modules`: name ->
+        hash of each other module of the user that this module imports, directly or indirectly;
+        absent if there is none. `version`: the attribute `version` of the class, as text; absent
+        if the class has none.
     """
     module = inspect.getmodule(code)
     entry: dict[str, Any] = {"source": _read_source(module or code)}
@@ -39,7 +40,10 @@ def describe_source(code: type) -> dict[str, Any]:
 
 
 def explain_doubt(code: type) -> str:
-    """Why stored results of a user's class may be stale, in one line; empty if they cannot be."""
+    """Return in one line why stored results of a user's class may be out of date.
+
+    Return "" if the class declares a version, or all its sources can be read.
+    """
     entry = describe_source(code)
     if "version" in entry:
         return ""
@@ -63,7 +67,7 @@ def _read_source(code: ModuleType | type) -> str:
 
 
 def _hash_imports(module: ModuleType) -> dict[str, str]:
-    """Name -> hash of the user's modules that a module imports, directly or indirectly."""
+    """Return name -> hash of each user's module that `module` imports, directly or indirectly."""
     hashes: dict[str, str] = {}
     waiting = [(module.__name__, _file_of(module.__name__))]
     package = module.__name__.partition(".")[0]
@@ -79,7 +83,11 @@ def _hash_imports(module: ModuleType) -> dict[str, str]:
 
 
 def _find_imports(name: str, file: Path | None) -> Iterator[str]:
-    """The modules that a file names in import statements, including those inside functions."""
+    """Yield the names of modules that a file imports, also inside functions.
+
+    `name` is the name of the file's own module. Some names may be of no module. Nothing is yielded
+    if the file is no readable Python source.
+    """
     if file is None or file.suffix != ".py":
         return
     try:
@@ -99,7 +107,7 @@ def _find_imports(name: str, file: Path | None) -> Iterator[str]:
 
 
 def _file_of(name: str) -> Path | None:
-    """The file of a module, or None if there is no such module or it has no file."""
+    """Return the file of the module `name`; None if there is no such module, or it has no file."""
     try:
         spec = importlib.util.find_spec(name)
     except (ImportError, AttributeError, ValueError):
@@ -108,7 +116,11 @@ def _file_of(name: str) -> Path | None:
 
 
 def _is_users(name: str, file: Path | None, package: str) -> bool:
-    """Whether a module belongs to the user: in the same package, or not in Python or installed."""
+    """Return whether the module `name` in `file` belongs to the user.
+
+    It does if it is in the top-level package `package`, or is not installed. Modules of Python's
+    standard library and of owtsweep, and modules without a file, never do.
+    """
     top = name.partition(".")[0]
     if file is None or top in sys.stdlib_module_names or top == "owtsweep":
         return False

@@ -1,7 +1,7 @@
 """The store of a run: a folder of immutable shards, one per block, named by the block's key.
 
-It needs no lock and no index: a shard is whole or absent, its name says what it holds, and two
-processes that write the same shard write the same rows.
+The store needs no lock and no index. A shard is whole or absent. The shard's name says what it
+holds. Two processes that write shards of one name write equal rows.
 """
 
 from __future__ import annotations
@@ -36,11 +36,12 @@ Status = Literal["missing", "done", "failed"]
 
 @dataclass(frozen=True)
 class Store:
-    """The shards of one run folder.
+    """The store of one run's shards.
 
-    Every read verifies all bytes and the key. A file that fails is renamed `*.damaged`, a warning
-    is logged, and the block counts as missing. A file that is whole, but holds no rows of this
-    study, stays and counts as missing too: it may be another version's.
+    Every read verifies all bytes and the key. If a file is damaged, it is renamed `*.damaged`, a
+    warning is logged, and the block counts as missing. If a file is whole but holds no rows of this
+    study, its block counts as missing too. But this file keeps its name, because another version of
+    the study may have written it.
 
     Attributes
     ----------
@@ -59,21 +60,21 @@ class Store:
         return self.folder / "cases"
 
     def path(self, key: str) -> Path:
-        """The path of the shard of a block."""
+        """Return the path of the shard of the block with this key; the file may not exist."""
         return self.cases / f"part-{key}.parquet"
 
     def write(self, key: str, data: bytes) -> None:
-        """Write a shard, given as the bytes that `encode` makes, whole or not at all.
+        """Write the shard of a block, whole or not at all; `data` is made by `shard.encode`.
 
         Raises
         ------
         OSError
-            If the file system refuses.
+            If the file cannot be written.
         """
         write_atomically(self.path(key), data)
 
     def read(self, key: str) -> pd.DataFrame | None:
-        """The rows of a block, exactly as written, or None if they are missing or damaged."""
+        """Read the rows of a block, exactly as written; return None if it counts as missing."""
         table = self._verified(key, decode)
         if table is None:
             return None
@@ -81,10 +82,11 @@ class Store:
         return frame
 
     def read_all(self, keys: Iterable[str]) -> tuple[pd.DataFrame | None, list[str]]:
-        """The rows of many blocks in the order of the keys, and the keys that are missing.
+        """Read the rows of many blocks, in the order of the keys.
 
-        The rows are None if all are missing. If an older shard lacks a column, its rows are empty
-        in that column. Text columns are categorical (`owtsweep.sweep.gather`).
+        Return one frame of all rows, and the keys of the blocks that are missing. The frame is None
+        if all blocks are missing. If a shard lacks a column that others have, its rows have missing
+        values there. Text columns are categorical.
         """
         missing: list[str] = []
         kinds: dict[str, str] = {}
@@ -100,9 +102,10 @@ class Store:
         return gather(tables()), missing
 
     def status(self, key: str) -> Status:
-        """Whether a block is missing, done, or failed (stored with at least one failed case).
+        """Return whether a block is "missing", "done" or "failed".
 
-        A case that its scheme cannot compute counts as done: it is not tried again.
+        A stored block is "failed" if at least one of its cases failed; otherwise it is "done". A
+        case that its scheme cannot compute does not count as failed, and is not tried again.
         """
         statuses = self.statuses(key)
         if statuses is None:
@@ -110,17 +113,20 @@ class Store:
         return "failed" if FAILED in statuses else "done"
 
     def statuses(self, key: str) -> frozenset[str] | None:
-        """The statuses of a block's cases (`owtsweep.results.status`); None if it is missing."""
+        """Return the distinct statuses of a block's cases; None if the block counts as missing."""
         return self._verified(key, read_statuses)
 
     def clear(self) -> None:
         """Delete all shards, including damaged ones."""
-        # By name, not the whole folder: other files in it are kept.
+        # Delete by name, not the whole folder: other files in the folder are kept.
         for path in self.cases.glob("*part-*.parquet*"):
             path.unlink(missing_ok=True)
 
     def _verified(self, key: str, look: Callable[[bytes, str, Needed], T]) -> T | None:
-        """The result of `look` on the shard's bytes, or None if it is missing or damaged."""
+        """Call `look` on the shard's bytes; return its result, or None if the block is missing.
+
+        A damaged shard and a shard of wrong rows count as missing, and a warning is logged.
+        """
         path = self.path(key)
         try:
             return look(read_bytes(path, MOST_BYTES), key, self.needed)
@@ -134,7 +140,10 @@ class Store:
         return None
 
     def _fits(self, key: str, table: Any, kinds: dict[str, str]) -> bool:
-        """Whether a shard's columns hold what those before it hold, which are noted in `kinds`."""
+        """Return whether the columns of a shard are of the kinds that earlier shards have.
+
+        `kinds` maps column names to the kinds seen so far; kinds of new columns are added.
+        """
         try:
             for name, kind in kinds_of(table.schema).items():
                 if kind != NOTHING and kinds.setdefault(name, kind) != kind:

@@ -1,7 +1,7 @@
-"""plan.json: the plan of a run, stored beside its configuration.
+"""Writes and reads plan.json: the plan of a run, stored beside its configuration.
 
-Who reads a run finds its cases by it, without planning anew. So nothing that the configuration
-names is imported, and a run of an older version can still be read.
+With this file, a reader of a run finds the run's cases without planning anew. So no code that the
+configuration names is imported, and a run of an older version can still be read.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.study import Block
 
 NAME = "plan.json"
-#: Most bytes of a plan: that of a hundred million cases.
+#: Most bytes of plan.json: enough for a hundred million cases.
 MOST_BYTES = 2_000_000_000
 _KEY = re.compile(r"[0-9a-f]{32}")
 
 
 def dump_plan(plan: Plan, config: Config, text: str) -> str:
-    """The content of plan.json.
+    """Return the content of plan.json as text.
 
     Parameters
     ----------
     plan
-        The blocks.
+        The blocks of the run by key.
     config
-        The configuration; it says what readers must know of the user's own code.
+        The run's configuration. Its `describe_code` says what readers must know of a user's code.
     text
         The content of config.yaml, to which the plan belongs.
     """
@@ -45,17 +45,19 @@ def dump_plan(plan: Plan, config: Config, text: str) -> str:
 
 
 def digest(text: str) -> str:
-    """The digest of a configuration's text."""
+    """Return the digest of the content of config.yaml: 32 hexadecimal digits."""
     return blake2b(text.encode(), digest_size=16).hexdigest()
 
 
 def read_stored_plan(folder: Path, text: str) -> Mapping[str, Any] | None:
-    """The content of plan.json, or None if there is none for this text of config.yaml.
+    """Read plan.json in a run folder; `text` is the content of the folder's config.yaml.
+
+    Return None if there is no plan.json, or it belongs to another content of config.yaml.
 
     Raises
     ------
     InputError
-        If the file is no plan.
+        If the file cannot be read, or is not a JSON mapping.
     """
     path = folder / NAME
     if not os.path.lexists(path):
@@ -67,12 +69,15 @@ def read_stored_plan(folder: Path, text: str) -> Mapping[str, Any] | None:
 
 
 def read_blocks(folder: Path, stored: Mapping[str, Any]) -> Plan:
-    """The blocks of a stored plan; they have no content, so they can be read but not computed.
+    """Return the blocks of a stored plan by key; `stored` is what `read_stored_plan` returns.
+
+    These blocks have no content, so their rows can be read, but not computed. `folder` is the run
+    folder; it is used in messages only.
 
     Raises
     ------
     InputError
-        If a block is not what `dump_plan` writes.
+        If there are no blocks, or a block is not of the form that `dump_plan` writes.
     """
     blocks = stored.get("blocks")
     if not isinstance(blocks, list) or not blocks:

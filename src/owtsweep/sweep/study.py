@@ -1,7 +1,7 @@
-"""The protocols that a study implements for the machinery of a sweep.
+"""Defines the protocols that a study implements for the machinery of a sweep.
 
-`owtsweep.sweep` plans, runs, stores, resumes and draws through these protocols only. It imports no
-study, and never looks inside the content of a block.
+`owtsweep.sweep` plans, runs, stores, resumes and draws through these protocols only. The package
+`owtsweep.sweep` imports no study, and never looks inside the content of a block.
 """
 
 from __future__ import annotations
@@ -32,25 +32,25 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Block:
-    """The unit of storage: what one shard holds.
+    """The unit of work and storage: a set of cases whose rows are stored in one file (shard).
 
     Attributes
     ----------
     group
-        Blocks of one group share expensive inputs (the motion and the noise of a record), so one
-        task runs them together.
+        The name of the block's group. Blocks of one group share expensive inputs (the motion and
+        the noise of a record), so one task runs them together.
     label
         The name of the block in messages.
     content
-        Everything that the block's rows depend on and nothing else, as plain JSON data. It
-        determines the block's key, so two blocks of equal content are the same block.
+        Everything that the block's rows depend on and nothing else, as plain JSON data. The content
+        determines the block's key, so two blocks of equal content count as one block.
     cases
-        How many cases it holds.
+        Number of cases of the block.
     cases_per_row
-        How many cases a row stands for; a row without a number counts as this many cases.
+        Number of cases for which one row stands, e.g. one row that says why they have no number.
     anew
-        Why the block is computed again even if it is stored, e.g. because its key cannot cover the
-        code that it depends on; empty for most blocks.
+        The reason why the block is computed again even if it is stored, e.g. because the block's
+        key cannot cover the code on which the rows depend; "" for most blocks.
     """
 
     group: str
@@ -62,43 +62,45 @@ class Block:
 
 
 def add_versions(base: int, *rooms: ModuleType) -> int:
-    """A study's `numerics_version`: its base plus the `NUMERICS_VERSION` of the packages it uses.
+    """Return a study's `numerics_version`: `base` plus the `NUMERICS_VERSION` of each module.
 
-    The sum rises as soon as one of them rises. None of them may ever be lowered.
+    `rooms` are the modules (packages of owtsweep) that the study uses. The sum rises as soon as
+    `base` or one of these numbers rises. None of them may ever be lowered.
     """
     return base + sum(int(room.NUMERICS_VERSION) for room in rooms)
 
 
 class Engine(Protocol):
-    """One way to answer a study's question, from its plan to its figures."""
+    """The interface of an engine: one way to answer a study's question, from plan to figures."""
 
-    #: Whether the rows are samples (e.g. of records), so that means over them have intervals.
+    #: Whether rows are samples (e.g. of records), so that means of rows have confidence intervals.
     samples: bool
 
     def plan(self, config: Any) -> list[Block]:
-        """All blocks of the configuration in a fixed order."""
+        """Return all blocks of the configuration in a fixed order."""
 
     def backend(self, config: Any) -> str:
-        """The joblib backend that suits the blocks: "threading" or "loky"."""
+        """Return the joblib backend that suits the blocks: "threading" or "loky" (processes)."""
 
     def run(self, config: Any, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-        """Run blocks of one group; yield each block with its rows as soon as it is done.
+        """Run blocks of one group; yield each block with its rows as soon as the block is done.
 
-        Rows have at least the columns `status` (`owtsweep.results.status`) and `reason`, which is
-        "" where the status is "ok".
+        Rows have at least the columns `status` (`owtsweep.results.status`) and `reason`. The reason
+        is "" in a row with the status "ok".
         """
 
     def sort_columns(self) -> list[str]:
-        """The columns that identify a row; rows are sorted by them before anything is summed."""
+        """Return the columns that identify a row; rows are sorted by these before any sum."""
 
     def tables(self, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Tables by name, from all rows of the plan; each is written as `<name>.csv`.
+        """Make the tables from all stored rows of the plan; return them by name.
 
-        The rows' text columns may be categorical, as in `owtsweep.sweep.runs.Run.stored`.
+        Each table is written as `<name>.csv`. Text columns of `rows` may be categorical, as in
+        `owtsweep.sweep.runs.Run.stored`.
         """
 
     def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """The result in a few lines, shown on the terminal at the end of a sweep."""
+        """Return the result in a few lines, to be shown on the terminal at the end of a sweep."""
 
     def drawings(
         self,
@@ -107,14 +109,17 @@ class Engine(Protocol):
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """Figure name -> function that draws the figure; `metadata` is stored in the files."""
+        """Return figure name -> function that draws the figure.
+
+        `metadata` is stored in the figures' files.
+        """
 
     def overview(self, config: Any) -> str:
-        """The name of the figure that shows the main result; a sweep draws it at its end."""
+        """Return the name of the figure of the main result, which a sweep draws at its end."""
 
 
 class Study(Protocol):
-    """A family of experiments with one configuration schema."""
+    """The interface of a study: a family of experiments that share one type of configuration."""
 
     name: str
     #: Increased when the columns of a shard change.
@@ -123,24 +128,26 @@ class Study(Protocol):
     numerics_version: int
 
     def config_type(self) -> type[Config]:
-        """The typed configuration, derived from `owtsweep.config.Config`."""
+        """Return the class of the study's configurations, derived from `owtsweep.config.Config`."""
 
     def conditions(self, config: Any) -> tuple[Condition, ...]:
-        """The axes of the study's grid, in the order of the tables' columns."""
+        """Return the axes of the study's grid, in the order of the tables' columns."""
 
     def engine(self, config: Any) -> Engine:
-        """The engine that plans, runs and draws this configuration."""
+        """Return the engine that plans, runs and draws this configuration."""
 
 
 @contextmanager
 def blame(study: Study) -> Iterator[None]:
-    """Turn any error in the code of another package's study into one line that names the package.
+    """Turn errors of a study from another package into one line that names this package.
+
+    Errors of owtsweep's own studies are not changed.
 
     Raises
     ------
     InputError
-        Instead of any error inside the context but those of the file system; errors of built-in
-        studies are not changed.
+        Instead of any Exception or SystemExit inside the context, except InputError and OSError,
+        which are not changed.
     """
     try:
         yield
@@ -161,29 +168,34 @@ def blame(study: Study) -> Iterator[None]:
 
 @runtime_checkable
 class Judged(Protocol):
-    """A study with published results that a run can be compared with."""
+    """The interface of a study with published results, with which a run can be compared."""
 
     def write_fidelity(
         self, config: Any, rows: pd.DataFrame, folder: Path, *, metadata: Mapping[str, str]
     ) -> list[Path]:
-        """Judge a run with samples; write `fidelity.html` and other files, and return all of them.
+        """Compare a run with the published results; write `fidelity.html` and other files.
+
+        Return the paths of all files. The rows of the run must be samples (`Engine.samples`).
 
         Parameters
         ----------
         config, rows
             The run's configuration, and its cases as `Run.cases` returns them.
         folder
-            Created if it does not exist.
+            The folder for the files, which is created if it does not exist.
         metadata
-            Stored in the figures; its `folder` names the run.
+            Facts stored in the figures' files; the entry `folder` names the run.
         """
 
 
 @runtime_checkable
 class Spectral(Protocol):
-    """A study whose schemes have error spectra that can be computed without any record."""
+    """The interface of a study that can compute error spectra of its schemes without a record."""
 
     def write_spectrum(
         self, config: Any, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
-        """Write figures and tables into a new `folder`; return the files and the text to print."""
+        """Write figures and tables of the error spectra into a new `folder`.
+
+        Return the paths of the files, and the text to print on the terminal.
+        """

@@ -1,4 +1,4 @@
-"""Find the keys in which runs differ, the order of the runs, and which runs are neighbours."""
+"""Finds the keys in which runs differ, and the pairs of runs to compare."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from owtsweep.comparing.comparison import Pair, identify
 
-#: Sections and keys that say on which grid, where and how a run is computed; these are not swept.
+#: Sections and keys that do not count as swept: they say on which grid, where and how to run.
 NOT_SWEPT = frozenset({"grid", "schemes", "compute", "results", "name", "config_version"})
 #: The name of the run folder, used as a key if no other key distinguishes two runs.
 RUN = "run"
@@ -16,7 +16,7 @@ FIRST = "first run"
 
 
 def flatten(config: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Dotted key -> value of a configuration given as nested mappings; lists count as values."""
+    """Return dotted key -> value for nested mappings; a list or an empty mapping is a value."""
     flat: dict[str, Any] = {}
     for key, value in config.items():
         if isinstance(value, Mapping) and value:
@@ -29,17 +29,18 @@ def flatten(config: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 def swept_keys(
     configs: Sequence[Mapping[str, Any]], preferred: Sequence[str] = ()
 ) -> tuple[list[str], list[str]]:
-    """The fewest keys that distinguish the configurations, and the keys that follow from them.
+    """Find a few keys that distinguish the configurations.
 
-    A tuning changes dozens of keys at once. `tuning` alone distinguishes the runs, so the others
-    follow from it. A key is kept unless the keys kept before it determine its value.
+    Return these keys, and the keys that differ too but follow from them. Keys are tried in order:
+    a key is kept unless its value is determined by the keys kept so far. For example, the key
+    `tuning` changes dozens of keys; if `tuning` is kept, those keys follow.
 
     Parameters
     ----------
     configs
         Configurations as plain mappings.
     preferred
-        Keys to consider first: the keys that the user swept.
+        Dotted keys to try first: the keys that the user swept.
     """
     flat = [
         {key: item for key, item in flatten(c).items() if key.split(".")[0] not in NOT_SWEPT}
@@ -62,15 +63,18 @@ def swept_keys(
 
 
 def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pair]:
-    """Pairs of neighbours along each key with all other keys equal; and each run with the first.
+    """Return the pairs of runs to compare.
+
+    Two runs are a pair if they differ in one key only and have neighbouring values of that key. The
+    first run is also paired with each other run.
 
     Parameters
     ----------
     places
-        For each run, the index of its value on the axis of each key
-        (`comparing.comparison.rank_values`).
+        One sequence per run, with one number per key: the rank of the run's value among all values
+        of that key (`comparing.comparison.rank_values`).
     keys
-        The keys.
+        The swept keys.
     """
     pairs = []
     for axis, key in enumerate(keys):

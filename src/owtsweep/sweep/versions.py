@@ -1,4 +1,4 @@
-"""Versions, which decide whether stored blocks equal what this program would compute now."""
+"""Compares versions: would this program compute what stored blocks hold?"""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ KINDS = ("schema_version", "numerics_version")
 
 
 def shard_metadata(study: Study) -> dict[str, str | int]:
-    """The metadata of every shard of a study, besides its key."""
+    """Return what identifies the versions of a study: its name and its two version numbers."""
     return {
         "study": study.name,
         "schema_version": study.schema_version,
@@ -28,7 +28,7 @@ def shard_metadata(study: Study) -> dict[str, str | int]:
 
 
 def all_versions(study: Study) -> dict[str, str]:
-    """The metadata of a study's shards, and the version of this package, as text."""
+    """Return the name and versions of a study, and the version of owtsweep, all as text."""
     from owtsweep import __version__
 
     entries = {**shard_metadata(study), "owtsweep_version": __version__}
@@ -36,7 +36,10 @@ def all_versions(study: Study) -> dict[str, str]:
 
 
 def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
-    """Why a worker whose versions are not the expected ones is refused; empty if they agree."""
+    """Return why a worker is refused: its versions differ from `expected`; "" if they agree.
+
+    This runs on the worker. `expected` is what `all_versions` returns for the sweep's own process.
+    """
     ours = all_versions(study)
     differing = [name for name, value in expected.items() if ours.get(name, value) != value]
     if not differing:
@@ -46,11 +49,13 @@ def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
 
 
 def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str, int]:
-    """How many of the missing cases are stored in another version: `change -> cases`.
+    """Count the missing cases that are stored in another version of the study.
+
+    Return change of version -> number of cases; a change reads like "schema version 1 -> 2".
 
     Versions are part of a block's key, so shards of other versions have names outside the plan. A
-    sample of them shows which versions exist; then the names that the missing blocks would have
-    in those versions are looked up.
+    sample of these shards shows which versions exist. Then the names that the missing blocks would
+    have in those versions are looked up. `missing` holds the blocks of `plan` that are not done.
     """
     if not missing:
         return {}
@@ -63,7 +68,7 @@ def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dic
     changes: dict[str, int] = {}
     for theirs in sorted(stored - {ours}):
         named = dict(zip(KINDS, theirs, strict=True))
-        # All of a study that a block's key depends on.
+        # A stand-in for the study: a block's key depends on these three attributes only.
         other: Any = SimpleNamespace(name=study.name, **named)
         cases = sum(
             block.cases
@@ -81,7 +86,10 @@ def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dic
 
 
 def _read_versions(path: Path, default: tuple[int, int]) -> tuple[int, int]:
-    """The schema and numerics version of a shard, or the default if the file names none."""
+    """Read the schema version and numerics version of a shard.
+
+    Return `default` if the file cannot be read or does not name both.
+    """
     import pyarrow as pa
     import pyarrow.parquet as pq
 

@@ -1,7 +1,8 @@
-"""The code of a worker (a thread, a process or another machine), which computes and stores blocks.
+"""Runs in a worker (a thread, a process or another machine): computes and stores blocks.
 
-A worker writes each shard as soon as the block is done, or returns it if it does not see the run
-folder. It catches every exception but Ctrl-C: joblib drops its whole queue if one escapes.
+A worker writes each shard as soon as the block is done. If the worker does not see the run folder,
+it returns the shard instead. A worker catches every exception but Ctrl-C: if an exception escapes,
+joblib drops its whole queue.
 """
 
 from __future__ import annotations
@@ -30,14 +31,18 @@ from owtsweep.sweep.versions import tell_other_versions
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Errors of a full disk; after one of them a sweep stops.
+#: Error numbers of a full disk or quota; after such an error a sweep stops.
 DISK_FULL = frozenset({errno.ENOSPC, errno.EDQUOT})
 NOT_COMPUTED = "not computed, because the disk is full"
 
 
 @dataclass(frozen=True)
 class Returned:
-    """A sealed shard that its worker could not put into the run folder."""
+    """A sealed shard that its worker could not write into the run folder.
+
+    `key` and `label` are those of the block, `data` are the shard's bytes, and `succeeded` is the
+    number of cases that have not failed.
+    """
 
     key: str
     label: str
@@ -47,28 +52,28 @@ class Returned:
 
 @dataclass
 class TaskResult:
-    """The result of a task; its worker fills it in.
+    """The result of a task, which the worker fills in.
 
     Attributes
     ----------
     task
-        Its number.
+        The number of the task.
     computed, reused
-        Cases computed, and cases that another sweep had stored meanwhile.
+        Number of cases computed, and of cases that another sweep had stored meanwhile.
     failures
-        Cases that failed. Unless the sweep was stopped, these are all other cases.
+        Cases that failed. Unless the sweep was stopped, these are all other cases of the task.
     details
-        A traceback, or empty.
+        Tracebacks of failed blocks; "" if there are none.
     seconds
-        Label of each computed block -> seconds.
+        Label of each computed block -> its computing time in s.
     returned
-        Shards for the coordinator to store.
+        Shards that the process of the sweep must store.
     entries
-        What was logged in a worker process.
+        Messages logged in another process or machine; empty for a thread.
     disk_full
-        Whether a shard met a full disk.
+        Whether a shard could not be written because the disk is full.
     told
-        Cases that a thread has already reported to the progress.
+        Number of cases that a thread has already reported to the progress.
     """
 
     task: int
@@ -90,15 +95,16 @@ class Work:
     Attributes
     ----------
     study, config
-        What is run.
+        The study and its configuration.
     store
-        Where the shards go.
+        The store into which the shards are written.
     metadata
-        Entries stored in every shard: the versions of the coordinator.
+        Entries stored in every shard: the versions in the process that started the sweep.
     backend
         The joblib backend: "threading", "loky" (processes) or "dask" (a cluster).
     token
-        The name of a file in the run folder; a machine that finds this file shares the folder.
+        The name of a file in the run folder; a machine that finds this file shares the folder. None
+        if there is no such file.
     """
 
     study: Study
@@ -109,7 +115,10 @@ class Work:
     token: str | None = None
 
     def shares_folder(self) -> bool:
-        """Whether the worker sees the run folder itself, not another folder with the same path."""
+        """Return whether this worker sees the run folder itself.
+
+        On another machine, a different folder may have the path of the run folder.
+        """
         if self.backend != "dask":
             return True
         return self.token is not None and (self.store.folder / self.token).is_file()
@@ -117,16 +126,21 @@ class Work:
 
 @dataclass(frozen=True)
 class Local:
-    """What only threads share with the coordinator: a stop flag and a progress callback."""
+    """What threads share with the sweep that started them: a stop flag and a progress callback.
+
+    Processes and other machines have no such object.
+    """
 
     stop: threading.Event
     tell: Callable[[int], None]
 
 
 def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) -> TaskResult:
-    """Run the blocks of one task and store each as soon as it is done.
+    """Run the blocks of one task, and store each block as soon as it is done.
 
-    A block that raises fails alone: the study then runs the blocks after it.
+    Return the result of the task, which has the number `number`. If a block raises an exception,
+    this block alone fails, and the remaining blocks are run. If the worker's versions differ from
+    those of the sweep, all blocks fail.
     """
     result = TaskResult(number)
     differs = tell_other_versions(work.study, work.metadata)
@@ -146,7 +160,7 @@ def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) 
 
 
 class _Task:
-    """A task under way."""
+    """A task that is under way in a worker."""
 
     def __init__(self, work: Work, blocks: Plan, local: Local | None, result: TaskResult) -> None:
         self.work, self.local, self.result = work, local, result
@@ -182,7 +196,7 @@ class _Task:
             self._fail(key, "RuntimeError: the study gave no rows for it")
 
     def _skip_stored(self) -> None:
-        """Skip blocks that another sweep on the same folder has stored meanwhile."""
+        """Skip the blocks that another sweep has meanwhile stored in this run folder."""
         for key, block in list(self.left.items()):
             if self.shares and self.work.store.status(key) == "done":
                 del self.left[key]
@@ -236,8 +250,8 @@ class _Task:
             self.result.told += cases
 
     def _is_ctrl_c(self, error: BaseException) -> bool:
-        # Python raises it in the main thread alone, and the processes of a pool ignore it:
-        # elsewhere a block has raised its own.
+        # Python raises the KeyboardInterrupt of Ctrl-C in the main thread only, and the processes
+        # of a pool ignore Ctrl-C. Elsewhere a block has raised a KeyboardInterrupt itself.
         at_the_top = threading.current_thread() is threading.main_thread()
         return isinstance(error, KeyboardInterrupt) and at_the_top and self.work.backend != "loky"
 
@@ -246,12 +260,12 @@ class _Task:
 
 
 def one_line(error: BaseException) -> str:
-    """An exception in one line."""
+    """Return type and message of an exception in one line; without a message, the type alone."""
     return as_text(error).removesuffix(":")
 
 
 def is_disk_full(error: BaseException) -> bool:
-    """Whether an error means that the disk is full."""
+    """Return whether an error means that the disk, or the user's quota, is full."""
     return isinstance(error, OSError) and error.errno in DISK_FULL
 
 

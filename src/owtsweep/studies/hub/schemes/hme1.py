@@ -108,7 +108,7 @@ class HME1Estimator:
         self.chain = DelayedChain(tuning.hme1, tuning.hme.smoother_window, sensors, gains)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample and a position fix or None; return the estimate of the present."""
+        """Take an IMU sample, and a position fix or None; return the estimate of the present."""
         if (position is not None) != (self.chain.count % self.sensors.fix_interval == 0):
             self.chain.on_schedule = False
         delayed = self.chain.push(specific_force)

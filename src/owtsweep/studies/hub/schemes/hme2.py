@@ -129,7 +129,7 @@ class HME2Estimator:
         self.step = 0
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample and a position fix or None; return the estimate of the present.
+        """Take an IMU sample, and a position fix or None; return the estimate of the present.
 
         Raises
         ------

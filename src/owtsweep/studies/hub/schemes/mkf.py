@@ -28,7 +28,7 @@ class FilterEstimator:
         )
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample and a position fix or None; return the filtered state."""
+        """Take an IMU sample, and a position fix or None; return the filtered state."""
         step = self.filter.step(specific_force, position)
         return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], step.innovation)
 
