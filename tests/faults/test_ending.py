@@ -120,8 +120,9 @@ def test_closed_streams_do_not_matter(tmp_path, backend, kernels):
 
 
 @pytest.mark.parametrize("answer", [b"HTTP/1.1 400 Bad Request\r\n\r\n", b""])
-def test_whatever_listens_in_place_of_a_scheduler_is_told(study, config, answer):
+def test_whatever_listens_in_place_of_a_scheduler_is_told(study, config, answer, monkeypatch):
     pytest.importorskip("distributed", reason="the extra `dask` is not installed")
+    monkeypatch.setattr("owtsweep.sweep.cluster.PATIENCE_AT_START", 0.4)
 
     def serve():
         connection, _ = server.accept()

@@ -178,7 +178,7 @@ def test_words_of_a_tired_user(name: str, tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize(
-    "command", ["show", "figures", "fidelity", "compare", "replay", "spectrum"]
+    "command", ["show", "figures", "fidelity", "compare", "replay", "spectrum", "list"]
 )
 @pytest.mark.parametrize(
     "word", ["nowhere", "", "\x1b[31m", "\udcff", "x" * 5000, "/dev/zero", "--unknown", "."]
@@ -213,3 +213,10 @@ def test_flipped_bits_of_a_recording(seed: int, copy: Copy) -> None:
 def test_words_that_are_run(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     judge(main, ["sweep", *TINY, *WORDS[name]], tmp_path)
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize("name", WORDS)
+def test_words_of_a_multirun(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    judge(main, ["sweep", "-m", "--cfg", "seed=1,2", *WORDS[name]], tmp_path)

@@ -101,7 +101,7 @@ def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]
     judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
 
     def coincide(i: int, j: int) -> bool:
-        """Return whether two schemes have common values and agree in all of them."""
+        """Return whether some cell holds values of both schemes, all such pairs being equal."""
         compared = False
         for place in cube.outer_places():
             one, other = cube.values(i, place, judged), cube.values(j, place, judged)

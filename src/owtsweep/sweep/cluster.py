@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import threading
 import time
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -63,9 +64,8 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
     _require_certificates(address)
     try:
         # Connect without a `Client` first: a Client that fails half-way lives on, and ends with a
-        # traceback. In a thread, because a notebook has an event loop of its own.
-        with ThreadPoolExecutor(1) as pool:
-            pool.submit(asyncio.run, _greet(address)).result()
+        # traceback.
+        _greet(address)
         client = Client(address, timeout=PATIENCE_AT_START, set_as_default=False)
     except Exception as error:  # whatever listens there may send anything
         raise InputError(
@@ -86,9 +86,23 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
                 logger.disabled = False
 
 
-async def _greet(address: str) -> None:
-    arguments = Security().get_connection_args("client")
-    (await connect(address, timeout=PATIENCE_AT_START, **arguments)).abort()
+def _greet(address: str) -> None:
+    """Connect to a scheduler, and hang up. Raises whatever goes wrong."""
+    answer: Future[None] = Future()
+
+    async def connect_and_close() -> None:
+        arguments = Security().get_connection_args("client")
+        try:
+            (await connect(address, timeout=PATIENCE_AT_START, **arguments)).abort()
+        except Exception as error:
+            answer.set_exception(error)
+        else:
+            answer.set_result(None)
+
+    # In a thread, because a notebook has a loop of its own. Nothing waits for its end: dask may
+    # wait for ever for another end that does not speak its language.
+    threading.Thread(target=asyncio.run, args=(connect_and_close(),), daemon=True).start()
+    answer.result(1.2 * PATIENCE_AT_START)
 
 
 def _require_certificates(address: str) -> None:

@@ -267,7 +267,7 @@ class _Sweep:
     def _aggregate(self) -> Results | None:
         """Write the study's tables; return the rows and the tables.
 
-        Return None, and write nothing, if no case has succeeded or the study fails at its tables.
+        Return None, and write nothing, if no case has succeeded or if the tables cannot be made.
         """
         run = self.run
         rows, _ = run.stored()

@@ -1,4 +1,4 @@
-"""Rows of lanes in memory, from which vectors are loaded, and single elements of other arrays.
+"""Load vectors from rows of lanes in memory, and store them there; read elements of other arrays.
 
 `borrowed` makes rows from a tuple of C-contiguous arrays (n, 8), one array per group of lanes.
 `load(rows, i)` reads row i and `store(rows, i, vector)` writes row i, without bounds checks.

@@ -105,7 +105,7 @@ def judge(values: Array) -> Verdict:
 
 
 def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Make the tables summary and best_scheme.
+    """Make the tables `summary` and `best_scheme`.
 
     There are no records, so confidence intervals are NaN and the number of replicates, n, is 0.
     """

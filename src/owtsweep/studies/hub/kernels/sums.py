@@ -114,7 +114,7 @@ def superposed_innovations(steps, direction, chain, output, weights, sums, top):
 
 @njit
 def superposed_span(steps, fed, truth, chain, memory, weights, sums, top):
-    """Add the products of motion and noise errors in some steps of a chunk to the sums.
+    """Add products of the errors due to motion and due to noise to the sums, for steps of a chunk.
 
     The 18 rows from `top` on are those of one window (before or after settling).
     """

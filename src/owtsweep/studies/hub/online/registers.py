@@ -87,9 +87,9 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
 
 
 def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
-    """Make the registers of a new online estimator: all zero, as the paper's algorithms start.
+    """Make the registers of a new online estimator. The paper's algorithms start from zero.
 
-    Only the filter's covariance P starts at its initial value, f.P0.
+    So all registers are zero, except the filter's covariance P, which is f.P0.
     """
     keep = f.delay + f.window + 2
     rows = 3 * keep + 64
