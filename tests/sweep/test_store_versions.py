@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.shard import decode
 from owtsweep.sweep.study import Study
+from owtsweep.sweep.versions import _read_versions
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 VERSIONS = ["store-v1", "store-v2", "store-v3", "store-v4"]
@@ -108,3 +110,8 @@ def versions(run: Run) -> tuple[int, int]:
 
 def versions_of(study: Study) -> tuple[int, int]:
     return study.schema_version, study.numerics_version
+
+
+def test_a_pipe_among_the_shards_has_no_version(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "part-0.parquet")
+    assert _read_versions(tmp_path / "part-0.parquet", (1, 2)) == (1, 2)

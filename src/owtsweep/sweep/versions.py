@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from owtsweep.io.reading import require_regular
 from owtsweep.sweep.keys import block_key
 from owtsweep.sweep.plan import Plan
 from owtsweep.sweep.shard import PREFIX
@@ -94,6 +95,7 @@ def _read_versions(path: Path, default: tuple[int, int]) -> tuple[int, int]:
     import pyarrow.parquet as pq
 
     try:
+        require_regular(path)  # a pipe would block
         entries = pq.read_metadata(path).metadata or {}
         schema, numerics = (int(entries[f"{PREFIX}{kind}".encode()]) for kind in KINDS)
     except (pa.ArrowException, OSError, KeyError, ValueError):
