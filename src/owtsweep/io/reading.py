@@ -56,7 +56,8 @@ def read_bytes(path: Path, most: int) -> bytes:
     require_regular(path)
     try:
         with path.open("rb") as stream:
-            data = stream.read(most + 1)
+            # Not `most`: read reserves what it is asked for.
+            data = stream.read(min(path.stat().st_size, most) + 1)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
     if len(data) > most:

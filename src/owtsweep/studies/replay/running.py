@@ -85,7 +85,7 @@ def expand(words: Sequence[str]) -> list[str]:
     """
     paths: dict[str, None] = {}
     for word in words:
-        path = Path(word).expanduser()
+        path = Path(os.path.expanduser(word))
         if os.path.exists(path):
             require(not path.is_dir(), f"{word}: this is a folder; name files, e.g. {word}/*.csv")
             require_regular(path)
