@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
 import secrets
@@ -145,10 +146,14 @@ def refuse_in_one_line(folder: Path) -> Iterator[None]:
     ------
     InputError
         Instead of any OSError. The message names the file, or `folder` if the file is not known.
+    OSError
+        If the process may not open more files: that is no fault of the file.
     """
     try:
         yield
     except OSError as error:
+        if error.errno in (errno.EMFILE, errno.ENFILE):
+            raise
         raise InputError(f"{name_refusal(error, folder)}; see to that, then try again") from error
 
 
