@@ -46,8 +46,8 @@ def test_a_hundred_thousand_cases(tmp_path: Path) -> None:
 def test_aggregating_the_hub_study_takes_a_fixed_memory_per_row(tmp_path: Path) -> None:
     found = measure("--hub=300", folder=tmp_path)
     assert found["rows"] == 300 * 6 * 4 * 16
-    # Rows of long text at ten amplitudes each were more than a kilobyte. 150 MB are what reading and
-    # drawing import: 60 blocks with a fifth of the rows took 20 MB less, some 220 bytes a row.
+    # Rows of long text at ten amplitudes each were more than a kilobyte. 150 MB are what reading
+    # and drawing import: a fifth of the rows took 20 MB less, so a row takes some 220 bytes.
     assert found["peak_MB"] < BARE + 150 + 250e-6 * found["rows"]
 
 
