@@ -124,7 +124,7 @@ TEXT = {
     "formula": replace_by(b"time,=cmd|' /C calc'!A0,y\n" + _ROWS),
     "semicolons": replace_by((_TABLE + _ROWS).replace(b",", b";").replace(b".", b",")),
     "tabs": replace_by((_TABLE + _ROWS).replace(b",", b"\t")),
-    "utf16": change(lambda c: c.decode("latin-1").encode("utf-16")),
+    "utf16": ANY["utf16"],
     "byte_order_mark": change(lambda c: b"\xef\xbb\xbf" + c),
     "latin_1": replace_by(b"time,x,temp_\xb0C\n" + _ROWS),
 }

@@ -7,6 +7,7 @@ values, no interpolations and no aliases.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -40,8 +41,15 @@ def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
     """
     from omegaconf import OmegaConf
 
-    try:
+    with _naming(path):
         return resolved(OmegaConf.load(path), resolve=resolve)
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Turn any error of reading YAML into an InputError of one line that names the file."""
+    try:
+        yield
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     except Exception as error:  # the errors of the YAML library have no common base class
@@ -62,14 +70,9 @@ def read_stored(path: Path) -> tuple[dict[str, Any], str]:
     from omegaconf import OmegaConf
 
     text = read_text(path, MOST_BYTES)
-    try:
+    with _naming(path):
         _check_events(text)
         plain = resolved(OmegaConf.load(StringIO(text)), resolve=False)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    except Exception as error:  # the errors of the YAML library have no common base class
-        words = " ".join(str(error).split())
-        raise InputError(f"{path}: cannot be read as a configuration ({words})") from error
     require(
         not any("${" in word for word in _texts(plain)),
         f"{path}: it holds an interpolation (${{...}}); a stored configuration holds values",

@@ -23,7 +23,7 @@ from owtsweep.config import Config, Tree, conf_directory, require
 from owtsweep.config.composition import TREES
 from owtsweep.config.hints import suggest_name
 from owtsweep.errors import InputError, as_text
-from owtsweep.sweep.study import Study
+from owtsweep.sweep.study import Study, broken_study
 
 #: The entry-point group of other packages' studies.
 GROUP = "owtsweep.studies"
@@ -126,10 +126,7 @@ def blame_package(name: str) -> Iterator[None]:
         if not package:
             raise
         reason = str(error) if isinstance(error, InputError) else as_text(error)
-        raise InputError(
-            f"study: {name!r} of the package {package} does not work ({reason}); "
-            "update or uninstall that package"
-        ) from error
+        raise broken_study(name, package, reason) from error
 
 
 def _of_others() -> list[tuple[str, Entry]]:

@@ -8,7 +8,6 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
-from hashlib import blake2b
 from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from pathlib import Path
@@ -19,6 +18,7 @@ from owtsweep import __version__
 from owtsweep.config import Config, as_mapping, require
 from owtsweep.errors import InputError
 from owtsweep.io.reading import read_json
+from owtsweep.sweep.stored_plan import digest
 from owtsweep.sweep.versions import shard_metadata
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def start_manifest(
         },
         **shard_metadata(run.study),
         "config_hash": run.hash,
-        "config_digest": blake2b(text.encode(), digest_size=16).hexdigest(),
+        "config_digest": digest(text),
         "config": _without_places(run.config),
         "seed": run.config.seed,
         "argv": None if argv is None else list(argv),

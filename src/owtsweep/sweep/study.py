@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FAILED", "OK", "UNABLE", "Block", "Engine", "Judged", "Spectral", "Study", "add_versions",
-    "blame",
+    "blame", "broken_study",
 ]  # fmt: skip
 
 
@@ -160,10 +160,15 @@ def blame(study: Study) -> Iterator[None]:
         from importlib.metadata import packages_distributions
 
         package = packages_distributions().get(module, [module])[0]
-        raise InputError(
-            f"study: {study.name!r} of the package {package} does not work ({as_text(error)}); "
-            "update or uninstall that package"
-        ) from error
+        raise broken_study(study.name, package, as_text(error)) from error
+
+
+def broken_study(name: str, package: str, reason: str) -> InputError:
+    """Return (not raise) the one-line InputError for a study of another package."""
+    return InputError(
+        f"study: {name!r} of the package {package} does not work ({reason}); "
+        "update or uninstall that package"
+    )
 
 
 @runtime_checkable
