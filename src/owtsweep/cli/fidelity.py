@@ -13,6 +13,8 @@ from owtsweep.errors import InputError, printable
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Write tables, figures and the report into the run's folder fidelity/, and return 0.
 
+    With several tunings, each has a folder of its own: fidelity/<tuning>/.
+
     Raises
     ------
     InputError
@@ -34,13 +36,14 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         f"{opened.folder}: this run has no records, so nothing has an interval to be judged by; "
         "name a run with engine=batch",
     )
-    rows = opened.cases()
+    parts = {tuning: (part, part.cases()) for tuning, part in opened.by_tuning().items()}
     require(
-        bool((rows["status"] == OK).any()),
+        all(bool((rows["status"] == OK).any()) for _, rows in parts.values()),
         f"{opened.folder}: no case of this run has succeeded; run its sweep again",
     )
-    folder = opened.folder / "fidelity"
-    with refuse_in_one_line(folder), blame(study):
-        files = study.write_fidelity(opened.config, rows, folder, metadata=opened.metadata())
-    print(f"{len(files)} files: {printable(str(folder / 'fidelity.html'))}")
+    for tuning, (part, rows) in parts.items():
+        folder = opened.folder / "fidelity" / tuning
+        with refuse_in_one_line(folder), blame(study):
+            files = study.write_fidelity(part.config, rows, folder, metadata=opened.metadata())
+        print(f"{len(files)} files: {printable(str(folder / 'fidelity.html'))}")
     return DONE

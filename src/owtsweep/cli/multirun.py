@@ -24,7 +24,7 @@ from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.errors import InputError, as_text, printable, require
 from owtsweep.io.files import check_writable, write_atomically
 from owtsweep.io.reading import read_json
-from owtsweep.studies import compose, from_mapping, locate
+from owtsweep.studies import compose, locate
 from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
 from owtsweep.sweep.multirun_record import PlannedRun, write_record
@@ -77,7 +77,8 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     write_record(folder, options.overrides, planned)
     began = time.monotonic()
     try:
-        _through_hydra(Job(str(folder), tuple(argv), located.study), options, folder, located)
+        job = Job(str(folder), tuple(argv), located.study, options.config_dir)
+        _through_hydra(job, options, folder, located)
     except KeyboardInterrupt:
         _tell(folder, planned, options, stopped=True)
         raise
@@ -101,11 +102,14 @@ class Job:
         The words of the command line.
     study
         The study that the overrides name; None if they name none.
+    config_dir
+        The folder with further config groups; None if the user names none.
     """
 
     folder: str
     argv: tuple[str, ...]
     study: str | None
+    config_dir: str | None
 
     def __call__(self, composed: Any) -> None:
         from hydra.core.hydra_config import HydraConfig
@@ -115,7 +119,8 @@ class Job:
             task.insert(0, f"study={self.study}")
         name = "refused-" + hashlib.blake2b("\n".join(task).encode(), digest_size=5).hexdigest()
         try:
-            config = from_mapping(composed, self.study)
+            # composed anew: Hydra would lay several tunings on top of each other
+            config = compose([*task, f"results={self.folder}"], self.config_dir)
             name = run_folder(config).name
             code = run_one(config, self.argv)
             reason = _describe_failures(run_folder(config)) if code else ""

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from owtsweep.cli.program import BAD_INPUT, DONE
-from owtsweep.cli.running import may_start, print_answer, tell_end, written_tables
+from owtsweep.cli.running import may_start, print_answer, tell_end
 from owtsweep.config import dump, require
 
 
@@ -41,10 +41,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     for note in list_spectrum_notes(config):
         print(f"note: {note}", file=sys.stderr)
-    replayed, tables = outcome.run, written_tables(outcome)
-    if tables:
-        report.write(config, tables, replayed.draw(results=outcome.results), replayed.folder)
-        print_answer(replayed, tables, width=None if sys.stdout.isatty() else 120)
+    replayed, results = outcome.run, outcome.results
+    if results:
+        tables = results[""].tables
+        report.write(config, tables, replayed.draw(results=results), replayed.folder)
+        print_answer(replayed, results, width=None if sys.stdout.isatty() else 120)
     return tell_end(outcome, argv, f"{replayed.folder}/report.md")
 
 

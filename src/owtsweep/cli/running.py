@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from owtsweep.cli.program import DONE, FAILED, same_command
@@ -13,11 +13,9 @@ from owtsweep.errors import InputError
 from owtsweep.freed_memory import keep_freed_memory
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import Outcome
-    from owtsweep.sweep.runs import Run
+    from owtsweep.sweep.runs import Results, Run
 
 #: Most reasons listed at the end of a sweep; run.log has all.
 MOST_REASONS = 10
@@ -57,17 +55,11 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     keep_freed_memory()
     study = get_study(config.study)
     outcome = sweep(study, config, fresh=fresh, progress=make_progress(), argv=argv)
-    tables = written_tables(outcome)
-    shown = _draw_overview(outcome) if tables else True
-    if tables and sys.stdout.isatty():
-        shown &= print_answer(outcome.run, tables)
+    shown = _draw_overview(outcome) if outcome.results else True
+    if outcome.results and sys.stdout.isatty():
+        shown &= print_answer(outcome.run, outcome.results)
     code = tell_end(outcome, argv, f"{outcome.run.folder}/")
     return code if shown else FAILED
-
-
-def written_tables(outcome: Outcome) -> dict[str, pd.DataFrame]:
-    """Return the tables that a run has written, by name; an empty dict if no case has succeeded."""
-    return {} if outcome.results is None else outcome.run.tables()
 
 
 def _draw_overview(outcome: Outcome) -> bool:
@@ -76,33 +68,39 @@ def _draw_overview(outcome: Outcome) -> bool:
     The reason of a failure is printed to stderr; what the run has computed is kept.
     """
     from owtsweep.io.files import refuse_in_one_line
-    from owtsweep.sweep.study import blame
 
     run = outcome.run
     try:
         with refuse_in_one_line(run.folder / "figures"):
-            with blame(run.study):
-                overview = run.engine.overview(run.config)
-            run.draw(overview, outcome.results)
+            run.draw(results=outcome.results, overview=True)
     except InputError as error:
         print(f"failed: the map could not be drawn: {error}", file=sys.stderr)
         return False
     return True
 
 
-def print_answer(run: Run, tables: dict[str, pd.DataFrame], width: int | None = None) -> bool:
+def print_answer(run: Run, results: Mapping[str, Results], width: int | None = None) -> bool:
     """Print the run's result in a few lines; return True, or False if the study cannot make them.
 
-    The reason of a failure is printed to stderr. `width` is in characters; None takes that of the
-    terminal.
+    The results of several tunings stand side by side, as far as they fit. The reason of a failure
+    is printed to stderr.
+
+    Parameters
+    ----------
+    results
+        The results by tuning.
+    width
+        Width in characters; None takes that of the terminal.
     """
+    from rich.columns import Columns
     from rich.console import Console
 
     from owtsweep.sweep.study import blame
 
     try:
         with blame(run.study):
-            Console(width=width).print(run.engine.terminal(run.config, tables))
+            parts = [run.engine.terminal(part.config, part.tables) for part in results.values()]
+        Console(width=width).print(Columns(parts, padding=(0, 4)) if len(parts) > 1 else parts[0])
     except InputError as error:
         print(f"failed: the result could not be shown: {error}", file=sys.stderr)
         return False

@@ -12,6 +12,8 @@ from owtsweep.errors import InputError
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """Write figures and tables into the run's folder spectrum/, print the noise floors, return 0.
 
+    With several tunings, each has a folder of its own: spectrum/<tuning>/.
+
     Raises
     ------
     InputError
@@ -26,13 +28,14 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     study = get_study(config.study)
     if not isinstance(study, Spectral):
         raise InputError(f"study: {config.study!r} has no error spectra; use one that has")
-    folder = run_folder(config) / "spectrum"
-    check_writable(folder)
-    with refuse_in_one_line(folder), blame(study):
-        files, answer = study.write_spectrum(config, folder, metadata={"run": run_hash(config)})
-
     from rich.console import Console
 
-    Console().print(answer)
-    print(f"{len(files)} files: {folder}/")
+    metadata = {"run": run_hash(config)}
+    check_writable(run_folder(config) / "spectrum")
+    for tuning, part in config.by_tuning().items():
+        folder = run_folder(config) / "spectrum" / tuning
+        with refuse_in_one_line(folder), blame(study):
+            files, answer = study.write_spectrum(part, folder, metadata=metadata)
+        Console().print(answer)
+        print(f"{len(files)} files: {folder}/")
     return DONE

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from typing import Any, ClassVar, Literal
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import field_validator
 
@@ -46,6 +47,9 @@ class Config(Section):
     inert: ClassVar[frozenset[str]] = frozenset(
         {"study", "experiment", "results", "name", "config_version", "compute"}
     )
+    #: The sections that a tuning file sets. With several tunings in one run, each tuning has these
+    #: sections of its own (`owtsweep.config.tunings`). Empty for a study without tunings.
+    tuned: ClassVar[tuple[str, ...]] = ()
 
     study: str = key("which study it is")
     experiment: str = key("begins the name of the run folder", default="study")
@@ -63,6 +67,13 @@ class Config(Section):
     @classmethod
     def _find_home(cls, value: str) -> str:
         return os.path.expanduser(value)  # as a shell: `~nobody` stays as it is
+
+    def by_tuning(self) -> Mapping[str, Self]:
+        """Return tuning -> the configuration of a run with this tuning alone.
+
+        A run of one tuning has one entry, with the name "": the configuration itself.
+        """
+        return {"": self}
 
     def describe_code(self) -> Any:
         """Return a description, as JSON data, of the user's own code that the keys name.

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from owtsweep.config import tunings
 from owtsweep.config.common import Config
 from owtsweep.config.given_files import check_chosen_files
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
 from owtsweep.config.stored import DEEPEST, read, resolved
+from owtsweep.config.tunings import holds
 from owtsweep.errors import InputError, require, shorten
 
 #: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
@@ -52,14 +55,14 @@ class Tree:
         Hydra refuses to set a key that the YAML files do not list, unless the override begins with
         `++`.
         """
-        listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
+        listed = _listed_keys(self)
         groups = self.groups()
         admitted = []
         for override in map(quote_home, overrides):
             path = override.partition("=")[0].split(".")
             fields = fields_along(self.model, path)
             has_default = any(not field.is_required() for field in fields)  # or its section has one
-            unlisted = len(fields) == len(path) and has_default and not _holds(listed, path)
+            unlisted = len(fields) == len(path) and has_default and not holds(listed, path)
             admitted.append(f"++{override}" if unlisted and path[0] not in groups else override)
         return admitted
 
@@ -70,15 +73,6 @@ def quote_home(override: str) -> str:
     Hydra reads `~` only in quotes. Most shells do not expand `~` behind the equals sign.
     """
     return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
-
-
-def _holds(mapping: Any, path: Sequence[str]) -> bool:
-    """Return whether nested mappings contain a key; `path` is the key, split at its dots."""
-    for part in path:
-        if not isinstance(mapping, dict) or part not in mapping:
-            return False
-        mapping = mapping[part]
-    return True
 
 
 def conf_directory() -> Path:
@@ -112,10 +106,26 @@ def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = Fals
         return compose(tree.primary, overrides=list(overrides), return_hydra_config=settings)
 
 
+def find_options(tree: Tree, overrides: Sequence[str], group: str) -> list[str]:
+    """Return the names of the files of a config group that Hydra would compose, in their order."""
+    from hydra import initialize_config_dir
+    from hydra.core.global_hydra import GlobalHydra
+    from hydra.types import RunMode
+
+    with hydra_in_one_line(tree), initialize_config_dir(str(tree.folder), version_base="1.3"):
+        loader = GlobalHydra.instance().config_loader()
+        chosen = loader.compute_defaults_list(tree.primary, list(overrides), RunMode.RUN).defaults
+    paths = [str(default.config_path) for default in chosen]
+    return [path.removeprefix(f"{group}/") for path in paths if path.startswith(f"{group}/")]
+
+
 def compose_plain(
     tree: Tree, overrides: Sequence[str], config_dir: str | None = None
 ) -> dict[str, Any]:
     """Compose a tree and overrides to plain data: dicts, lists and scalars.
+
+    If several tunings are chosen, e.g. by `tuning=[paper,matched]`, each is composed by itself, and
+    the results are joined (`owtsweep.config.tunings.join`).
 
     Parameters
     ----------
@@ -129,9 +139,21 @@ def compose_plain(
     Raises
     ------
     InputError
-        If Hydra refuses an override or a file, `config_dir` is no folder, or a value could not be
-        stored; the message is one line.
+        If Hydra refuses an override or a file, `config_dir` is no folder, a value could not be
+        stored, or several tunings cannot be joined; the message is one line.
     """
+    words = [*_search_path(config_dir, overrides), *overrides]
+    names = _find_tunings(tree, words) if tree.model.tuned else []
+    if len(names) < 2:
+        return _compose(tree, words)
+    tunings.refuse_tuned_keys(tree.model.tuned, overrides, names, _listed_keys(tree))
+    others = [word for word in words if word.lstrip("+").partition("=")[0] != tunings.GROUP]
+    composed = {name: _compose(tree, [*others, f"{tunings.GROUP}={name}"]) for name in names}
+    return tunings.join(composed, tree.model.tuned)
+
+
+def _search_path(config_dir: str | None, overrides: Sequence[str]) -> list[str]:
+    """Check the overrides; return the override that makes Hydra search `config_dir` too."""
     for override in overrides:
         require(
             override.partition("=")[0].strip("+~") != "",
@@ -141,27 +163,47 @@ def compose_plain(
             not override.lstrip("+~").startswith("hydra"),
             f"{override}: Hydra's own settings work with --multirun only",
         )
-    search = []
-    if config_dir is not None:
-        directory = _find_folder(config_dir)
-        check_chosen_files(directory, overrides)
-        quoted = str(directory).replace("\\", "\\\\").replace("'", "\\'")
-        search = [f"hydra.searchpath=['file://{quoted}']"]
-    try:
-        plain = resolved(compose_hydra(tree, [*search, *overrides]))
-    except InputError:
-        raise
-    except (ValueError, TypeError, OSError) as error:  # no name where Hydra expects an option's
-        wrong = [o for o in overrides if o.split("=")[0] in tree.groups()]
-        text = shorten(" ".join(str(error).split()), 300)
-        if not wrong:
-            raise InputError(f"{' '.join(overrides)}: this cannot be composed ({text})") from error
-        raise InputError(
-            f"{shorten(wrong[0], 300)}: this is a config group; name one of its options ({text})"
-        ) from error
+    if config_dir is None:
+        return []
+    directory = _find_folder(config_dir)
+    check_chosen_files(directory, overrides)
+    quoted = str(directory).replace("\\", "\\\\").replace("'", "\\'")
+    return [f"hydra.searchpath=['file://{quoted}']"]
+
+
+def _find_tunings(tree: Tree, words: Sequence[str]) -> list[str]:
+    with _refusing_no_names(tree, words):
+        return list(dict.fromkeys(find_options(tree, words, tunings.GROUP)))
+
+
+def _compose(tree: Tree, words: Sequence[str]) -> dict[str, Any]:
+    with _refusing_no_names(tree, words):
+        plain = resolved(compose_hydra(tree, words))
     for name, value in plain.items():
         _require_storable(name, value)
     return plain
+
+
+@contextmanager
+def _refusing_no_names(tree: Tree, words: Sequence[str]) -> Iterator[None]:
+    """Turn Hydra's errors about a word that is no name of an option into one line."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (ValueError, TypeError, OSError) as error:
+        wrong = [word for word in words if word.split("=")[0] in tree.groups()]
+        text = shorten(" ".join(str(error).split()), 300)
+        if not wrong:
+            raise InputError(f"{' '.join(words)}: this cannot be composed ({text})") from error
+        raise InputError(
+            f"{shorten(wrong[0], 300)}: this is a config group; name one of its options ({text})"
+        ) from error
+
+
+def _listed_keys(tree: Tree) -> dict[str, Any]:
+    """Return the keys that the tree's primary file sets, as nested mappings."""
+    return read(tree.folder / f"{tree.primary}.yaml", resolve=False)
 
 
 def _find_folder(config_dir: str) -> Path:

@@ -65,9 +65,12 @@ def as_mapping(section: Section) -> dict[str, Any]:
         value = getattr(section, name)
         if isinstance(value, Section):
             mapping[name] = as_mapping(value)
+        elif name in mapping and isinstance(value, dict):
+            sections = {key: item for key, item in value.items() if isinstance(item, Section)}
+            mapping[name] |= {key: as_mapping(item) for key, item in sections.items()}
         default = field.get_default(call_default_factory=True)
         if read_facts(field)["younger"] and (value == default or mapping[name] == {}):
-            del mapping[name]
+            mapping.pop(name, None)
     return mapping
 
 

@@ -63,6 +63,15 @@ def footnote(figure: Figure, text: str) -> None:
     figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
 
 
+def add_origin(figure: Figure, text: str) -> None:
+    """Write a line above everything else: where the numbers of the figure come from."""
+    title = figure.get_suptitle()
+    if title:
+        figure.suptitle(f"{title}\n{text}", x=0.01, ha="left")
+    else:
+        figure.suptitle(text, x=0.01, ha="left", fontsize=9)
+
+
 def label_of(name: str) -> str:
     """The label of a line that stands for somebody's name, so that it is in the legend."""
     return JOINER + name if name.startswith("_") else name

@@ -35,7 +35,8 @@ def open_run(folder: Path) -> Run:
     plain, text = read_stored(path)
     stored = read_stored_plan(folder, text)
     config = _make_config(path, plain, None if stored is None else stored.get("code"))
-    plan = None if stored is None else read_blocks(folder, stored)
+    tunings = [name for name in config.by_tuning() if name]
+    plan = None if stored is None else read_blocks(folder, stored, tunings)
     return Run(folder, config, registry.get_study(config.study), plan)
 
 

@@ -159,8 +159,9 @@ def _members(path: Path, notes: list[str]) -> tuple[list[Path], list[str]]:
 
 def _with_results(runs: Sequence[Run], notes: list[str]) -> list[tuple[Run, pd.DataFrame]]:
     loaded = []
-    for run in runs:
-        rows, missing = run.stored()
+    for run in [part for whole in runs for part in whole.by_tuning().values()]:
+        stored, missing = run.stored()
+        rows = next(iter(stored.values()), None)
         if rows is None or not (rows["status"] == OK).any():
             notes.append(f"{run.folder.name} is left out: no case of it has succeeded")
             continue

@@ -7,7 +7,7 @@ integer code.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +55,18 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
     # The pieces of a column are freed as soon as it is whole.
     columns = {name: _whole([batch.pop(name, None) for batch in batches], sizes) for name in names}
     return pd.DataFrame(columns, copy=False)
+
+
+def join_tunings(frames: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    """Join the rows of several tunings, with the tuning's name in a new first column `tuning`."""
+    import pandas as pd
+
+    sizes = [len(frame) for frame in frames.values()]
+    codes = np.repeat(np.arange(len(sizes)), sizes)
+    names = pd.Categorical.from_codes(codes, pd.Index(list(frames)))
+    columns = dict.fromkeys(name for frame in frames.values() for name in frame)
+    whole = {name: _whole([f.get(name) for f in frames.values()], sizes) for name in columns}
+    return pd.DataFrame({"tuning": names, **whole}, copy=False)
 
 
 def sort_rows(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:

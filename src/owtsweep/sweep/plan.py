@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from owtsweep.config import Config, require
 from owtsweep.sweep.keys import block_key
@@ -15,16 +16,31 @@ Plan = dict[str, Block]
 def make_plan(study: Study, config: Config) -> Plan:
     """Return all blocks of a configuration by key; of blocks with equal content, keep the first.
 
+    With several tunings, the blocks of each tuning are planned. A block that does not depend on the
+    tuning belongs to all of them.
+
     Raises
     ------
     InputError
         If the configuration has no blocks, or the study refuses the configuration.
     """
     plan: Plan = {}
-    for block in study.engine(config).plan(config):
-        plan.setdefault(block_key(study, block), block)
+    for tuning, part in config.by_tuning().items():
+        for block in study.engine(part).plan(part):
+            key = block_key(study, block)
+            plan.setdefault(key, block)
+            if tuning and tuning not in plan[key].tunings:
+                plan[key] = replace(plan[key], tunings=(*plan[key].tunings, tuning))
+    plan = {key: _label(block) for key, block in plan.items()}
     require(len(plan) > 0, "grid: it holds no case; give every list a value")
     return plan
+
+
+def _label(block: Block) -> Block:
+    """Return the block with its tuning in its label, if it belongs to one of several tunings."""
+    if len(block.tunings) != 1:
+        return block
+    return replace(block, label=f"{block.label}, {block.tunings[0]}")
 
 
 def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:

@@ -28,10 +28,10 @@ from owtsweep.sweep.provenance import (
     was_running,
 )
 from owtsweep.sweep.rows import Setback
-from owtsweep.sweep.runs import Results, Run
+from owtsweep.sweep.runs import Results, Run, join_tables
 from owtsweep.sweep.stored_plan import NAME as PLAN
 from owtsweep.sweep.stored_plan import dump_plan
-from owtsweep.sweep.study import OK, UNABLE, Study, blame
+from owtsweep.sweep.study import UNABLE, Study
 from owtsweep.sweep.versions import all_versions, count_outdated
 from owtsweep.sweep.worker import TaskResult, Work, one_line
 
@@ -54,7 +54,8 @@ class Outcome:
     seconds
         Wall time, s.
     results
-        The rows and tables of the run; None if no case has succeeded or no tables could be made.
+        The results of the run by tuning (`Run.make_results`); empty if no case has succeeded or no
+        tables could be made.
     unable
         Cases, computed or stored before, that have no number because their scheme cannot compute
         them.
@@ -65,7 +66,7 @@ class Outcome:
     reused: int
     failed: list[Setback]
     seconds: float
-    results: Results | None = None
+    results: Mapping[str, Results] = field(default_factory=dict)
     unable: Sequence[Setback] = ()
 
 
@@ -264,28 +265,28 @@ class _Sweep:
         failed = sum(failure.cases for failure in self.failed if failure.label in labels)
         return sum(block.cases for block in there) - failed
 
-    def _aggregate(self) -> Results | None:
-        """Write the study's tables; return the rows and the tables.
+    def _aggregate(self) -> dict[str, Results]:
+        """Write the study's tables; return the results by tuning.
 
-        Return None, and write nothing, if no case has succeeded or if the tables cannot be made.
+        Return {}, and write nothing, if no case has succeeded or if the tables cannot be made.
         """
         run = self.run
-        rows, _ = run.stored()
-        if rows is not None and (rows["status"] == UNABLE).any():
+        stored, _ = run.stored()
+        if any((rows["status"] == UNABLE).any() for rows in stored.values()):
             self.unable = run.unable()
-        if rows is None or not (rows["status"] == OK).any():
-            logger.warning("no case has succeeded: there are no tables")
-            return None
         try:
-            with blame(run.study):
-                results = Results(rows, run.engine.tables(run.config, rows))
+            results = run.make_results(stored)
         except InputError as error:  # no case is lost: all are stored
             self._fail([Setback("no tables were made", str(error), 0)])
-            return None
+            return {}
+        if not results:
+            logger.warning("no case has succeeded: there are no tables")
+            return {}
+        tables = join_tables(results)
         try:
-            write_tables(run.folder, results.tables)
+            write_tables(run.folder, tables)
         except OSError as error:
-            names = ", ".join(f"{name}.csv" for name in results.tables)
+            names = ", ".join(f"{name}.csv" for name in tables)
             self._fail([Setback(f"{names} (left as they were)", one_line(error), 0)])
         return results
 
@@ -302,7 +303,7 @@ def _executor(run: Run) -> Iterator[Executor]:
     from joblib import cpu_count
 
     compute = run.config.compute
-    backend = compute.backend if compute.backend != "auto" else run.engine.backend(run.config)
+    backend = compute.backend if compute.backend != "auto" else _suitable_backend(run)
     require(
         backend in BACKENDS,
         f"study {run.study.name}: its backend is {backend!r}; a study says threading or loky",
@@ -322,3 +323,9 @@ def _executor(run: Run) -> Iterator[Executor]:
 
     with connected(str(compute.scheduler), run.study, work.metadata) as client:
         yield Executor(work, compute.workers, client)
+
+
+def _suitable_backend(run: Run) -> str:
+    """Return the backend that suits the blocks of all tunings: processes if any needs them."""
+    suitable = [run.engine.backend(config) for config in run.config.by_tuning().values()]
+    return next((backend for backend in suitable if backend != "threading"), "threading")

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +13,8 @@ from owtsweep.config import Config, require
 from owtsweep.errors import InputError, printable
 from owtsweep.figures.drawings import draw_each
 from owtsweep.io.tables import read_table
-from owtsweep.sweep.gather import as_text, sort_rows
+from owtsweep.sweep.drawing import list_drawings, name_overview
+from owtsweep.sweep.gather import as_text, join_tunings, sort_rows
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import Plan, make_plan
 from owtsweep.sweep.rows import Setback, collect_setbacks
@@ -28,10 +30,42 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Results:
-    """The sorted rows of a run, and the tables that its study makes of them."""
+    """The results of a run of one tuning.
 
+    Attributes
+    ----------
+    config
+        The run's configuration.
+    rows
+        The rows of the run's cases, sorted.
+    tables
+        The tables that the study makes of the rows, by name.
+    """
+
+    config: Config
     rows: pd.DataFrame
     tables: dict[str, pd.DataFrame]
+
+
+def _join(stored: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
+    return stored[""] if "" in stored else join_tunings(stored)
+
+
+def join_tables(results: Mapping[str, Results]) -> dict[str, pd.DataFrame]:
+    """Return the tables of all tunings by name; with several, `tuning` is their first column."""
+    import pandas as pd
+
+    names = dict.fromkeys(name for part in results.values() for name in part.tables)
+    if "" in results:
+        return results[""].tables
+    joined = {}
+    for name in names:
+        parts = {tuning: part.tables[name] for tuning, part in results.items()}
+        whole = pd.concat(parts.values(), ignore_index=True)
+        tunings = [tuning for tuning, part in parts.items() for _ in range(len(part))]
+        whole.insert(0, "tuning", tunings)
+        joined[name] = whole
+    return joined
 
 
 @dataclass(frozen=True)
@@ -84,21 +118,47 @@ class Run:
             return make_plan(self.study, self.config)
         return self.stored_plan
 
+    def by_tuning(self) -> dict[str, Run]:
+        """Return tuning -> the run of this tuning alone, in the same folder.
+
+        A run of one tuning has one entry, with the name "": the run itself.
+        """
+        parts = self.config.by_tuning()
+        if "" in parts:
+            return {"": self}
+        plan = self.plan()
+        return {
+            name: replace(
+                self,
+                config=config,
+                stored_plan={key: block for key, block in plan.items() if name in block.tunings},
+            )
+            for name, config in parts.items()
+        }
+
     def cases(self) -> pd.DataFrame:
         """Return the rows of all stored cases of the plan, including failed cases, sorted by case.
 
-        Blocks that are missing are left out with a logged warning.
+        With several tunings, the first column is `tuning`, and the rows of each tuning stand
+        together. Blocks that are missing are left out with a logged warning.
 
         Raises
         ------
         InputError
             If no case is stored.
         """
-        return as_text(self._finished())
+        return as_text(_join(self._finished()))
 
-    def _finished(self) -> pd.DataFrame:
+    def _finished(self) -> dict[str, pd.DataFrame]:
+        """Return tuning -> rows, as `stored` does, with a warning of missing blocks.
+
+        Raises
+        ------
+        InputError
+            If no case is stored.
+        """
         rows, missing = self.stored()
-        if rows is None:
+        if not rows:
             raise InputError(
                 f"{self.folder}: all {missing} blocks are missing; run the sweep that makes them"
             )
@@ -110,19 +170,23 @@ class Run:
             )
         return rows
 
-    def stored(self) -> tuple[pd.DataFrame | None, int]:
-        """Return the rows of all stored cases, and the number of blocks that are missing.
+    def stored(self) -> tuple[dict[str, pd.DataFrame], int]:
+        """Return tuning -> the rows of all stored cases, and the number of blocks that are missing.
 
-        The rows are None if no case is stored. Only the shards of the plan are read, no other files
-        in the folder. The rows are sorted, so that sums of rows do not depend on the order of the
-        grid. Text columns are categorical, so that millions of rows fit into memory.
+        The tuning is "" in a run of one tuning. A tuning without a stored case is left out. Only
+        the shards of the plan are read, no other files in the folder. The rows are sorted, so that
+        sums of rows do not depend on the order of the grid. Text columns are categorical, so that
+        millions of rows fit into memory.
         """
-        rows, missing = self.store.read_all(self.plan())
-        if rows is not None:
-            with blame(self.study):
-                columns = self.engine.sort_columns()
-            rows = sort_rows(rows, columns)
-        return rows, len(missing)
+        with blame(self.study):
+            columns = self.engine.sort_columns()
+        stored, missing = {}, set()
+        for name, part in self.by_tuning().items():
+            rows, absent = self.store.read_all(part.plan())
+            missing.update(absent)
+            if rows is not None:
+                stored[name] = sort_rows(rows, columns)
+        return stored, len(missing)
 
     def unable(self) -> list[Setback]:
         """Return the stored cases that their scheme cannot compute, by block and reason.
@@ -154,15 +218,41 @@ class Run:
             for path in sorted(self.folder.glob("*.csv"))
         }
 
-    def draw(self, only: str | None = None, results: Results | None = None) -> list[Path]:
+    def make_results(self, stored: Mapping[str, pd.DataFrame]) -> dict[str, Results]:
+        """Make the tables of each tuning with a succeeded case; `stored` is what `stored` returns.
+
+        Raises
+        ------
+        InputError
+            If the study comes from another package and makes no tables.
+        """
+        results = {}
+        for name, config in self.config.by_tuning().items():
+            rows = stored.get(name)
+            if rows is not None and (rows["status"] == OK).any():
+                with blame(self.study):
+                    tables = self.engine.tables(config, rows)
+                results[name] = Results(config, rows, tables)
+        return results
+
+    def draw(
+        self,
+        only: str | None = None,
+        results: Mapping[str, Results] | None = None,
+        *,
+        overview: bool = False,
+    ) -> list[Path]:
         """Draw all figures of the run, or a single figure, into the folder `figures` of the run.
 
         Parameters
         ----------
         only
-            The name of the single figure to draw; None draws all figures.
+            The name of the single figure to draw; None draws all figures. With several tunings,
+            the name of a tuning's figure ends with the tuning's name.
         results
-            The results to draw, if they are in memory. If None, the shards are read.
+            The results to draw by tuning, if they are in memory. If None, the shards are read.
+        overview
+            If True, only the figure of the main result is drawn.
 
         Returns
         -------
@@ -179,15 +269,15 @@ class Run:
             If the file system refuses a file; figures drawn earlier stay whole.
         """
         folder = self.folder / "figures"
-        rows = results.rows if results else self._finished()
+        if results is None:
+            results = self.make_results(self._finished())  # not of the tables' files
         require(
-            bool((rows["status"] == OK).any()),
+            len(results) > 0,
             f"{self.folder}: no case has succeeded, so there is nothing to draw; see its run.log",
         )
-        # the tables are made of these rows, not read from files
         with blame(self.study):
-            tables = results.tables if results else self.engine.tables(self.config, rows)
-            drawings = self.engine.drawings(self.config, tables, rows, self.metadata())
+            drawings = list_drawings(self.engine, results, self.metadata())
+            only = name_overview(self.engine, results) if overview else only
         folder.mkdir(exist_ok=True)
         return draw_each(drawings, folder, only, partial(blame, self.study))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -38,7 +38,11 @@ def dump_plan(plan: Plan, config: Config, text: str) -> str:
     text
         The content of config.yaml, to which the plan belongs.
     """
-    blocks = [[key, block.label, block.cases, block.cases_per_row] for key, block in plan.items()]
+    several = "" not in config.by_tuning()
+    blocks = [
+        [key, block.label, block.cases, block.cases_per_row, *([block.tunings] * several)]
+        for key, block in plan.items()
+    ]
     return json.dumps(
         {"config_digest": digest(text), "code": config.describe_code(), "blocks": blocks}
     )
@@ -68,11 +72,19 @@ def read_stored_plan(folder: Path, text: str) -> Mapping[str, Any] | None:
     return stored if stored.get("config_digest") == digest(text) else None
 
 
-def read_blocks(folder: Path, stored: Mapping[str, Any]) -> Plan:
-    """Return the blocks of a stored plan by key; `stored` is what `read_stored_plan` returns.
+def read_blocks(folder: Path, stored: Mapping[str, Any], tunings: Collection[str]) -> Plan:
+    """Return the blocks of a stored plan by key.
 
-    These blocks have no content, so their rows can be read, but not computed. `folder` is the run
-    folder; it is used in messages only.
+    These blocks have no content, so their rows can be read, but not computed.
+
+    Parameters
+    ----------
+    folder
+        The run folder, for messages.
+    stored
+        What `read_stored_plan` returns.
+    tunings
+        The tunings of the run if it has several, otherwise empty.
 
     Raises
     ------
@@ -85,13 +97,22 @@ def read_blocks(folder: Path, stored: Mapping[str, Any]) -> Plan:
     plan: Plan = {}
     for entry in blocks:
         match entry:
-            case [str(key), str(label), int(cases), int(per_row)] if (
-                _KEY.fullmatch(key) and cases > 0 and per_row > 0
+            case [str(key), str(label), int(cases), int(per_row), *names] if (
+                _KEY.fullmatch(key) and cases > 0 and per_row > 0 and _fit(names, tunings)
             ):
-                plan[key] = Block("", printable(label), {}, cases, per_row)
+                of = tuple(names[0]) if names else ()
+                plan[key] = Block("", printable(label), {}, cases, per_row, tunings=of)
             case _:
                 raise _refuse(folder / NAME)
     return plan
+
+
+def _fit(names: list[Any], tunings: Collection[str]) -> bool:
+    """Return whether a block's entry names tunings of the run, or none in a run of one tuning."""
+    if not tunings:
+        return not names
+    listed = names[0] if len(names) == 1 and isinstance(names[0], list) else []
+    return bool(listed) and all(name in tunings for name in listed)
 
 
 def _refuse(path: Path) -> InputError:

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, runtime_checkable
 
 from owtsweep.errors import InputError, as_text
 from owtsweep.results.status import FAILED, OK, UNABLE
@@ -23,10 +23,13 @@ if TYPE_CHECKING:
     from owtsweep.config import Config
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition
+    from owtsweep.sweep.runs import Results
+
+    C = TypeVar("C", bound=Config)
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Judged", "Spectral", "Study", "add_versions",
-    "blame", "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Joint", "Judged", "Spectral", "Study",
+    "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
 
@@ -51,6 +54,9 @@ class Block:
     anew
         The reason why the block is computed again even if it is stored, e.g. because the block's
         key cannot cover the code on which the rows depend; "" for most blocks.
+    tunings
+        The tunings to which the block's rows belong, if the run has several (`Config.by_tuning`);
+        else (). The plan sets them: the block's key does not depend on the names of tunings.
     """
 
     group: str
@@ -59,6 +65,11 @@ class Block:
     cases: int
     cases_per_row: int = 1
     anew: str = ""
+    tunings: tuple[str, ...] = ()
+
+    def choose(self, config: C) -> C:
+        """Return the configuration, of one tuning, with which the block is computed."""
+        return config.by_tuning()[self.tunings[0] if self.tunings else ""]
 
 
 def add_versions(base: int, *rooms: ModuleType) -> int:
@@ -135,6 +146,22 @@ class Study(Protocol):
 
     def engine(self, config: Any) -> Engine:
         """Return the engine that plans, runs and draws this configuration."""
+
+
+@runtime_checkable
+class Joint(Protocol):
+    """The interface of an engine that also draws the results of several tunings together."""
+
+    #: Names of the figures in `Engine.drawings` that do not depend on the tuning.
+    untuned: frozenset[str]
+
+    def joint_drawings(
+        self, results: Mapping[str, Results], metadata: Mapping[str, str]
+    ) -> Mapping[str, Drawing]:
+        """Return figure name -> function that draws the figure; the main result comes first.
+
+        `results` holds the results by tuning.
+        """
 
 
 @contextmanager

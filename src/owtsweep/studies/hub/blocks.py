@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from itertools import pairwise
+from itertools import groupby, pairwise
 from operator import attrgetter
 from typing import Any
 
@@ -129,12 +129,24 @@ def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
     """Run blocks of one group; yield each block with its rows.
 
-    Motion and noise are made once for all blocks. Schemes with a kernel run together on each span
-    of the records, while the span is in the processor's cache. So the first block of an amplitude
-    (or the first superposed block) runs all schemes that have blocks of this kind.
+    Motion and noise are made once for all blocks, of all tunings.
     """
     first = blocks[0].content
     records = make_records(config, first["natural_period"], first["replicates"])
+    for _, of_tuning in groupby(blocks, attrgetter("tunings")):
+        chosen = list(of_tuning)
+        yield from _run_one_tuning(chosen[0].choose(config), chosen, records)
+
+
+def _run_one_tuning(
+    config: HubConfig, blocks: Sequence[Block], records: Records
+) -> Iterator[tuple[Block, pd.DataFrame]]:
+    """Run blocks of one tuning; yield each block with its rows.
+
+    Schemes with a kernel run together on each span of the records, while the span is in the
+    processor's cache. So the first block of an amplitude (or the first superposed block) runs all
+    schemes that have blocks of this kind.
+    """
     schemes = {s.name: under(s, config) for s in resolve_all(config.schemes)}
     ready: dict[int, pd.DataFrame | Exception] = {}
     for number, block in enumerate(blocks):

@@ -5,9 +5,23 @@ Units are SI, but angles (yaw, wave direction) are in degrees.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, Literal
+import re
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal, Self
 
-from owtsweep.config import Axis, Config, Finite, NotNegative, Positive, Section, key
+from pydantic import SerializerFunctionWrapHandler, model_serializer
+
+from owtsweep.config import (
+    Axis,
+    Config,
+    Finite,
+    NotNegative,
+    Positive,
+    Section,
+    changed,
+    key,
+    require,
+)
 
 
 class Grid(Section):
@@ -200,12 +214,32 @@ class Measures(Section):
     )
 
 
+class Tuning(Section):
+    """The sections that a tuning sets, for one of several tunings in a run."""
+
+    ekf: FilterTuning = key("the filter of EKF")
+    mkf: FilterTuning = key("the filter of MKF")
+    hme1: FilterTuning = key("the filter of HME1")
+    hme2: FilterTuning = key("the filter of HME2")
+    hme: Hme = key("smoother of HME1 and HME2, MHE of HME2")
+
+
+#: In a run of several tunings, these sections stand in `tunings.<name>`, not at the top.
+TUNED = tuple(Tuning.model_fields)
+_ABSENT: Any = None
+
+
 class HubConfig(Config):
-    """The configuration of the hub-motion study, with all its keys."""
+    """The configuration of the hub-motion study, with all its keys.
+
+    With several tunings, `tuning` is the list of their names, `tunings` holds their sections, and
+    the sections `ekf` to `hme` are absent. `by_tuning` gives the configuration of each.
+    """
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
         "tuning", "measures.window", "measures.criterion",
     }  # fmt: skip
+    tuned: ClassVar[tuple[str, ...]] = TUNED
 
     engine: Literal["batch", "reference", "expected"] = key(
         "batch: compiled; reference: the algorithms as written, slow; expected: the mean over all "
@@ -231,21 +265,52 @@ class HubConfig(Config):
     )
     wave_direction: Finite = key("of the motion, from north towards east", unit="deg")
     sensors: SensorConfig = key("GNSS and IMU")
-    tuning: str = key("name of the file that sets the keys of the schemes")
+    tuning: str | list[str] = key(
+        "name of the file that sets the keys of the schemes, or a list of names, whose tunings run "
+        "on the same records"
+    )
+    tunings: dict[str, Tuning] = key(
+        "name: the sections ekf, mkf, hme1, hme2, hme of this tuning; only with several tunings",
+        default={},
+        younger=True,
+    )
     schemes: list[Any] = key("names, or {_target_: package.Class, ...} for a scheme of your own")
-    ekf: FilterTuning = key("the filter of EKF")
-    mkf: FilterTuning = key("the filter of MKF")
-    hme1: FilterTuning = key("the filter of HME1")
-    hme2: FilterTuning = key("the filter of HME2")
-    hme: Hme = key("smoother of HME1 and HME2, MHE of HME2")
+    ekf: FilterTuning = key("the filter of EKF", default=_ABSENT)
+    mkf: FilterTuning = key("the filter of MKF", default=_ABSENT)
+    hme1: FilterTuning = key("the filter of HME1", default=_ABSENT)
+    hme2: FilterTuning = key("the filter of HME2", default=_ABSENT)
+    hme: Hme = key("smoother of HME1 and HME2, MHE of HME2", default=_ABSENT)
     measures: Measures = key("what is measured, and what the map judges")
+
+    @model_serializer(mode="wrap")
+    def _leave_out_absent_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        absent = TUNED if self.tunings else ("tunings",)
+        return {name: value for name, value in dump(self).items() if name not in absent}
+
+    @property
+    def tuning_name(self) -> str:
+        """The name of the tuning; several names are joined by "and"."""
+        return self.tuning if isinstance(self.tuning, str) else " and ".join(self.tuning)
+
+    def by_tuning(self) -> Mapping[str, Self]:
+        """Return tuning -> the configuration of a run with this tuning alone.
+
+        A run of one tuning has one entry, with the name "": the configuration itself.
+        """
+        if not self.tunings:
+            return {"": self}
+        return {
+            name: changed(self, tuning=name, tunings={}, **vars(sections))
+            for name, sections in self.tunings.items()
+        }
 
     def describe_code(self) -> Any:
         """The schemes' names, whether they are linear, and whether they have kernels."""
         from owtsweep.studies.hub.schemes import resolve_all
         from owtsweep.studies.hub.schemes.stored import describe
 
-        return describe(resolve_all(self.schemes, self))
+        one = next(iter(self.by_tuning().values()))
+        return describe(resolve_all(self.schemes, one))
 
     @classmethod
     def hide_code(cls, plain: dict[str, Any], described: Any) -> dict[str, Any]:
@@ -265,4 +330,23 @@ class HubConfig(Config):
         super().check()
         from owtsweep.studies.hub.checks import check
 
-        check(self)
+        self._check_tunings()
+        for config in self.by_tuning().values():
+            check(config)
+
+    def _check_tunings(self) -> None:
+        """Check that each tuning has its sections, and a name that can be part of a file's name."""
+        several = bool(self.tunings)
+        require(
+            self.tuning == list(self.tunings) if several else isinstance(self.tuning, str),
+            f"tuning: {self.tuning} and the tunings of this run do not fit together; choose one by "
+            "tuning=NAME, or several by tuning=[NAME,NAME]",
+        )
+        for section in TUNED:
+            given = getattr(self, section) is not None
+            require(given != several, f"{section}: this key has no value; give it one")
+        for name in self.tunings:
+            require(
+                re.fullmatch(r"[\w.+=-]+", name) is not None,
+                f"tuning: {name!r} cannot be part of a file's name; use letters, digits, . _ - + =",
+            )

@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
+from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
+from owtsweep.results.winners import tell_winners
 from owtsweep.studies.hub import blocks, criteria, figures, scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS, make_cube
 from owtsweep.studies.hub.expected import answers, drawing, engine
+from owtsweep.studies.hub.origin import describe_draws, describe_truth
 from owtsweep.studies.hub.schemes import resolve_all
 
 if TYPE_CHECKING:
     import pandas as pd
     from rich.console import RenderableType
 
+    from owtsweep.figures.drawings import Drawing
     from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.sweep.runs import Results
     from owtsweep.sweep.study import Engine
 
 logger = logging.getLogger(__name__)
@@ -42,15 +48,35 @@ class _Engine:
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
         """Return the map of the best schemes as a coloured grid for the terminal."""
+        from rich.console import Group
+        from rich.text import Text
+
         from owtsweep.figures.terminal import grid
 
         best, measures = tables["best_scheme"], config.measures
-        schemes = scheme_names(config)
-        return grid(best, schemes, CONDITIONS, measures.criterion, measures.window)
+        shown = grid(best, scheme_names(config), CONDITIONS, measures.criterion, measures.window)
+        cells = best[
+            (best["criterion"] == measures.criterion) & (best["window"] == measures.window)
+        ]
+        told = [Text(tell_winners(cells))] if len(cells) else []
+        origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
+        return Group(*(Text(line, style="bold") for line in origin), shown, *told)
 
     def overview(self, config: HubConfig) -> str:
         """Return the name of the map of the best schemes (figure 18 of Ren et al. 2019)."""
         return figures.MAP
+
+    untuned = figures.UNTUNED
+
+    def joint_drawings(
+        self, results: Mapping[str, Results], metadata: Mapping[str, str]
+    ) -> dict[str, Drawing]:
+        """List the figure that shows the maps of all tunings side by side."""
+        from owtsweep.studies.hub.figures import maps_by_tuning
+
+        return {
+            maps_by_tuning.NAME: save_figure(partial(maps_by_tuning.draw, results), metadata),
+        }
 
 
 class RecordsEngine(_Engine):

@@ -39,6 +39,7 @@ class ReadingsConfig(HubConfig):
 
     def check(self) -> None:
         """Check that the values can work together; otherwise raise `InputError`."""
+        require(not self.tunings, "tuning: a search starts from one tuning; name one")
         super().check()
         require(
             self.engine != "expected",

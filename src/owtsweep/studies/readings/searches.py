@@ -69,7 +69,7 @@ def plan(config: ReadingsConfig) -> list[Block]:
             kind in KINDS,
             f"calibration.targets.{name}.kind: {kind!r} is none of {', '.join(KINDS)}",
         )
-        values = take_fixed_values(target, config.tuning)
+        values = take_fixed_values(target, config.tuning_name)
         truths = _choose_truths(name, target, calibration.truths)
         for truth, overrides in truths.items():
             # refuses an unknown key before anything runs

@@ -78,6 +78,7 @@ class ReplayConfig(HubConfig):
 
     def check(self) -> None:
         """Check that the values can work together; otherwise raise `InputError`."""
+        require(not self.tunings, "tuning: a replay takes one tuning; run it once with each")
         super().check()
         band = self.replay.band
         require(

@@ -14,6 +14,7 @@ from owtsweep.results.status import OK
 from owtsweep.studies.hub import criteria, figures, scheme_names
 from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
 from owtsweep.studies.hub.expected import answers, engine
+from owtsweep.studies.hub.origin import describe_origin
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,7 +49,7 @@ def drawings(
         "error_spectra": lambda: error_spectra.draw(config, coinciding=same),
         **figures.over_amplitude(config, tables["summary"], periods, same),
     }
-    return figures.save_each(drawn, metadata)
+    return figures.save_each(drawn, describe_origin(config), metadata)
 
 
 def draw_map(
@@ -93,7 +94,7 @@ def draw_map(
         field,
         expected.schemes,
         title=f"Best scheme by expected {criterion} MSE\n"
-        f"{style.describe_window(window)}, tuning: {config.tuning}, no records",
+        f"{style.describe_window(window)}, tuning: {config.tuning_name}, no records",
         origin="All values are expectations over all records, computed from error spectra and "
         "noise without any record.",
         coinciding=same,

@@ -67,7 +67,7 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
     """Compute the rows of some blocks; yield each block with its rows."""
     for block in blocks:
         name, periods = block.content["scheme"], block.content["natural_periods"]
-        yield block, rows(config, name, periods)
+        yield block, rows(block.choose(config), name, periods)
 
 
 def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -> pd.DataFrame:

@@ -11,6 +11,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity.evidence import Cell, HubEvidence
 from owtsweep.studies.hub.fidelity.reasons import reason
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
+from owtsweep.studies.hub.origin import describe_origin
 from owtsweep.verdicts import sections
 from owtsweep.verdicts.numbers import lies_within_records
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, TextTable
@@ -53,13 +54,12 @@ def document(
         Figure name -> PNG file: published_against_reproduced, ratios and boundaries.
     """
     numbers = tables["fidelity_numbers"]
-    records = f"{config.grid.replicates} records of {config.record.duration:g} s per natural period"
     return [
         Heading(f"How well run {name} reproduces Ren et al. (2019)", 1),
         Paragraph(
-            f"Tuning {config.tuning}, {records}, {describe_window(config.measures.window)}, seed "
-            f"{config.seed}, schemes {', '.join(evidence.schemes)}. Position is x + y, "
-            "velocity vx + vy. Brackets are 95 % intervals: of means, t intervals over the records;"
+            f"Tuning {config.tuning_name}. {describe_origin(config)}. Judged: the "
+            f"{describe_window(config.measures.window)}; schemes {', '.join(evidence.schemes)}. "
+            "Position is x + y, velocity vx + vy. Brackets are 95 % intervals: of means, t intervals over the records;"
             " of ratios of means, paired over the records (Fieller); of boundaries, a bootstrap "
             "over the records. A claim about many cells is tested in all of them with Holm's "
             "correction."

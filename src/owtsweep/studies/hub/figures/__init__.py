@@ -11,6 +11,7 @@ from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
 from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, make_cube
+from owtsweep.studies.hub.origin import describe_one_record, describe_origin
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,6 +27,8 @@ PAPER_FIGURES = {4.0: 15, 6.0: 16, 8.0: 17}
 #: Value of the configuration key `normalise` -> what the amplitude of a motion measures.
 MEANING = {"peak": "largest displacement", "rms": "standard deviation"}
 MAP = "figure_18_best_scheme"
+#: Figures that do not depend on the tuning.
+UNTUNED = frozenset({"figure_03_record", "figure_04_spectrum"})
 #: The paper's figures 9-14: name -> quantity shown over time, and whether the figure is zoomed in.
 TIME_HISTORIES = {
     "figure_09_position": ("position", False),
@@ -68,17 +71,30 @@ def drawings(
         **over_amplitude(config, summary, set(summary["natural_period"]), same),
     }
     return {
-        **save_each(results, metadata),
+        **save_each(results, describe_origin(config), metadata),
         "tables_6_to_9": partial(write, summary, config.measures.window),
-        **save_each(_illustrations(config, same), metadata),
+        **save_each(_illustrations(config, same), describe_one_record(config), metadata),
     }
 
 
 def save_each(
-    figures: Mapping[str, Draw], metadata: Mapping[str, str] | None
+    figures: Mapping[str, Draw], origin: str, metadata: Mapping[str, str] | None
 ) -> dict[str, Drawing]:
-    """Turn functions that draw figures, by name, into functions that draw and save them."""
-    return {name: save_figure(draw, metadata) for name, draw in figures.items()}
+    """Turn functions that draw figures, by name, into functions that draw and save them.
+
+    `origin` is written above each figure: of which truth and which records it is.
+    """
+
+    def with_origin(draw: Draw) -> Figure:
+        from owtsweep.figures import style
+
+        figure = draw()
+        style.add_origin(figure, origin)
+        return figure
+
+    return {
+        name: save_figure(partial(with_origin, draw), metadata) for name, draw in figures.items()
+    }
 
 
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
@@ -124,7 +140,7 @@ def draw_cells(
         CONDITIONS,
         criterion=criterion,
         window=config.measures.window,
-        tuning=config.tuning,
+        tuning=config.tuning_name,
         quantity=f"{criterion} MSE (x + y)",
         coinciding=coinciding,
         replicates=replicates,
@@ -146,7 +162,7 @@ def over_amplitude(
         summary,
         schemes=scheme_names(config),
         window=config.measures.window,
-        tuning=config.tuning,
+        tuning=config.tuning_name,
         coinciding=coinciding,
     )
     figures: dict[str, Draw] = {}
@@ -167,7 +183,7 @@ def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> di
     simulated = cache(lambda: simulate_histories(config))
 
     def history(quantity: str, zoom: bool) -> Figure:
-        return time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning)
+        return time_histories.draw(simulated(), quantity, zoom=zoom, tuning=config.tuning_name)
 
     return {
         "figure_03_record": partial(record_and_spectrum.draw_record, config),

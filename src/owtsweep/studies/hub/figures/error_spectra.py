@@ -113,7 +113,7 @@ def draw(
     handles, labels = grid[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right upper", frameon=False)
     title = "What a motion of 1 m rms adds to the settled MSE, by its frequency, tuning: "
-    figure.suptitle(f"{title}{config.tuning}", x=0.01, ha="left", fontsize=12)
+    figure.suptitle(f"{title}{config.tuning_name}", x=0.01, ha="left", fontsize=12)
     same = [f"{' and '.join(group)} give the same numbers." for group in coinciding]
     below = [MOTION_EXPLANATION] if motion else []
     style.footnote(figure, " ".join([EXPLANATION, *below, *same, *unsettled(config, shown)]))
@@ -168,7 +168,7 @@ def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
         "bar (the noise does not settle)": [n for n in errors if errors[n].floor is None],
     }
     return [
-        f"{config.tuning}: no {what} for {', '.join(lacking)}."
+        f"{config.tuning_name}: no {what} for {', '.join(lacking)}."
         for what, lacking in without.items()
         if lacking
     ]

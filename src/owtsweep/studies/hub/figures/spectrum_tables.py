@@ -20,6 +20,7 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
 from owtsweep.studies.hub.figures.error_spectra import UNITS, SchemeErrors
 from owtsweep.studies.hub.noise_floor import SOURCES
+from owtsweep.studies.hub.origin import describe_truth
 
 
 def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple[list[Path], Table]:
@@ -81,7 +82,10 @@ def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
     `noise` is the result of `floors`.
     """
     table = Table(
-        title=Text(f"Settled error from noise alone, rms of x + y, tuning {config.tuning}"),
+        title=Text(
+            f"Settled error from noise alone, rms of x + y, tuning {config.tuning_name}\n"
+            f"Truth: {describe_truth(config)}; no record is needed"
+        ),
         box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
     )  # fmt: skip
     table.add_column("scheme")

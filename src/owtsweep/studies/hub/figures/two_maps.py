@@ -71,7 +71,7 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
             error_spectra.panel(axes, spectra, config, criterion)
             notes += error_spectra.unsettled(config, spectra)
             title = "Settled error from a motion of 1 m rms by its frequency, tuning: "
-            axes.set_title(f"{title}{config.tuning}", loc="left", fontsize=10)
+            axes.set_title(f"{title}{config.tuning_name}", loc="left", fontsize=10)
         lows, highs = zip(*(axes.get_ylim() for axes in panels[1]), strict=True)
         for axes in panels[1]:
             axes.set_ylim(min(lows), max(highs))
@@ -103,7 +103,7 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
     draw_cells(axes, shown.to_dict("records"), names, plane, labels="best")
     records = config.grid.replicates
     axes.set_title(
-        f"Best scheme by {criterion} MSE, tuning: {config.tuning}\n"
+        f"Best scheme by {criterion} MSE, tuning: {config.tuning_name}\n"
         f"{style.describe_window(window)}, {records} record{'s' * (records != 1)} per cell",
         loc="left",
         fontsize=10,
@@ -111,13 +111,17 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
     rows = run.cases()
     same = find_coinciding(make_cube(config, rows), CRITERIA)
     notes = [
-        f"{config.tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in same
+        f"{config.tuning_name}: {' and '.join(group)} coincide, shown as {group[-1]}."
+        for group in same
     ]
     try:
         boundaries = find_boundary(rows, CONDITIONS, BOUNDARY, criterion, window)
     except InputError:  # a scheme is not in this run, or amplitudes were run one by one
-        return [*notes, f"{config.tuning}: no boundary, since the run lacks superposed rows of it."]
-    return notes + _boundary(axes, boundaries, plane, config.tuning)
+        return [
+            *notes,
+            f"{config.tuning_name}: no boundary, since the run lacks superposed rows of it.",
+        ]
+    return notes + _boundary(axes, boundaries, plane, config.tuning_name)
 
 
 def _boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane, tuning: str) -> list[str]:

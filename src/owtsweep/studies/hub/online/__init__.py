@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.online.estimator import OnlineEstimator
 
 
+#: The sensors and the tuning of an estimator whose user names none.
+DEFAULTS = ("tuning=matched", "sensors=strong_bias")
+
+
 def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     """Make an estimator that runs on board: each IMU sample gives one estimate.
 
@@ -19,8 +23,8 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     scheme
         EKF, MKF, HME1 or HME2.
     overrides
-        The sensors and the tuning, as on the command line, e.g. `["tuning=matched",
-        "sensors.gnss.delay=0.3"]`.
+        The sensors and the tuning, as on the command line, e.g. `["tuning=paper",
+        "sensors.gnss.delay=0.3"]`. Without an override, the tuning is `matched`.
 
     Returns
     -------
@@ -43,7 +47,9 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     if not hasattr(registered, "stream"):
         raise InputError(f"scheme: {scheme!r} has no online form; use EKF, MKF, HME1 or HME2")
     if not isinstance(overrides, str):  # a string is refused below
-        overrides = [*overrides, f"schemes=[{scheme}]"]
+        given = {override.partition("=")[0] for override in overrides}
+        ours = [word for word in DEFAULTS if word.partition("=")[0] not in given]
+        overrides = [*ours, *overrides, f"schemes=[{scheme}]"]
     config = compose(overrides)
     if not isinstance(config, HubConfig):
         raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")

@@ -1,0 +1,106 @@
+"""Several tunings as one configuration: each is composed by itself, then they are joined.
+
+A tuning is a file of the config group `tuning`. It sets the tuned sections of a study's
+configuration (`Config.tuned`) and the key `tuning`, which is the tuning's name. All other keys
+belong to the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from owtsweep.errors import InputError, require
+
+#: The config group of tunings, and the key that names the tunings of a run.
+GROUP = "tuning"
+#: The key that holds the tuned sections of each tuning of a run with several.
+SECTIONS = "tunings"
+
+
+def refuse_tuned_keys(
+    tuned: Sequence[str], overrides: Sequence[str], names: Sequence[str], listed: Mapping[str, Any]
+) -> None:
+    """Refuse an override of a key that several tunings set, because it would change them all.
+
+    Parameters
+    ----------
+    tuned
+        The sections that a tuning sets.
+    overrides
+        The user's overrides.
+    names
+        The tunings of the run.
+    listed
+        The keys of the tree's primary file. A key that stands there belongs to the run, also
+        inside a tuned section.
+
+    Raises
+    ------
+    InputError
+        If an override sets a tuned key.
+    """
+    for override in overrides:
+        key = override.partition("=")[0].lstrip("+~")
+        path = key.split(".")
+        if path[0] in tuned and not holds(listed, path):
+            raise InputError(
+                f"{key}: this would change several tunings ({', '.join(names)}); choose one, e.g. "
+                f"{GROUP}={names[0]}"
+            )
+
+
+def join(composed: Mapping[str, Mapping[str, Any]], tuned: Sequence[str]) -> dict[str, Any]:
+    """Join the configurations of several tunings to one.
+
+    Parameters
+    ----------
+    composed
+        Name of the tuning's file -> the configuration as plain data, composed with this tuning.
+    tuned
+        The sections that a tuning sets.
+
+    Returns
+    -------
+    dict
+        The keys that do not belong to a tuning; `tuning`, the list of the tunings' names; and
+        `tunings`, the tuned sections by name.
+
+    Raises
+    ------
+    InputError
+        If two tunings have one name, or differ in keys that do not belong to a tuning.
+    """
+    first = next(iter(composed))
+    common = _leave_out(composed[first], tuned)
+    sections: dict[str, Any] = {}
+    for file, plain in composed.items():
+        name = str(plain.get(GROUP))
+        require(
+            name not in sections,
+            f"{GROUP}: two of the files {', '.join(composed)} set {GROUP}: {name}; give each its "
+            "own name",
+        )
+        sections[name] = {key: value for key, value in plain.items() if key in tuned}
+        differing = [
+            key for key, value in _leave_out(plain, tuned).items() if common.get(key) != value
+        ]
+        require(
+            not differing,
+            f"{GROUP}: {first} and {file} differ in {', '.join(differing)}, which belongs to the "
+            "run and not to a tuning; run them one at a time",
+        )
+    return {**common, GROUP: list(sections), SECTIONS: sections}
+
+
+def _leave_out(plain: Mapping[str, Any], tuned: Sequence[str]) -> dict[str, Any]:
+    return {key: value for key, value in plain.items() if key not in (*tuned, GROUP)}
+
+
+def holds(mapping: Any, path: Sequence[str]) -> bool:
+    """Return whether nested mappings contain a key; `path` is the key, split at its dots."""
+    for part in path:
+        if not isinstance(mapping, dict) or part not in mapping:
+            return False
+        mapping = mapping[part]
+    return True

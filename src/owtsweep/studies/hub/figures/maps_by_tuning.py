@@ -1,0 +1,82 @@
+"""Draw the best-scheme maps of several tunings side by side; all have the same records."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from owtsweep.errors import InputError
+from owtsweep.figures import style
+from owtsweep.figures.best_scheme_map import draw_cells
+from owtsweep.figures.palette import style_of
+from owtsweep.figures.plane import Plane
+from owtsweep.results.winners import tell_winners
+from owtsweep.studies.hub import scheme_names
+from owtsweep.studies.hub.conditions import CONDITIONS
+from owtsweep.studies.hub.origin import describe_origin
+
+if TYPE_CHECKING:
+    from owtsweep.sweep.runs import Results
+
+NAME = "best_scheme_maps"
+#: Widths and heights in inches: of a column of cells, of a row of cells, and beside the cells.
+COLUMN, ROW, BESIDE = (0.75, 1.1), (0.3, 0.5), 1.0
+#: A map with more cells than this has no text in the cells.
+MOST_LABELS = 300
+
+
+def draw(results: Mapping[str, Results]) -> Figure:
+    """Draw one map per tuning, with a sentence below each title; `results` is by tuning.
+
+    Raises
+    ------
+    InputError
+        If a tuning has no cell that the run's criterion and window judge.
+    """
+    config: Any = next(iter(results.values())).config
+    criterion, window = config.measures.criterion, config.measures.window
+    shown = {}
+    for tuning, result in results.items():
+        best = result.tables["best_scheme"]
+        shown[tuning] = best[(best["criterion"] == criterion) & (best["window"] == window)]
+        if shown[tuning].empty:
+            raise InputError(
+                f"tuning {tuning}: no cell is judged by {criterion} MSE in window {window!r}"
+            )
+    names = scheme_names(config)
+    planes = {tuning: Plane.of(cells, CONDITIONS) for tuning, cells in shown.items()}
+    columns = max(len(plane.columns) for plane in planes.values())
+    lines = max(len(plane.lines) for plane in planes.values())
+    width = BESIDE + columns * float(np.clip(6.0 / columns, *COLUMN))
+    height = 2.4 + lines * float(np.clip(5.0 / lines, *ROW))
+    figure = style.new_figure(max(width, 4.8) * len(results), height)
+    panels = figure.subplots(1, len(results), squeeze=False)[0]
+    for axes, (tuning, cells) in zip(panels, shown.items(), strict=True):
+        labels = "best" if len(cells) <= MOST_LABELS else "none"
+        draw_cells(axes, cells.to_dict("records"), names, planes[tuning], labels=labels)
+        letters = int(13 * max(width, 4.8))
+        told = "\n".join(textwrap.wrap(tell_winners(cells), letters))
+        axes.set_title(f"Tuning {tuning}\n{told}", loc="left", fontsize=10)
+    winners = {str(name) for cells in shown.values() for name in cells["best"]}
+    handles = [
+        Patch(facecolor=style_of(name, names).color, label=style.label_of(name))
+        for name in names
+        if name in winners
+    ]
+    figure.legend(handles=handles, loc="outside upper right", ncols=2, frameon=False)
+    title = f"Best scheme by {criterion} MSE, {style.describe_window(window)}"
+    figure.suptitle(f"{title}\n{describe_origin(config)}", x=0.01, ha="left", fontsize=10)
+    style.footnote(figure, EXPLANATION)
+    return figure
+
+
+EXPLANATION = (
+    "Colour: the scheme of least mean square error in the cell. Hatched: the records do not show "
+    "that the best scheme is better than the next best (95 %, Holm's correction over one map). All "
+    "tunings have the same records of motion and noise; only what the schemes assume differs."
+)

@@ -1,0 +1,35 @@
+"""Describes where a run's numbers come from: truth, tuning, seed and number of records."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.config import HubConfig
+
+
+def describe_truth(config: HubConfig) -> str:
+    """Return the truth of a run in words: the length of a record, and the bias of the IMU."""
+    imu = config.sensors.imu
+    return (
+        f"records of {config.record.duration:g} s, IMU bias {imu.bias_initial:g} m/s² and walk "
+        f"{imu.bias_walk:g} m/s²/√s"
+    )
+
+
+def describe_draws(config: HubConfig) -> str:
+    """Return in words how many records a cell has, and their seed."""
+    if config.engine == "expected":
+        return "mean over all records"
+    count = config.grid.replicates
+    return f"{count} record{'s' * (count != 1)} per cell, seed {config.seed}"
+
+
+def describe_origin(config: HubConfig) -> str:
+    """Return in one line the truth, and the number of records per cell with their seed."""
+    return f"Truth: {describe_truth(config)}; {describe_draws(config)}"
+
+
+def describe_one_record(config: HubConfig) -> str:
+    """Return in one line the truth and the seed, for a figure that shows a single record."""
+    return f"Truth: {describe_truth(config)}; seed {config.seed}"
