@@ -59,8 +59,8 @@ def document(
         Paragraph(
             f"Tuning {config.tuning_name}. {describe_origin(config)}. Judged: the "
             f"{describe_window(config.measures.window)}; schemes {', '.join(evidence.schemes)}. "
-            "Position is x + y, velocity vx + vy. Brackets are 95 % intervals: of means, t intervals over the records;"
-            " of ratios of means, paired over the records (Fieller); of boundaries, a bootstrap "
+            "Position is x + y, velocity vx + vy. Brackets are 95 % intervals: of means, t "
+            "intervals over the records; of ratios of means, paired over the records (Fieller); of boundaries, a bootstrap "
             "over the records. A claim about many cells is tested in all of them with Holm's "
             "correction."
         ),
