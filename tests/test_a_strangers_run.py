@@ -17,6 +17,7 @@ from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 
 TINY = (
+    "experiment=study", "tuning=paper",
     "grid.natural_period=[4.0]", "grid.amplitude=[0.2,1.0]", "grid.replicates=2",
     "record.duration=30", "measures.settling_time=5", "compute.backend=threading",
 )  # fmt: skip

@@ -14,6 +14,8 @@ from owtsweep.cli import main
 
 ROOT = Path(__file__).parents[1]
 SMALL = [
+    "experiment=study",
+    "tuning=paper",
     "grid.natural_period=[4.0]",
     "grid.amplitude=[0.2,1.0]",
     "grid.replicates=2",

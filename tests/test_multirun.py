@@ -14,6 +14,7 @@ from owtsweep.cli import main
 
 ROOT = Path(__file__).parents[1]
 SMALL = [
+    "experiment=study", "tuning=paper",
     "grid.natural_period=[4.0]", "grid.amplitude=[1.0]", "grid.replicates=1",
     "record.duration=25", "schemes=[MKF]",
 ]  # fmt: skip
