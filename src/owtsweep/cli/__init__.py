@@ -1,4 +1,4 @@
-"""The command line: one file per subcommand, whose `run(options, argv)` returns the exit code."""
+"""The command line: each subcommand has a file, and its function `run` returns the exit code."""
 
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, INTERRUPTED, main, make_parser
 
