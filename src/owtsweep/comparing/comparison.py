@@ -92,8 +92,8 @@ class Pair:
         Indices of the runs in `Comparison.runs`.
     along
         The swept key in which the two runs have neighbouring values; in all other keys they agree.
-        "first run" if `first` is the first run of the whole comparison and the runs need not agree
-        in other keys.
+        If there is no such key, `first` is the first run of the whole comparison and `along` is
+        "first run".
     """
 
     first: int
