@@ -43,18 +43,19 @@ class LinearModel:
     F
         Transition matrix (n, n) from step k to step k + 1.
     Q
-        Covariance (n, n) of the process noise w of that transition.
+        Covariance (n, n) of the process noise w between step k and step k + 1.
     H
         Measurement matrix (m, n).
     R
         Covariance (m, m) of the measurement noise v.
     B
-        Input matrix (n, p) of that transition; None if the model has no inputs.
+        Input matrix (n, p) between step k and step k + 1; None if the model has no inputs.
 
     Raises
     ------
     InputError
-        If shapes do not fit, a number is not finite, or Q or R is not a covariance.
+        If shapes do not fit, a number is not finite, or Q or R is not symmetric and positive
+        semidefinite.
     """
 
     F: Array
@@ -109,18 +110,19 @@ class LinearModel:
         return next((len(a) for a in matrices if a is not None and a.ndim == 3), None)
 
     def at(self, step: int) -> Step:
-        """Return the matrices of a step."""
+        """Return the matrices of the step with number `step`, counted from 0."""
         matrices: Any = (self.F, self.Q, self.H, self.R, self.B)
         return Step(*(a if a is None or a.ndim == 2 else a[step] for a in matrices))
 
 
 def check_covariance(name: str, matrix: Array) -> None:
-    """Check that a matrix, or each of several (..., n, n), is a covariance.
+    """Check that a matrix (n, n), or each of several matrices (..., n, n), is a covariance.
 
     Raises
     ------
     InputError
-        If a matrix is not symmetric and positive semidefinite. The message begins with `name`.
+        If a matrix is not symmetric and positive semidefinite, apart from round-off. The message
+        begins with `name`.
     """
     transposed = np.swapaxes(matrix, -1, -2)
     largest = np.max(np.abs(matrix), initial=0.0)
