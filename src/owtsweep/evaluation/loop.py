@@ -42,7 +42,7 @@ def run_estimator(
     *,
     judged: Sequence[Quantity] = PLANAR_MOTION,
 ) -> Trajectory:
-    """Run an estimator over a whole record, and return its estimates.
+    """Run an estimator over a whole record, and return the estimates of all steps.
 
     Parameters
     ----------
@@ -78,10 +78,10 @@ def run_steps(
     first: int = 0,
     judged: Sequence[Quantity] = PLANAR_MOTION,
 ) -> Trajectory:
-    """Run an estimator over the next steps of a record, and return its estimates.
+    """Run an estimator over the next steps of a record, and return the estimates of these steps.
 
-    If the estimator has a method `run_record`, this is called once, otherwise `update` at each
-    step.
+    If the estimator has a method `run_record`, the method is called once for all steps. Otherwise
+    the method `update` is called at each step.
 
     Parameters
     ----------
