@@ -277,9 +277,10 @@ def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[st
 def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str], dict[str, str]]]:
     """List the runs of a multirun; for each, return its overrides and its swept values.
 
-    An override such as a=1,2 sweeps the key a; a run has one of the values. The swept values are
-    a dict from key to value. If the overrides choose another sweeper than Hydra's basic one,
-    return an empty list, because the runs of other sweepers are not known in advance.
+    An override such as a=1,2 sweeps the key a: there is a run with a=1 and a run with a=2. The
+    swept values of a run are a dict from key to value. If the overrides choose another sweeper than
+    Hydra's basic one, return an empty list, because the runs of other sweepers are not known in
+    advance.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ class Candidate:
 
     @property
     def label(self) -> str:
-        """The run's name in tables and figures: "key=value" for each swept key, with spaces."""
+        """The run's name in tables and figures: "key=value" for each swept key, side by side."""
         return " ".join(f"{key}={text}" for key, text in self.shown.items())
 
 

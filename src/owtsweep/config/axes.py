@@ -59,7 +59,7 @@ Axis = Annotated[
 
 
 def is_axis(field: FieldInfo) -> bool:
-    """Return whether the type of a configuration key is an `Axis`; `field` describes the key."""
+    """Return whether the type of a configuration key is an `Axis`; `field` is the key's field."""
     return any(getattr(mark, "func", None) is expand for mark in field.metadata)
 
 

@@ -135,7 +135,7 @@ def _arrivals(z: Array, delay: NDArray[np.int64]) -> NDArray[np.int64]:
     z
         Measurements, shape (series, steps, m); NaN where a component never arrives.
     delay
-        Number of steps from a measurement to its arrival, broadcast to the shape of `z`.
+        Number of steps from a measurement to its arrival; any shape that broadcasts to that of `z`.
 
     Returns
     -------

@@ -43,13 +43,14 @@ class LinearModel:
     F
         Transition matrix (n, n) from step k to step k + 1.
     Q
-        Covariance (n, n) of the process noise w between step k and step k + 1.
+        Covariance (n, n) of the process noise w that acts between step k and step k + 1.
     H
         Measurement matrix (m, n).
     R
         Covariance (m, m) of the measurement noise v.
     B
-        Input matrix (n, p) between step k and step k + 1; None if the model has no inputs.
+        Input matrix (n, p) of the input u that acts between step k and step k + 1; None if the
+        model has no inputs.
 
     Raises
     ------

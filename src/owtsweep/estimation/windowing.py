@@ -1,8 +1,8 @@
-"""Compiled functions for the window of a fixed-lag smoother: its covariances and gains.
+"""Compiled functions for a smoother with a fixed lag: its gains and covariances.
 
 There are four states. During computations a matrix is a tuple of four rows, because the compiler
-keeps tuples in the processor's registers. It cannot do so with small arrays, which might overlap
-in memory.
+keeps tuples in the processor's registers. Small arrays are not kept in registers, since they might
+overlap in memory.
 """
 
 from __future__ import annotations
@@ -143,7 +143,7 @@ def covariances(rows, window, h, response, smoothed, coupling, first=0):
 
 @njit
 def _matrix(A, k):
-    """Return matrix k of an array (rows, 4, 4) as a tuple of four rows."""
+    """Return the matrix A[k] of an array A, shape (rows, 4, 4), as a tuple of four rows."""
     return (
         (A[k, 0, 0], A[k, 0, 1], A[k, 0, 2], A[k, 0, 3]),
         (A[k, 1, 0], A[k, 1, 1], A[k, 1, 2], A[k, 1, 3]),

@@ -45,7 +45,7 @@ class Plane:
 
     @classmethod
     def of(cls, table: pd.DataFrame, conditions: Sequence[Condition]) -> Plane:
-        """Make the axes of a map of all values of the conditions in a table.
+        """Make the axes of a map with all values that the conditions have in a table.
 
         `table` has a column named like each condition. If there are more than two conditions, the
         axes show those with several values; conditions with one value fill the axes that are left.
@@ -61,7 +61,7 @@ class Plane:
 
     @classmethod
     def over(cls, conditions: Sequence[Condition], grid: Grid) -> Plane:
-        """Make the axes of a map of given values of the conditions.
+        """Make the axes of a map with given values of the conditions.
 
         `grid` maps the name of each condition to its values. If there are more than two conditions,
         the axes show those with several values; conditions with one value fill the axes that are

@@ -32,15 +32,15 @@ def grid(
 ) -> RenderableType:
     """Make a map of the best schemes for the terminal, as coloured tables with a legend.
 
-    The first condition runs from left to right, the second from bottom to top. There is one map for
-    each combination of values of the further conditions. If no row of `best` has the criterion and
-    the window, return a sentence that says so.
+    A cell of the map is one value of each condition. The first condition runs from left to right,
+    the second from bottom to top. There is one map for each combination of values of the third and
+    further conditions. If no row of `best` has the criterion and the window, return a sentence that
+    says so.
 
     Parameters
     ----------
     best
-        A run's table best_scheme.csv, one row per cell (value of each condition), criterion and
-        window.
+        A run's table best_scheme.csv, one row per cell, criterion and window.
     schemes
         Names of all compared schemes, which determine the colours.
     conditions

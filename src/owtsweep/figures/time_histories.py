@@ -169,12 +169,19 @@ def describe(quantity: str) -> str:
 
 
 def show_truth(line: Line, label: str = "truth") -> Curve:
-    """Make the curve of the true values of a quantity, in black; `label` is its legend entry."""
+    """Make the curve of the true values of a quantity, in black.
+
+    `line` holds times in s and values of each part of the line between two gaps. `label` is the
+    legend entry.
+    """
     return Curve(line, {"color": "black", "linewidth": 1.4, "label": label})
 
 
 def show_measurement(line: Line) -> Curve:
-    """Make the curve of an IMU's measurements, in grey, with the legend entry "IMU"."""
+    """Make the curve of an IMU's measurements, in grey, with the legend entry "IMU".
+
+    `line` holds times in s and values of each part of the line between two gaps.
+    """
     return Curve(line, {"color": "0.75", "linewidth": 0.6, "label": "IMU"})
 
 
