@@ -1,4 +1,4 @@
-"""The command `show`: print how a run was made and what its folder holds."""
+"""The command `show`: print how a run was made and what the run's folder holds."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DEEPEST, WIDEST = 20, 60
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Print how the run `options.run` was made and what its folder holds now, and return 0.
+    """Print how the run `options.run` was made and what the run's folder holds, and return 0.
 
     How the run was made is read from the manifest in the run's folder. `options` are the parsed
     arguments of the command; `argv` is not used.

@@ -165,6 +165,8 @@ def find_patterns(marks: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]
 def share_out(values: NDArray[T], pattern: NDArray[np.int64]) -> NDArray[T]:
     """Return for each series the values of its pattern, shape (series, ...).
 
+    Series for which the same measurements exist have one pattern, and share values.
+
     Parameters
     ----------
     values

@@ -388,7 +388,7 @@ class CasadiWindow:
         rows
             Matrix (constraints, states); rows times a state should lie within the limits.
         limits
-            Lower and upper limits, shape (2, constrained nodes, constraints).
+            Limits, shape (2, constrained nodes, constraints): lower limits, then upper limits.
         force
             Multipliers of the constraints, shape (constrained nodes * constraints,).
         """

@@ -104,10 +104,10 @@ def covariances(rows, window, h, response, smoothed, coupling, first=0):
         Shape (steps, outputs): row i is the effect of the noise v of step s + i on the prediction
         from step s on.
     smoothed
-        Output, shape (steps k, 4, 4): the covariances P_{s|k} of the smoothed states.
+        Output, shape (rows, 4, 4): the covariances P_{s|k} of the smoothed states.
     coupling
-        Output, shape (steps k, 4, outputs): the cross-covariances of the error of the smoothed
-        state and the error of the prediction due to v, the sum over i of
+        Output, shape (rows, 4, outputs): the cross-covariances between the error of the smoothed
+        state and the error of the prediction due to v. They are the sum over i of
         C_s ... C_{s+i-1} P_{s+i|k} h response_i'.
     first
         The first step k.
