@@ -56,9 +56,9 @@ def _check_file(path: Path) -> None:
 def _measure(text: str) -> tuple[int, int]:
     """Return the depth of a YAML text, and the number of its values.
 
-    The depth is the number of lists and mappings that lie in each other. In the number of values,
-    each alias counts as the values for which it stands. Counting stops as soon as the depth
-    exceeds `DEEPEST` or the number exceeds `MOST_VALUES`.
+    The depth is the largest number of nested lists and mappings, e.g. 3 for `a: {b: [1]}`. In the
+    number of values, an alias (`*name`) counts as the values for which the alias stands. Counting
+    stops as soon as the depth exceeds `DEEPEST` or the number exceeds `MOST_VALUES`.
     """
     import yaml
 

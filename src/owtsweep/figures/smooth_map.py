@@ -133,10 +133,10 @@ def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
 
 
 def _draw_boundaries(axes: Axes, field: Field) -> None:
-    """Draw, for each scheme, the line on which its MSE equals the least MSE of all other schemes.
+    """Draw, for each scheme, the line where the scheme's MSE equals the least MSE of the others.
 
-    Schemes whose MSE agrees everywhere on the map, up to `field.resolution`, are not compared with
-    each other.
+    Two schemes whose MSE agrees everywhere on the map, up to `field.resolution`, are not compared
+    with each other.
     """
     look: dict[str, Any] = {"levels": [0.0], "colors": "black", "linewidths": 1.4}
     for number, values in enumerate(field.values):
