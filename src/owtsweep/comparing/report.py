@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def make_overview(runs: Sequence[Judged], shared: Aspects, changed: pd.DataFrame) -> pd.DataFrame:
-    """Make the table of a comparison for the terminal, one row per run, all entries texts.
+    """Make the table of a comparison for the terminal: one row per run, with texts as entries.
 
     The columns are: for each scheme, the number of cells in which the scheme is best; the range of
     the boundary between two schemes, if the study has one; and the number of cells in which the
@@ -29,7 +29,8 @@ def make_overview(runs: Sequence[Judged], shared: Aspects, changed: pd.DataFrame
     shared
         The conditions, values and schemes that all runs have.
     changed
-        The table changed_cells.csv: one row per pair of runs and cell whose best scheme changed.
+        The table changed_cells.csv: for each pair of runs, one row per cell in which the best
+        scheme differs between the two runs.
     """
     import pandas as pd
 

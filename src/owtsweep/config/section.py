@@ -123,9 +123,10 @@ def key(
 
 
 def read_facts(field: FieldInfo) -> dict[str, Any]:
-    """Return the facts that `key` declared for a field: a dict with the keys of `NO_FACTS`.
+    """Return facts about a configuration key: a dict with unit, form, advice and younger.
 
-    The keys are unit, form, advice and younger. A fact that was not declared has its default.
+    `field` is the pydantic field of the key, declared by the function `key`. A fact that was not
+    declared has its default.
     """
     extra = field.json_schema_extra
     return NO_FACTS | extra if isinstance(extra, dict) else NO_FACTS

@@ -67,8 +67,8 @@ def as_mapping(section: Section) -> dict[str, Any]:
 
     The result consists of dicts, lists and scalars. A key that was declared as younger (some stored
     runs were made before the key existed) is left out while it has its default. A section that was
-    declared as younger is left out while nothing remains of it. So a new key does not change the
-    hashes of stored runs.
+    declared as younger is left out while all its keys are left out or have their defaults. So a new
+    key does not change the hashes of stored runs.
     """
     mapping = as_plain(section)
     for name, field in type(section).model_fields.items():

@@ -37,9 +37,9 @@ class Smoothed(NamedTuple):
 
 
 def smooth(run: Filtered) -> Smoothed:
-    """Estimate the state of every step from all measurements of the record.
+    """Estimate the state of every step from all measurements of a series, earlier and later.
 
-    `run` holds the results of a Kalman filter over several series.
+    `run` holds the results of a Kalman filter for several series.
     """
     gains, (series, steps, n) = run.gains, run.filtered.shape
     rows = gains.rows_of(steps)

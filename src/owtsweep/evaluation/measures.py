@@ -60,13 +60,13 @@ class Mean(NamedTuple):
 
 
 def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[str, Mean]:
-    """Compute the measures of a record by name: mean squared errors, NEES and NIS.
+    """Compute the measures of a record: mean squared errors, NEES and NIS.
 
     There is a mean squared error of every component, and of every quantity as the sum over its
     components. "nees" is the mean of the squared error weighted with the inverse of the estimator's
     covariance. "nis" is the mean of the squared innovation weighted with the inverse of the
-    innovation's covariance (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). "nees" and "nis" are
-    left out if the estimator gave no covariances or no innovations from step `first` on.
+    innovation's covariance (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). If the estimator
+    gave no covariance from step `first` on, "nees" is left out; if it gave no innovation, "nis" is.
 
     Parameters
     ----------
