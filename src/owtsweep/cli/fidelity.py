@@ -31,11 +31,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if not isinstance(study, Judged):
         raise InputError(
             f"{opened.folder}: this is a run of study {study.name!r}, which has no published "
-            "results; name a run of a study that has"
+            "results; name a run of a study with published results"
         )
     require(
         opened.engine.samples,
-        f"{opened.folder}: this run has no records, so nothing has an interval to be judged by; "
+        f"{opened.folder}: this run has no records, so its results have no intervals; "
         "name a run with engine=batch",
     )
     rows = opened.cases()

@@ -62,7 +62,7 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
         multirun folder cannot be written.
     """
     if options.fresh:
-        raise InputError("--fresh: this works on one run; name it without --multirun")
+        raise InputError("--fresh: this does not work with --multirun; leave out one of the two")
     located = locate(options.overrides)
     combinations = _combinations(options.overrides, located.tree)
     configs = [compose(words, options.config_dir) for words, _ in combinations]
@@ -260,7 +260,7 @@ def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[st
     """
     require(
         len({config.results for config in configs}) <= 1,
-        "results: one multirun has one results folder; give one value",
+        "results: the runs of a multirun have one results folder; give one value",
     )
     seen: dict[Path, Sequence[str]] = {}
     for config, overrides in zip(configs, combinations, strict=True):

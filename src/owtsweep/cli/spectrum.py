@@ -29,7 +29,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     config = compose(options.overrides, options.config_dir)
     study = get_study(config.study)
     if not isinstance(study, Spectral):
-        raise InputError(f"study: {config.study!r} has no error spectra; use one that has")
+        raise InputError(f"study: {config.study!r} has no error spectra; use another study")
     folder = run_folder(config) / "spectrum"
     check_writable(folder)
     with refuse_in_one_line(folder), blame(study):

@@ -49,18 +49,18 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
     )
     require(
         len({a.best_of is None for a in aspects}) == 1,
-        f"engine: some runs are of engine={without}, which has no records to pair with those of "
-        f"the others; compare runs of records with each other, and {without} ones with each other",
+        f"engine: some runs are of engine={without}, which has no records, and other runs have "
+        f"records; compare only runs with records, or only runs of engine={without}",
     )
     criteria = list(dict.fromkeys(a.criterion for a in aspects))
     require(
         len(criteria) == 1,
-        f"measures.criterion: the runs are judged by {' and '.join(criteria)}, which are no one "
-        "quantity; compare runs of one criterion",
+        f"measures.criterion: the runs are judged by {' and '.join(criteria)}, which are different "
+        "quantities; compare runs with one criterion",
     )
     require(
         all(a.conditions == first.conditions for a in aspects),
-        "grid: the runs have different conditions; compare runs of the same ones",
+        "grid: the runs have different conditions; compare runs with equal conditions",
     )
     notes = []
     if without:
@@ -73,13 +73,13 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
         axes = [set(a.grid[name]) for a in aspects]
         shared = axes[0].intersection(*axes[1:])
         key = f"grid.{name}"
-        require(bool(shared), f"{key}: the runs have no value in common; run common ones")
+        require(bool(shared), f"{key}: the runs have no value in common; compare other runs")
         grid[name] = order_values(list(shared), first.grid[name])
         if any(axis != shared for axis in axes):
             kept = ", ".join(map(show_value, grid[name]))
             notes.append(f"{key} differs between the runs; compared is what all have: {kept}")
     schemes = [name for name in first.schemes if all(name in a.schemes for a in aspects)]
-    require(bool(schemes), "schemes: the runs have no scheme in common; run common ones")
+    require(bool(schemes), "schemes: the runs have no scheme in common; compare other runs")
     left_out = sorted({name for a in aspects for name in a.schemes} - set(schemes))
     if left_out:
         notes.append(f"schemes that not all runs have are left out: {', '.join(left_out)}")

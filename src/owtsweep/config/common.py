@@ -133,7 +133,7 @@ class Config(Section):
             return
         require(
             scheduler is not None,
-            "compute.scheduler: compute.backend=dask needs one; give tcp://host:port",
+            "compute.scheduler: compute.backend=dask needs an address; give tcp://host:port",
         )
         require(
             re.fullmatch(r"(tcp|tls)://(\[[^\]]+\]|[^:/\s]+):\d+", str(scheduler)) is not None,

@@ -96,7 +96,7 @@ def spread_state(model: LinearModel, state: Array, series: int) -> Array:
     x = np.asarray(state, dtype=float)
     if x.shape not in ((model.states,), (series, model.states)):
         raise InputError(
-            f"state: has the shape {x.shape}; give ({model.states},), or one per series"
+            f"state: has the shape {x.shape}; give ({model.states},) or {(series, model.states)}"
         )
     return np.array(np.broadcast_to(x, (series, model.states)))
 
@@ -130,12 +130,14 @@ def compute_input_effects(
         return np.broadcast_to(0.0, shape)
     expected = (steps, model.B.shape[-1])
     if inputs is None:
-        raise InputError(f"inputs: the model has B, so it needs them; give {expected}")
+        raise InputError(f"inputs: a model with B needs inputs; give the shape {expected}")
     u = np.asarray(inputs, dtype=float)
     if u.shape not in (expected, (series, *expected)):
-        raise InputError(f"inputs: have the shape {u.shape}; give {expected}, or one per series")
+        raise InputError(
+            f"inputs: have the shape {u.shape}; give {expected} or {(series, *expected)}"
+        )
     if not np.all(np.isfinite(u)):
-        raise InputError("inputs: not all are finite; fill what is missing")
+        raise InputError("inputs: not all are finite; replace NaN and infinite numbers")
     B = model.B if model.B.ndim == 2 else model.B[:steps]
     return np.broadcast_to(multiply(B, u), shape)
 

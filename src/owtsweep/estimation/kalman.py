@@ -240,7 +240,7 @@ def schedule_gains(
     """
     there = np.asarray(available, dtype=bool)
     if model.steps is not None:
-        raise InputError("model: changes with time; a schedule needs one without an axis of time")
+        raise InputError("model: changes with time; give matrices without an axis of time")
     if there.ndim != 2 or len(there) == 0 or there.shape[1] != model.measurements:
         raise InputError(
             f"available: has the shape {there.shape}; give (cycle, {model.measurements})"
@@ -326,7 +326,9 @@ def apply_gains(
         pattern = np.zeros(series, dtype=np.int64)
     rows = gains.rows_of(steps)
     if np.any(np.isfinite(z) != share_out(gains.available[:, rows], pattern)):
-        raise InputError("measurements: other components are lost than the gains are made for")
+        raise InputError(
+            "measurements: other components are lost than in `gains`; compute gains for these"
+        )
     driven = compute_input_effects(model, inputs, series, steps)
     predicted, filtered = np.empty((2, series, steps, model.states))
     innovation = np.empty(z.shape)

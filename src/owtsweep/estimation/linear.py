@@ -87,7 +87,9 @@ class LinearModel:
         lengths = {name: len(matrix) for name, matrix in matrices.items() if matrix.ndim == 3}
         if len(set(lengths.values())) > 1:
             said = ", ".join(f"{name} for {length}" for name, length in lengths.items())
-            raise InputError(f"{next(iter(lengths))}: matrices differ in their steps ({said})")
+            raise InputError(
+                f"{next(iter(lengths))}: matrices are given for different numbers of steps ({said})"
+            )
         for name, matrix in matrices.items():
             if not np.all(np.isfinite(matrix)):
                 raise InputError(f"{name}: not all of its numbers are finite")
@@ -128,7 +130,9 @@ def check_covariance(name: str, matrix: Array) -> None:
     transposed = np.swapaxes(matrix, -1, -2)
     largest = np.max(np.abs(matrix), initial=0.0)
     if np.any(np.abs(matrix - transposed) > ROUND_OFF * largest):
-        raise InputError(f"{name}: is not symmetric; a covariance is")
+        raise InputError(f"{name}: is not symmetric; give a symmetric matrix")
     least = np.min(np.linalg.eigvalsh(matrix), initial=0.0)
     if least < -ROUND_OFF * largest:
-        raise InputError(f"{name}: has the negative eigenvalue {least:.3g}; a covariance has none")
+        raise InputError(
+            f"{name}: has the negative eigenvalue {least:.3g}; give a covariance, which has none"
+        )
