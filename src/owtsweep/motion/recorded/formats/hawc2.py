@@ -55,16 +55,16 @@ class Selection:
 
 
 def find_companion(path: Path, suffix: str) -> Path | None:
-    """Return the path with its extension replaced by `suffix`, in lower or upper case.
+    """Return the path with the extension `suffix`, in lower or upper case, in place of its own.
 
-    Return None if neither of these files exists.
+    Return None if neither of these two files exists.
     """
     candidates = (path.with_suffix(suffix), path.with_suffix(suffix.upper()))
     return next((candidate for candidate in candidates if candidate.exists()), None)
 
 
 def open_hawc2(path: Path) -> ChannelTable:
-    """Open a pair of .sel and .dat files, given the path of either.
+    """Open HAWC2 output, a .sel and a .dat file, given the path of one of these two files.
 
     Raises
     ------
@@ -162,11 +162,11 @@ def _load_text(
 
 
 def _restore_time(values: Array, place: int, selection: Selection) -> Array:
-    """Return the time channel at full resolution, and any other channel as it is.
+    """Return the values of the time channel at full resolution, those of another channel unchanged.
 
-    HAWC2 stores time in 16 bits or 6 digits, so times repeat in a long file. Uniform times, with a
-    step of duration / scans, replace the stored times if the two differ only by rounding. `place`
-    is the number of the channel, from 0.
+    `values` are the values of the channel with the number `place`, from 0. HAWC2 stores time in 16
+    bits or 6 digits, so times repeat in a long file. Uniform times, with a step of duration /
+    scans, replace the stored times if the two differ only by rounding.
     """
     if place != 0 or not selection.names[0].lower().startswith("time") or not len(values):
         return values
