@@ -53,7 +53,7 @@ def _imported(text: str) -> Iterator[Path]:
 
 @cache
 def source_hash() -> str:
-    """Return a hash of all kernel sources and of numba's version, in hexadecimal digits."""
+    """Return a hash of the files in `kernel_sources()` and numba's version, as hexadecimal text."""
     import numba
 
     digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)

@@ -47,7 +47,7 @@ def give_back_freed_memory() -> None:
 
 
 def _glibc(name: str) -> Any:
-    """Return the function `name` of the C library; None if there is none, or not on Linux."""
+    """Return the function `name` of the C library; None if it has none, or not on Linux."""
     if sys.platform != "linux":
         return None
     return getattr(ctypes.CDLL(None), name, None)
