@@ -51,7 +51,7 @@ def run() -> NoReturn:
 
 
 def _open_missing_streams() -> None:
-    """Open the null device for each standard stream that is closed, e.g. by `>&-`.
+    """Open the null device for each standard stream that is closed, e.g. by `>&-` in a shell.
 
     Otherwise the next file that is opened would get the number of the closed stream. Everything
     that libraries and child processes print would then go into this file.

@@ -148,9 +148,11 @@ def refuse_in_one_line(folder: Path) -> Iterator[None]:
     Raises
     ------
     InputError
-        Instead of any OSError. The message names the file, or `folder` if the file is not known.
+        Instead of any other OSError. The message names the file, or `folder` if the file is not
+        known.
     OSError
-        If the process may not open more files, since no file is at fault then.
+        If the process has too many open files. This error is passed on, because no file is at
+        fault.
     """
     try:
         yield

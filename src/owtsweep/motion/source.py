@@ -1,4 +1,7 @@
-"""The interface of sources of motion: of spectra, recorded files, and all that gives a `Motion`."""
+"""The interface of sources of motion, such as spectra and recorded files.
+
+A source is anything that gives a `Motion`.
+"""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ class Spectrum:
     """The one-sided spectrum S(f) = a f / (f^2 + b f + c), Eq. (1) of Ren et al. (2019).
 
     A record that is scaled to a given peak or rms depends on the shape of the spectrum, but not on
-    a.
+    the coefficient a.
 
     Attributes
     ----------

@@ -79,7 +79,7 @@ def synthesise(
     Parameters
     ----------
     spectrum
-        Shape of the spectrum.
+        The spectrum. Only its shape matters, because the record is normalised.
     phase
         Random generator of the phases. Line m always takes the random number of index m. So moving
         an edge of the band does not change the phases of lines that stay inside.
@@ -220,7 +220,7 @@ class SpectralSource:
     Attributes
     ----------
     spectrum
-        Shape of the spectrum.
+        The spectrum. Only its shape matters, because records are normalised.
     band
         Lower and upper edge of the band in which spectral lines are drawn, Hz.
     normalise

@@ -1,6 +1,6 @@
 """Computes inverse Fourier transforms of few spectral lines to many samples.
 
-Most bins of such a transform are zero, and no time is spent on these.
+Most bins of such a transform are zero, and little time is spent on these bins.
 """
 
 from __future__ import annotations

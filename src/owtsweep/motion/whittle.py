@@ -60,10 +60,10 @@ class Fit:
         by the area under the smoothed periodogram. A curve of the right shape reaches about 0.87,
         because the periodogram scatters.
     probability
-        The p-value of Bartlett's test that the shape of Eq. (1) is right. If it is right, the
-        accumulated I_j / S(f_j) are a straight line up to scatter. The p-value is the probability
-        of a departure from a straight line at least as large as observed. The value tends to be too
-        large, because the shape was fitted to the record itself.
+        The p-value of Bartlett's test that the shape of Eq. (1) is right. If the shape is right,
+        the accumulated I_j / S(f_j) are a straight line up to scatter. The p-value is the
+        probability of a departure from a straight line at least as large as observed. The value
+        tends to be too large, because the shape was fitted to the record itself.
     warnings
         What is wrong with the fit, in words; empty for a good fit.
     """
@@ -231,11 +231,11 @@ def _shape(f: Array, peak: float, k: float) -> Array:
 
 
 def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> tuple[float, float]:
-    """Search the peak frequency (Hz) and squared half-bandwidth (s^-2) of greatest likelihood.
+    """Find the peak frequency (Hz) and squared half-bandwidth (s^-2) of greatest likelihood.
 
     The search begins on a coarse grid and ends with Nelder and Mead's simplex method. `f` (Hz) and
     `observed` (m^2/Hz) are the frequencies and densities of the periodogram's lines inside `band`
-    (lower and upper edge, Hz). `df` is the distance between two lines, Hz.
+    (lower and upper edge, Hz). `df` is the distance between two neighbouring lines, Hz.
     """
     from scipy.optimize import minimize
 

@@ -40,7 +40,7 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
     finished; a cell without such a replicate has no row. Schemes whose values agree to
     `statistics.contest.COINCIDENCE` in each of these replicates count as one scheme, under the name
     that comes last in `cube.schemes`. The runner-up is the best of the other schemes; if all
-    schemes of a cell agree, it is one of these.
+    schemes of a cell agree, the runner-up is any other scheme.
 
     Parameters
     ----------
@@ -54,13 +54,14 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
     Returns
     -------
     DataFrame
-        The columns of `name_columns`, sorted by conditions and criterion. `difference` is the
-        runner-up's mean minus the best scheme's. `ci_low` and `ci_high` are the ends of its 95 %
-        confidence interval by the paired t-test in that cell alone. `distinguishable` applies
-        Holm's step-down correction at 5 % to all cells of the criterion. In a cell with one scheme,
-        `runner_up` is empty and the numbers that need a runner-up are NaN. With one replicate, the
-        interval is NaN. In both cases `distinguishable` is false. If a scheme was unable to work in
-        any cell, there are also the columns `status` and `reason`.
+        The columns of `name_columns`, sorted by conditions, then in the order of `criteria`.
+        `difference` is the runner-up's mean minus the best scheme's. `ci_low` and `ci_high` are the
+        ends of the 95 % confidence interval of `difference` by the paired t-test in that cell
+        alone. `distinguishable` applies Holm's step-down correction at 5 % to all cells of the
+        criterion. In a cell with one scheme, `runner_up` is empty and the numbers that need a
+        runner-up are NaN. In a cell with one replicate, the interval is NaN. In both cases
+        `distinguishable` is false. If a scheme was unable to work in any cell, there are also the
+        columns `status` and `reason`.
 
     Raises
     ------
@@ -107,8 +108,8 @@ def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]
     def coincide(i: int, j: int) -> bool:
         """Return whether the schemes with the indices i and j coincide.
 
-        They do if their values agree in every cell and replicate in which both schemes have a
-        value, and there is at least one such replicate.
+        Two schemes coincide if their values agree in every cell and replicate in which both schemes
+        have a value, and there is at least one such replicate.
         """
         compared = False
         for place in cube.outer_places():

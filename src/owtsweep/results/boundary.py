@@ -51,25 +51,29 @@ def find_boundary(
     conditions
         The study's conditions; the last one expands (one computed result serves all its values).
     schemes
-        The scheme that is expected to be better below the boundary, then the one expected to be
-        better above the boundary.
+        The scheme that is expected to be better below the boundary, then the scheme that is
+        expected to be better above the boundary.
     measure, window
-        Names of the measure, and of the part of the records, to compare.
+        Names of the measure to compare, and of the part of the records.
 
     Returns
     -------
     DataFrame
-        One row per cell, sorted by condition: all conditions but the last, and `COLUMNS`.
-        `boundary` is in the unit of the amplitude, and `ci_low` and `ci_high` are the ends of its
-        95 % confidence interval. `n` is the number of records that both schemes finished. `wins` is
-        "" if there is a boundary. Without a boundary, `boundary` is NaN and `wins` names the scheme
-        that is better at every amplitude; `wins` is "neither" if the mean errors cross the other
-        way round, or twice. `ci_low` and `ci_high` are NaN without a boundary, and with a single
-        record. Otherwise they are percentiles of the boundaries of resampled records. The boundary
-        of a resample counts as 0 if the second scheme is better at every amplitude, and as infinite
-        if the first scheme is. If the means of a resample cross the other way round, or twice, its
-        boundary is undefined: it counts as lying below `ci_low` and above `ci_high`. If `ci_low`
-        falls on an undefined boundary, it is NaN; if `ci_high` does, it is infinite.
+        One row per cell, sorted by condition. The columns are all conditions but the last, then
+        `COLUMNS`: boundary, ci_low, ci_high, n, wins.
+
+        `boundary` is in the unit of the amplitude. `n` is the number of records that both schemes
+        finished. `wins` is "" if there is a boundary. Otherwise `boundary` is NaN, and `wins` names
+        the scheme that is better at every amplitude. `wins` is "neither" if the second scheme is
+        better only below some amplitude, or if the mean errors cross twice.
+
+        `ci_low` and `ci_high` are the ends of the 95 % confidence interval of the boundary. They
+        are NaN without a boundary, and with a single record. Otherwise they are percentiles of the
+        boundaries of resampled records. The boundary of a resample counts as 0 if the second scheme
+        is better at every amplitude, and as infinite if the first scheme is. A resample in which
+        neither is true, and which has no boundary either, counts as lying below `ci_low` and above
+        `ci_high`. If `ci_low` falls on such a resample, `ci_low` is NaN; if `ci_high` does,
+        `ci_high` is infinite.
 
     Raises
     ------
@@ -113,9 +117,9 @@ def find_boundary_ratio(
     conditions
         The study's conditions; the last one expands (one computed result serves all its values).
     cells
-        The cells of the numerator and of the denominator.
+        The cells of the numerator and of the denominator, each a tuple of values.
     schemes, measure, window
-        Names of the two schemes, the measure, and the part of the records to compare.
+        Names of the two schemes and the measure to compare, and of the part of the records.
 
     Returns
     -------
@@ -200,15 +204,15 @@ def divide_crossings(
 ) -> tuple[float, float, float]:
     """Compute the ratio of the boundaries in two cells, with its confidence interval.
 
-    A boundary is the amplitude at which two schemes are equally good. A cell is one combination of
-    all conditions but the last, the amplitude.
+    A boundary is the amplitude above which the second of two schemes is better than the first. A
+    cell is one combination of all conditions but the last, the amplitude.
 
     Parameters
     ----------
     above, below
         Numerator and denominator. Each is a cell, as a tuple of values of the conditions, and an
-        array of shape (records, 3): the differences between two schemes in the products motion,
-        cross and noise. If the two cells are equal, the same records are drawn for both.
+        array of shape (records, 3): the first scheme's products motion, cross and noise minus the
+        second scheme's. If the two cells are equal, the same records are drawn for both.
     apart
         Whether to draw different records for the cell `above` even if the two cells are equal.
 
@@ -220,7 +224,8 @@ def divide_crossings(
         of the ratios in resampled records. In a resample the boundary counts as 0 if the second
         scheme is better at every amplitude, and as infinite if the first scheme is. A ratio that is
         undefined, such as 0 / 0, counts as lying below the lower end and above the upper end. If
-        the lower end falls on an undefined ratio, it is NaN; if the upper end does, it is infinite.
+        the lower end falls on an undefined ratio, the lower end is NaN; if the upper end does, the
+        upper end is infinite.
     """
     a, b = _find_mean_crossing(above[1]), _find_mean_crossing(below[1])
     if not (0.0 < a < np.inf and 0.0 < b < np.inf):
@@ -249,8 +254,8 @@ def _resample_crossings(cell: Cell, products: Array, *, apart: bool = False) -> 
     The boundary is the amplitude above which the second of two schemes is better on average; it may
     be 0, infinite or NaN, as `find_crossing` returns it. `products` are the first scheme's products
     motion, cross and noise minus the second scheme's, shape (records, 3). The draws depend only on
-    `cell` (values of the conditions), on the number of records, and on `apart`. `apart` draws other
-    records than its default.
+    `cell` (values of the conditions), on the number of records, and on `apart`. With `apart`, other
+    records are drawn than without.
     """
     key = [encode_value(value) for value in cell] or [0]
     if apart:  # a different key draws different records: the first condition is shifted by 1e4

@@ -26,9 +26,10 @@ class Condition:
     Attributes
     ----------
     name
-        Name of the column in tables, and of the key below `grid` in the configuration.
+        Name of the condition's column in tables, and of its key below `grid` in the configuration.
     label, unit
-        The name and the unit in figures, e.g. "motion amplitude" and "m"; "" if there is no unit.
+        The name and the unit to write on axes of figures, e.g. "motion amplitude" and "m"; "" if
+        there is no unit.
     scale
         How the condition's numbers are spaced: "linear" or "log".
     in_streams
@@ -65,9 +66,9 @@ class Condition:
         return self.plural or f"{self.label}s"
 
     def show(self, value: Value) -> str:
-        """Return a value of the condition as text, a number with its unit, e.g. "0.2 m".
+        """Return a value of the condition as text; a number is followed by its unit, e.g. "0.2 m".
 
-        A value that is a text itself gets no unit.
+        A value that is a text gets no unit.
         """
         shown = show_value(value)
         return f"{shown} {self.unit}" if self.unit and not isinstance(value, str) else shown

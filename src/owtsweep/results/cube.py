@@ -129,9 +129,10 @@ class Cube:
     ) -> dict[str, Any]:
         """Return the labels of some elements of `values(scheme, place)` as columns: name -> labels.
 
-        The columns are scheme and conditions, then measure, window and replicate. `indices` has one
-        array of indices for each axis of `values`: last condition, measure, window, replicate. If
-        the array for the replicates is left out, so is the column replicate.
+        `scheme` and `place` are indices, as for `values`. The columns are scheme and conditions,
+        then measure, window and replicate. `indices` has one array of indices for each axis of
+        `values`: last condition, measure, window, replicate. If the array for the replicates is
+        left out, so is the column replicate.
         """
         import pandas as pd
 
@@ -275,11 +276,11 @@ def _there(column: Any) -> NDArray[np.bool_]:
 
 
 def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
-    """Compute the mean square errors at all amplitudes from those due to motion and to noise.
+    """Compute the mean square errors at all amplitudes from the products of superposed rows.
 
-    `products` holds `PRODUCTS`, shape (3, measure, window, replicate). The axes of the result are
-    amplitude, measure, window, replicate. The longer of the axes amplitude and replicate is
-    innermost in memory, where loops and sums are fastest.
+    `products` holds the products motion, cross and noise, shape (3, measure, window, replicate).
+    The axes of the result are amplitude, measure, window, replicate. The longer of the axes
+    amplitude and replicate is innermost in memory, where loops and sums are fastest.
     """
     N = np.asarray(amplitudes)
     if len(N) <= products.shape[-1]:

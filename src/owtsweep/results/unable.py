@@ -39,10 +39,10 @@ def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid)
 
 
 def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.DataFrame:
-    """Return the rows without those of a scheme in a cell in which the scheme was unable to work.
+    """Remove schemes from the cells in which they were unable to work; return the other rows.
 
     A cell is one combination of conditions. If a scheme was unable to work in one replicate of a
-    cell, all rows of this scheme in this cell are left out.
+    cell, all rows of this scheme in this cell are removed.
     """
     import pandas as pd
 

@@ -64,7 +64,7 @@ class WienerBias:
     initial
         The bias of the first sample.
     last
-        The bias of the last sample that was drawn; None before the first.
+        The bias of the last sample that was drawn; None if no sample has been drawn.
 
     Raises
     ------

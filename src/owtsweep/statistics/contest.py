@@ -161,9 +161,9 @@ def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, F
     Returns
     -------
     tuple of array
-        Two arrays. The index of the best contender, shape (cells,); if others coincide with it, the
-        last of them all. And whether a scheme is a contender that coincides with the best, shape
-        (schemes, cells).
+        Two arrays. The index of the best contender, shape (cells,); if other contenders coincide
+        with it, the last of all these. And whether a scheme is a contender that coincides with the
+        best, shape (schemes, cells).
     """
     least = np.argmin(np.where(contenders, means, np.inf), axis=0)
     same = alike[least, :, np.arange(means.shape[1])].T & contenders

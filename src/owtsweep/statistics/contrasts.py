@@ -1,4 +1,4 @@
-"""Differences and ratios of two runs' MSE: paired by replicate, or unpaired by Welch's method.
+"""Differences and ratios of two runs' means: paired by replicate, or unpaired by Welch's method.
 
 Source: Welch (1947), The generalization of 'Student's' problem. The interval of a ratio mean(b) /
 mean(a) comes from the delta method for its logarithm: replicate r influences the logarithm by b_r /
@@ -87,7 +87,7 @@ def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
 def _welch(error_a: Array, n_a: Any, error_b: Array, n_b: Any) -> tuple[Array, Array]:
     """Compute the standard error of the difference of two means, and its degrees of freedom.
 
-    The arguments are the standard errors of the means and the numbers of samples. The degrees of
+    The arguments are the standard error of each mean and its number of samples. The degrees of
     freedom follow Welch and Satterthwaite.
     """
     error = np.sqrt(error_a**2 + error_b**2)

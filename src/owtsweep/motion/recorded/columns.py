@@ -87,8 +87,8 @@ def guess_roles(names: Sequence[str]) -> dict[str, str]:
     A role says what a channel holds, e.g. "position_x". `names` are the names of a file's channels.
     Roles without a channel are left out. The x and the y axis of a quantity come from one pair of
     well-known names; y may be missing. If the channels include a specific force and positions, but
-    no reference, the positions become the reference: estimates from the specific force are compared
-    with it.
+    no reference, the positions become the reference, with which the estimates from the specific
+    force are compared.
     """
     bare = {name: _strip(name) for name in names}
 

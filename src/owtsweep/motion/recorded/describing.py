@@ -38,7 +38,7 @@ class Channel:
     missing
         Number of rows without a value.
     mean, deviation, smallest, largest
-        Mean, standard deviation and range of the values; NaN if there are none.
+        Mean, standard deviation and range of the values; NaN if no row has a value.
     rate
         Rate in Hz, from the median interval between values; NaN if the file has no usable time.
     gaps

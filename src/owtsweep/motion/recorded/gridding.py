@@ -182,7 +182,7 @@ def make_uniform(
 
 
 def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -> Array | None:
-    """Return a channel's samples at the times of a grid; None unless each time has a sample.
+    """Return a channel's samples at the times of a grid; None unless all have a sample.
 
     `source` is (start, samples): the samples are at the times start + k step, in s. A sample may be
     off the grid's time by 1e-3 of `step`.

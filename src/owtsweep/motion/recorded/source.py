@@ -57,8 +57,8 @@ class RecordedSource:
         steps, step
             Number of steps, and the length of a step in s.
         history
-            Number of steps before t = 0, which delayed sensors need. They are taken from the
-            beginning of the file; the motion proper follows.
+            Number of steps before t = 0, which delayed sensors need. The motion before t = 0 is
+            taken from the beginning of the recording, so t = 0 is this many steps later.
 
         Raises
         ------

@@ -88,7 +88,7 @@ def _reading(path: Path) -> Iterator[None]:
 
 
 def _open_data(path: Path, file: Any, block: str) -> Any:
-    """Return the HDF5 dataset of a group: one row per time step, one column per channel.
+    """Return the HDF5 dataset `data` of a group: one row per time step, one column per channel.
 
     Raises
     ------

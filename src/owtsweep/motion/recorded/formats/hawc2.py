@@ -55,9 +55,9 @@ class Selection:
 
 
 def find_companion(path: Path, suffix: str) -> Path | None:
-    """Return the path with the extension `suffix`, in lower or upper case, in place of its own.
+    """Return `path` with its extension replaced by `suffix`, in lower or upper case.
 
-    Return None if neither of these two files exists.
+    Return the first of these two paths that exists, or None if neither does.
     """
     candidates = (path.with_suffix(suffix), path.with_suffix(suffix.upper()))
     return next((candidate for candidate in candidates if candidate.exists()), None)
@@ -162,11 +162,12 @@ def _load_text(
 
 
 def _restore_time(values: Array, place: int, selection: Selection) -> Array:
-    """Return the values of the time channel at full resolution, those of another channel unchanged.
+    """Return a channel's values, and those of the time channel at full resolution.
 
-    `values` are the values of the channel with the number `place`, from 0. HAWC2 stores time in 16
-    bits or 6 digits, so times repeat in a long file. Uniform times, with a step of duration /
-    scans, replace the stored times if the two differ only by rounding.
+    `values` are the values of the channel with the number `place`, from 0. Only values of the time
+    channel are changed. HAWC2 stores time in 16 bits or 6 digits, so times repeat in a long file.
+    Uniform times, with a step of duration / scans, replace the stored times if the two differ only
+    by rounding.
     """
     if place != 0 or not selection.names[0].lower().startswith("time") or not len(values):
         return values

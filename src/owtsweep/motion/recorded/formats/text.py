@@ -251,8 +251,8 @@ def _holds_units(rows: list[list[str]]) -> bool:
     """Return whether the last row holds units.
 
     `rows` are the fields of the one or two lines above the data. The last row holds units if all
-    its fields are in brackets. It also does if all are known units and the row above has equally
-    many fields. Fields that are empty or "-" are not looked at.
+    its fields are in brackets. It also holds units if all its fields are known units and the row
+    above it has equally many fields. Fields that are empty or "-" are not looked at.
     """
     last = [field for field in rows[-1] if field not in ("", "-")]
     if all(_BRACKETED.match(field) for field in last):
@@ -264,10 +264,11 @@ def _holds_units(rows: list[list[str]]) -> bool:
 def _load_delimited(
     path: Path, layout: Layout, names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """Load the named columns with pyarrow: return name -> the first `rows` values, or all if None.
+    """Load the named columns with pyarrow: return name -> values.
 
-    The file is read block by block, so that only the wanted columns use memory. pyarrow's own
-    streaming reader is not used, because its thread may outlive an error.
+    Only the first `rows` rows are loaded; None loads all rows. The file is read block by block, so
+    that only the wanted columns use memory. pyarrow's own streaming reader is not used, because its
+    thread may outlive an error.
     """
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
@@ -320,9 +321,10 @@ def _lengthen(column: Array, count: int, least: int) -> Array:
 def _load_blanks(
     path: Path, layout: Layout, names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """Load the named columns with pandas: return name -> the first `rows` values, or all if None.
+    """Load the named columns with pandas: return name -> values.
 
-    pandas is used because pyarrow cannot split a line at runs of blanks.
+    Only the first `rows` rows are loaded; None loads all rows. pandas is used because pyarrow
+    cannot split a line at runs of blanks.
     """
     import pandas as pd
 
