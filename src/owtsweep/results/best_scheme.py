@@ -40,7 +40,7 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
     finished; a cell without such a replicate has no row. Schemes whose values agree to
     `statistics.contest.COINCIDENCE` in each of these replicates count as one scheme, under the name
     that comes last in `cube.schemes`. The runner-up is the best of the other schemes; if all
-    schemes of a cell agree, the runner-up is any other scheme.
+    schemes of a cell agree, the runner-up is another of these schemes.
 
     Parameters
     ----------

@@ -89,7 +89,9 @@ def open_text(path: Path) -> ChannelTable:
 
 
 def _read_head(path: Path) -> list[str]:
-    """Return the first lines of a text file, at most `HEAD` bytes; a line that is cut is left out.
+    """Return the first lines of a text file, which have at most `HEAD` bytes.
+
+    If this limit cuts a line, the line is left out.
 
     Raises
     ------
