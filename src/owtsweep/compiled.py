@@ -66,8 +66,8 @@ def source_hash() -> str:
 def cache_directory() -> Path:
     """Return the folder for compiled kernels, whose name contains `source_hash()`.
 
-    The folder lies in the folder that the environment variable NUMBA_CACHE_DIR names. If this
-    variable is not set, the folder lies in the user's cache folder.
+    The environment variable NUMBA_CACHE_DIR names the place of this folder. If the variable is not
+    set, the folder lies in the user's cache folder.
     """
     home = os.environ.get("NUMBA_CACHE_DIR")
     if home:

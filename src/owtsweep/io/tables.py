@@ -39,9 +39,9 @@ def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
 
 
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
-    """Write a table to the file `<name>.csv` in a folder, whole or not at all; return its path.
+    """Write a table to the file `<name>.csv` in a folder, whole or not at all.
 
-    The table's index is not written.
+    The table's index is not written. Return the path of the file.
 
     Raises
     ------

@@ -306,7 +306,8 @@ def _test_shape(ratio: Array) -> float:
 
     `ratio` is the periodogram divided by the fitted spectrum, in order of frequency, shape
     (lines,). If the shape is right, the running sum of the ratios is a straight line up to scatter.
-    The p-value is the probability that the sum departs from the line at least as far as observed.
+    The p-value is the probability that the sum departs from the straight line at least as far as
+    observed.
     """
     from scipy.special import kolmogorov
 

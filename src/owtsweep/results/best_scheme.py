@@ -108,8 +108,8 @@ def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]
     def coincide(i: int, j: int) -> bool:
         """Return whether the schemes with the indices i and j coincide.
 
-        Two schemes coincide if their values agree in every cell and replicate in which both schemes
-        have a value, and there is at least one such replicate.
+        Two schemes coincide if their values agree wherever both schemes have a value, and if there
+        is at least one value that both have.
         """
         compared = False
         for place in cube.outer_places():

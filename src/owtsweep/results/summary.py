@@ -23,16 +23,16 @@ def name_columns(conditions: Sequence[str]) -> list[str]:
 
 
 def summarise(cube: Cube) -> pd.DataFrame:
-    """Compute means over the replicates with 95 % confidence intervals by Student's t.
+    """Compute the mean of each measure over the replicates, with its 95 % confidence interval.
 
     Returns
     -------
     DataFrame
         The columns of `name_columns`, sorted by scheme, conditions, measure, window. `ci_low` and
-        `ci_high` are the ends of the confidence interval; they are NaN for a single replicate. `n`
-        is the number of replicates that the scheme finished. If a scheme was unable to work under
-        some combination of conditions, there are also the columns `status` and `reason`, and a line
-        without measure for that scheme and combination.
+        `ci_high` are the ends of the confidence interval by Student's t; they are NaN for a single
+        replicate. `n` is the number of replicates that the scheme finished. If a scheme was unable
+        to work under some combination of conditions, there are also the columns `status` and
+        `reason`, and a line without measure for that scheme and combination.
     """
     import pandas as pd
 

@@ -1,4 +1,4 @@
-"""Corrects for many tests at once by Holm's method."""
+"""Corrects the tests of many hypotheses for their number, by Holm's method."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The contents of a file by role, in SI units, at the file's times."""
+"""The contents of a file in SI units, at the file's times, by role (e.g. "position_x")."""
 
 from __future__ import annotations
 

@@ -110,8 +110,8 @@ def _follow(path: Path, group: Any, name: str) -> Any:
     Raises
     ------
     InputError
-        If the member is a link, might read another file, or is stored in HDF5 chunks that would
-        need too much memory.
+        If the member is a link, if its data may lie in another file, or if it is stored in HDF5
+        chunks that would need too much memory.
     """
     import h5py
 

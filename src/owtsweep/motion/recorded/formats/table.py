@@ -97,8 +97,8 @@ def make_safe(table: ChannelTable) -> ChannelTable:
 def require_room(path: Path, rows: int, channels: int, whole: int | None = None) -> None:
     """Raise `InputError` if `rows` times `channels` numbers are more than `MOST_VALUES`.
 
-    `whole` is the number of all rows of the file `path`; None if this number is not known. The
-    message tells it.
+    The message names the file `path` and `whole`, the number of all rows of the file. If `whole` is
+    None, this number is not known.
     """
     if rows * channels <= MOST_VALUES:
         return

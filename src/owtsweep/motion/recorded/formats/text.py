@@ -78,7 +78,7 @@ def open_text(path: Path) -> ChannelTable:
     ------
     InputError
         If the file is empty, is not text in UTF-8 or Latin-1, has no table of numbers, or has
-        commas that may be decimal commas or may separate columns or thousands.
+        commas of unclear meaning (decimal commas or separators).
     """
     layout = find_layout(path, _read_head(path))
     load = partial(_load_blanks if layout.delimiter == " " else _load_delimited, path, layout)
@@ -135,8 +135,8 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
     Raises
     ------
     InputError
-        If the lines hold no table of numbers, or commas that may be decimal commas or may separate
-        columns or thousands.
+        If the lines hold no table of numbers, or commas of unclear meaning (decimal commas or
+        separators).
     """
     written = [(number, line) for number, line in enumerate(lines) if line.strip()]
     for place, (first, line) in enumerate(written):
