@@ -100,8 +100,8 @@ def printed(natural_period: float) -> Spectrum:
     if row is None:
         periods = ", ".join(f"{period:g}" for period in TABLE_4)
         raise InputError(
-            f"spectrum=printed: Table 4 has no natural period {natural_period:g} s (it has "
-            f"{periods} s): use spectrum=translated"
+            f"spectrum=printed: the paper's Table 4 has no natural period {natural_period:g} s, "
+            f"only {periods} s: use spectrum=translated"
         )
     spectrum = Spectrum(*row)
     if spectrum.peak_margin <= 1e-12:

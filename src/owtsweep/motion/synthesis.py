@@ -53,7 +53,7 @@ def line_numbers(band: tuple[float, float], period: float) -> range:
     if not numbers:
         raise InputError(
             f"band: [{band[0]:g}, {band[1]:g}] Hz holds no line of a record that is "
-            f"{period / 2:g} s long; widen it or lengthen record.duration"
+            f"{period / 2:g} s long; widen the band or lengthen record.duration"
         )
     return numbers
 

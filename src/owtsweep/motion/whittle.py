@@ -199,8 +199,9 @@ def fit_lines(frequency: Array, power: Array, *, band: tuple[float, float] = BAN
     f, observed = frequency[inside], power[inside]
     if len(f) < FEWEST_LINES:
         raise InputError(
-            f"band: [{band[0]:g}, {band[1]:g}] Hz holds {len(f)} lines of a record of "
-            f"{1 / df:.4g} s; at least {FEWEST_LINES} are needed: widen it or take a longer record"
+            f"band: [{band[0]:g}, {band[1]:g}] Hz holds {len(f)} lines of the periodogram "
+            f"of a record of {1 / df:.4g} s; at least {FEWEST_LINES} are needed: widen the band "
+            "or use a longer record"
         )
     if not np.all(np.isfinite(power)) or observed.sum() <= 1e-24 * len(f):
         raise InputError(

@@ -94,8 +94,8 @@ def require_usable(conditions: Sequence[Condition]) -> None:
     for condition in conditions[:-1]:
         if condition.expands:
             raise InputError(
-                f"conditions: {condition.name} expands and is not the last; put it at the end, "
-                "and let no other expand"
+                f"conditions: {condition.name} expands and is not the last condition; put "
+                f"{condition.name} at the end, and let no other condition expand"
             )
 
 

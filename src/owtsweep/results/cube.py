@@ -334,7 +334,8 @@ def _arrange(
     size = math.prod(len(labels[name]) for name in axes)
     require(
         size <= max(_SPARSEST * place.size, _ORDINARY),
-        f"rows: {place.size} values for {size} cases; the labels of their rows do not fit together",
+        f"rows: {place.size} values for an array of {size}; "
+        "the labels of the rows do not fit together",
     )
     arrays = np.full((len(columns), *(len(labels[name]) for name in axes)), np.nan)
     for flat, name in zip(arrays.reshape(len(columns), -1), columns, strict=True):

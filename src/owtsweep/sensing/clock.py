@@ -71,7 +71,7 @@ class Clock:
         if missing > 1e-9 * step:
             raise InputError(
                 f"clock: samples are taken up to {missing:.4g} s outside the motion; lengthen it "
-                "at both ends by what offset and drift come to"
+                f"by {missing:.4g} s at both ends, or give a smaller offset and drift"
             )
         inside = np.clip(instants, start, time[-1])
         return np.asarray(make_interp_spline(time, values, k=5)(inside))

@@ -50,7 +50,7 @@ def check_time(path: Path, name: str, time: Array) -> None:
         raise refuse(
             path,
             f"time ({name}) {what} in data row {row + 2}: {time[row]:.9g} s, then "
-            f"{time[row + 1]:.9g} s; sort the rows and drop repeated ones",
+            f"{time[row + 1]:.9g} s; sort the rows by time and drop repeated times",
         )
 
 
@@ -116,17 +116,17 @@ def _check_extent(path: Path, role: str, name: str, time: Array, values: Array) 
     if largest > LARGEST_VALUE:
         raise refuse(
             path,
-            f"{name} holds {largest:.3g} in SI units; more than {LARGEST_VALUE:g} cannot be: check "
-            f"units.{role}, and mark missing values as NaN",
+            f"{name} holds {largest:.3g} in SI units, and no motion reaches {LARGEST_VALUE:g}: "
+            f"check units.{role}, and mark missing values as NaN",
         )
     steps = count_steps(time)
     if not steps <= MOST_STEPS and not role.startswith("fix"):
         raise refuse(
             path,
             f"{name} spans {time[-1] - time[0]:.3g} s at intervals of "
-            f"{np.median(np.diff(time)):.3g} s: that is a regular grid of {steps:.3g} times, "
-            f"{8e-9 * steps:.3g} GB a channel, and at most {MOST_STEPS} are made; does the time "
-            "jump?",
+            f"{np.median(np.diff(time)):.3g} s: a regular grid would have {steps:.3g} steps "
+            f"({8e-9 * steps:.3g} GB per channel), and at most {MOST_STEPS} are allowed; "
+            "does the time jump?",
         )
 
 
@@ -153,7 +153,7 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) ->
         raise refuse(
             path,
             f"{name} has gaps longer than {LONGEST_GAP:g} s: {describe_gaps(holes)}; cut "
-            "them out, or use gaps=interpolate",
+            "the record at the gaps, or use gaps=interpolate",
         )
     elif holes:
         notes.append(f"{quantity}: gaps interpolated: {describe_gaps(holes)}")

@@ -83,8 +83,8 @@ def to_motion(
     chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff
     if not 0.0 < chosen <= highest * (1 + 1e-9):
         raise InputError(
-            f"cutoff: {chosen:g} Hz is not between 0 and {highest:.4g} Hz, 0.4 of the lower of "
-            "the record's rate and the IMU's"
+            f"cutoff: {chosen:g} Hz is not between 0 and {highest:.4g} Hz, which is 0.4 of the "
+            "lower of two rates, the record's and the IMU's"
         )
     channels: dict[str, Array] = {}
     pairs: dict[str, Array] = {}

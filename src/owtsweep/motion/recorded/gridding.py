@@ -76,8 +76,8 @@ def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) ->
     end = min(float(span[1]) for span in spans)
     if end - start < 1.0:
         raise InputError(
-            f"{recording.path}: {', '.join(roles)} share {max(end - start, 0.0):.3g} s; at least "
-            "1 s is needed"
+            f"{recording.path}: {', '.join(roles)} share {max(end - start, 0.0):.3g} s of time; "
+            "at least 1 s is needed"
         )
     if not (end - start) * rate <= MOST_STEPS:
         raise InputError(

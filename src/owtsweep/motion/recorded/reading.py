@@ -134,7 +134,7 @@ def _find_factors(
             try:
                 factors[role] = find_factor(stated, ROLES[role], where)
             except InputError as error:
-                raise InputError(f"{error}; or give it by units.{role}") from None
+                raise InputError(f"{error}; or give the unit by units.{role}") from None
         else:
             factors[role] = 1.0
             assumed.append(f"{role} in {DIMENSIONS[ROLES[role]][0]}")

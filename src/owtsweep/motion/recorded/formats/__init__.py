@@ -43,7 +43,7 @@ def open_table(path: str | Path) -> ChannelTable:
     path = Path(path)
     require_regular(path)
     if not os.access(path, os.R_OK):
-        raise refuse(path, "you may not read it")
+        raise refuse(path, "you may not read this file; change its permissions")
     if path.stat().st_size == 0:
         raise refuse(path, "is empty")
     return make_safe(_open(path))

@@ -134,7 +134,7 @@ def _find_shape(
         size = math.prod(shape) * dtype.itemsize
         if stream.tell() + size > member.file_size:
             name, there = member.filename, member.file_size
-            raise refuse(path, f"{name} is to hold {size} bytes of numbers; {there} are there")
+            raise refuse(path, f"{name} is to hold {size} bytes of numbers, but holds {there}")
         require_room(path, shape[0], math.prod(shape[1:]), shape[0])
         return tuple(shape)
 

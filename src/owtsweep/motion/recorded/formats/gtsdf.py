@@ -121,11 +121,15 @@ def _follow(path: Path, group: Any, name: str) -> Any:
     if isinstance(group.get(name, getlink=True), h5py.HardLink):
         item = group[name]
     if item is None or (isinstance(item, h5py.Dataset) and (item.external or item.is_virtual)):
-        raise refuse(path, f"{name} is a link, perhaps to another file; copy what it links to")
+        raise refuse(
+            path, f"{name} is a link, perhaps to another file; store the data in its place"
+        )
     if isinstance(item, h5py.Dataset) and item.chunks is not None:
         size = int(np.prod(item.chunks, dtype=float)) * item.dtype.itemsize
         if size > MOST_VALUES * 8:
-            raise refuse(path, f"{name} comes in pieces of {size / 1e9:.3g} GB; that is too much")
+            raise refuse(
+                path, f"{name} has chunks of {size / 1e9:.3g} GB; store it in smaller chunks"
+            )
     return item
 
 

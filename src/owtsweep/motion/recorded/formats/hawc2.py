@@ -88,7 +88,9 @@ def open_hawc2(path: Path) -> ChannelTable:
 
 def _read_selection(sel: Path) -> Selection:
     lines = read_bytes(sel, MOST_BYTES).decode("latin-1").splitlines()
-    strange = refuse(sel, "is not a HAWC2 .sel file (line 9: scans, channels, time, ASCII/BINARY)")
+    strange = refuse(
+        sel, "is not a HAWC2 .sel file (line 9 holds scans, channels, time, ASCII/BINARY)"
+    )
     try:
         words = lines[SUMMARY_LINE].split()
         scans, count, duration, kind = int(words[0]), int(words[1]), float(words[2]), words[3]

@@ -67,7 +67,9 @@ class TextStream(io.RawIOBase):
         end = max(chunk.rfind(b"\n"), chunk.rfind(b"\r"))
         self._line = self._line + len(chunk) if end < 0 else len(chunk) - end - 1
         if self._line > BLOCK:
-            raise refuse(self._path, f"has a line of more than {BLOCK >> 20} MB, as no table has")
+            raise refuse(
+                self._path, f"has a line of more than {BLOCK >> 20} MB; is this a text table?"
+            )
         buffer[: len(chunk)] = chunk
         return len(chunk)
 

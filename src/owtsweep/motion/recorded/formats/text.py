@@ -178,7 +178,7 @@ def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
         return "."
     points = (f for fields in data for f in fields if "." in f and _NUMBER.match(f))
     point = next(points, None)
-    hint = "write numbers with a point, and no other character"
+    hint = "write numbers with a decimal point and without other separators"
     if point is not None:
         if commas[0] not in data[0]:
             return "."  # the comma is in a text further down
@@ -203,8 +203,8 @@ def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: st
     if whole and len(names) < parts <= 2 * len(names) and any(map(_TIME.match, names)):
         raise refuse(
             path,
-            f"line {first + 1} has {parts} numbers below {len(names)} names: if these are decimal "
-            "commas, write numbers with a point, or semicolons between the columns",
+            f"line {first + 1} has {parts} numbers below {len(names)} names: if its commas are "
+            "decimal commas, write points instead, or write semicolons between the columns",
         )
 
 
