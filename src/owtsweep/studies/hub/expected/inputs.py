@@ -1,8 +1,8 @@
-"""The test inputs (probes) on which a chain is run instead of records.
+"""The test inputs (probes) on which a scheme is run instead of records.
 
 The mean over records of a sum of squared errors equals a sum over any orthonormal basis of the
 inputs. In the bases used here the squared error changes smoothly with the number of the basis
-vector. So a chain is run on a few dozen basis vectors, and the errors for the others are
+vector. So a scheme is run on a few dozen basis vectors, and the errors for the other vectors are
 interpolated.
 """
 
@@ -18,7 +18,7 @@ from owtsweep.studies.hub.contract import Sensors
 
 @dataclass(frozen=True)
 class Probe:
-    """A test input: n sinusoids of different frequencies that enter a chain in the same way.
+    """A test input: n sinusoids of different frequencies that enter a scheme in the same way.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class Probe:
         (n,) each.
     truth
         Whether the sinusoid is a displacement that the estimate should follow; position fixes then
-        arrive with their delay. If not, the estimate should stay at zero.
+        arrive with the delay of the GNSS. If not, the estimate should stay at zero.
     phasor
         Whether both a cosine and a sine are run for each sinusoid. If not, only the sine is run.
     shift
@@ -56,17 +56,19 @@ def motion(frequency: Array, sensors: Sensors) -> Probe:
 
 
 def forces(number: Array, steps: int) -> Probe:
-    """Make a probe of specific forces e^{2 pi i number k / steps} at steps k.
+    """Make a probe of specific forces e^{2 pi i number k / steps} at steps k = 0 ... steps - 1.
 
-    Divided by sqrt(steps), the vectors for all numbers are an orthonormal basis of IMU noise.
+    `number` has the shape (n,). Divided by sqrt(steps), the vectors for all numbers are an
+    orthonormal basis of IMU noise.
     """
     return Probe(2.0 * np.pi * number / steps, np.ones(len(number)), np.zeros(len(number)))
 
 
 def fixes(number: Array, count: int, sensors: Sensors) -> Probe:
-    """Make a probe of position fixes e^{2 pi i number q / count}, where q numbers the fixes.
+    """Make a probe of position fixes e^{2 pi i number q / count}, fix number q = 0 ... count - 1.
 
-    Divided by sqrt(count), the vectors for all numbers are an orthonormal basis of noise in fixes.
+    `number` has the shape (n,). Divided by sqrt(count), the vectors for all numbers are an
+    orthonormal basis of noise in fixes.
     """
     angle = 2.0 * np.pi * number / (count * sensors.fix_interval)
     return Probe(angle, np.zeros(len(number)), np.ones(len(number)))
@@ -75,7 +77,8 @@ def fixes(number: Array, count: int, sensors: Sensors) -> Probe:
 def walks(number: Array, steps: int) -> Probe:
     """Make a probe of the eigenvectors of a Wiener process: forces sin(angle k) at steps k.
 
-    The Wiener process starts from zero at step 0. The eigenvectors are numbered from 1.
+    The Wiener process starts from zero at step 0 and has `steps` steps. `number`, shape (n,), are
+    the numbers of eigenvectors, from 1 on.
     """
     angle = (2.0 * number - 1.0) * np.pi / (2.0 * (steps - 1) + 1.0)
     return Probe(angle, np.ones(len(number)), np.zeros(len(number)), phasor=False)

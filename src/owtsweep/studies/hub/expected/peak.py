@@ -1,10 +1,10 @@
 """Computes the mean square of records that are scaled to a greatest displacement of 1 m.
 
-The mean square of such a record is (standard deviation / peak)^2. The mean over records is called
-the peak factor. To compute it, records are synthesised, but no scheme is run. The peak factor
-changes slowly with the natural period. It is therefore computed at fixed periods, the rungs of a
-ladder, and interpolated between them. So a result does not depend on which other periods a grid
-holds.
+The mean square of a scaled record is (standard deviation / peak)^2 of the record before scaling.
+The mean over records is called the peak factor. To compute it, records are synthesised, but no
+scheme is run. The peak factor changes slowly with the natural period. The factor is therefore
+computed at fixed periods, the rungs of a ladder, and interpolated between them. So a result does
+not depend on which other periods a grid holds.
 """
 
 from __future__ import annotations
@@ -65,9 +65,9 @@ def _list_rungs(config: HubConfig, period: float) -> list[float]:
 
 
 def factor_at(config: HubConfig, period: float) -> float:
-    """Compute the mean of (standard deviation / peak)^2 over records of a natural period (s).
+    """Compute the mean of (standard deviation / peak)^2 over records of one natural period (s).
 
-    The result is cached.
+    The result is cached in a file.
     """
     what: dict[str, Any] = {
         "what": "peak factor",
