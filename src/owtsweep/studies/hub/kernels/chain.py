@@ -4,7 +4,8 @@ A chain is a scheme as arrays (`ChainArrays`). A chunk is a stretch of a record 
 computed together. First, `prepare` runs the filter and the smoother over a whole chunk. Then
 `finish` makes the estimates of a part of the chunk. The part is so short that its estimates are
 still in a near cache when their errors are summed. For a chain without smoother and predictor,
-`finish` alone is called. Arguments are the structures of `kernels.layout`.
+`finish` alone is called. For a chain with a predictor, `kernels.sums` may make the estimates
+instead. Arguments are the structures of `kernels.layout`.
 """
 
 from __future__ import annotations
@@ -74,12 +75,13 @@ def is_filter(chain):
 def prepare(k0, count, fed, chain, memory, whole, late):
     """Filter and smooth the `count` steps of the chunk that begins at step k0 of the record.
 
-    The states are written to the scratch memory, scratch.X. Without a smoother, step k has its
-    filtered state there; with a smoother, step k has the smoothed state of step k - window. If
-    `whole` is true, or the chain has no predictor, a state has four rows: position, velocity, bias,
-    acceleration. Otherwise a state has two rows: what it adds to the predicted position and
-    velocity. `late` is an array that is read after this call, with rows numbered as those of the
-    force. Its rows are prefetched here.
+    A chunk is a stretch of a record whose steps are computed together. The states are written to
+    scratch.X in `memory`. Without a smoother, step k has its filtered state there; with a smoother,
+    step k has the smoothed state of step k - window. If `whole` is true, or there is no predictor,
+    a state has four rows: position, velocity, bias, acceleration. Otherwise a state has two rows:
+    what the state adds to the predicted position and velocity. `fed`, `chain` and `memory` are
+    `Fed`, `ChainArrays` and `Memory`. `late` is an array that is read after this call, with rows
+    numbered as those of the force; the rows of `late` are prefetched.
     """
     window, registers, scratch = chain.filter.window, memory.registers, memory.scratch
     width = WHOLE if whole or chain.predictor.steps == 0 else PREDICTED
@@ -111,10 +113,11 @@ def steps_of(k0, first, stop, shift):
 def finish(steps, fed, chain, memory, late):
     """Write the estimated positions and velocities of some steps of a chunk to memory.output.
 
-    The estimate of the chunk's step i goes to row i - steps.shift. Unless the chain consists of a
-    filter alone, `prepare` must have processed the chunk. If the chain consists of a filter alone,
-    the filter is run here: then the innovations go to memory.output too (the innovation of step i
-    to row i), and rows of the array `late`, which is read after this call, are prefetched.
+    A chunk is a stretch of a record whose steps are computed together. The estimate of the chunk's
+    step i goes to row i - steps.shift. If there is a smoother or a predictor, `prepare` must have
+    processed the chunk. Otherwise the filter is run here: the innovation of step i goes to row i of
+    memory.output, and rows of the array `late`, which is read after this call, are prefetched.
+    `fed`, `chain` and `memory` are `Fed`, `ChainArrays` and `Memory`.
     """
     scratch, output = memory.scratch, memory.output
     if is_filter(chain):

@@ -78,8 +78,8 @@ def whole_series(count, lead, amplitude, direction, force, result):
 def keep_lead(lead, rows):
     """Copy the last `lead` rows of each group of lanes to the group's first rows.
 
-    `rows` has the shape (groups, rows, lanes). The steps of the next span will be written behind
-    the copied rows.
+    `rows` has the shape (groups, rows, lanes), and holds a span of records (some thousand steps).
+    The next span will be written behind the copied rows.
     """
     last = rows.shape[1] - lead
     for group in range(rows.shape[0]):

@@ -16,9 +16,10 @@ PREDICTED, WHOLE, FINAL = 2, 4, 0
 
 @njit
 def row_before(k, row, rows, cycle):
-    """Return the gain schedule's row for step k - 1, given its row for step k, `row`.
+    """Return the gain schedule's row for step k - 1, given the schedule's row for step k, `row`.
 
-    The schedule has `rows` rows, one per step. After them, the last `cycle` rows repeat for ever.
+    The schedule has `rows` rows, one per step. After the last row, the last `cycle` rows repeat for
+    ever.
     """
     if row == rows - cycle and k > row:
         return rows - 1
@@ -71,8 +72,8 @@ def filter_steps(steps, fed, positions, chain, memory, width, late):
         is for a chain without smoother and predictor.
     late
         An array that is read after this call, with rows numbered as those of the force. Its rows
-        are prefetched. The force is prefetched too, but not if there is a smoother, which does so
-        itself.
+        are prefetched. The force is prefetched too, unless there is a smoother: then the smoother
+        prefetches the force.
     """
     k0, first, stop, shift = steps
     force, source = fed.force, k0 - chain.filter.input_delay - fed.base  # row of the chunk's step 0

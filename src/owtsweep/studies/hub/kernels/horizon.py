@@ -9,11 +9,11 @@ from owtsweep.vectors.lanes import element, load, store, zero
 
 @njit
 def added(n0, n1, n2, maps, at, columns, datum):
-    """Return n0, n1, n2 plus the contribution of one datum (a fix or an effect of the inputs).
+    """Return n0, n1, n2 plus the contribution of one datum to the state n0, n1, n2.
 
-    n0, n1, n2 is a partial sum of a state of the MHE. The contribution is the datum times a column,
-    three elements, of a matrix in `maps`. A row of the matrix has `columns` elements; `at` is the
-    flat index in `maps` of the column's first element.
+    The state is one of the moving horizon estimator: position, velocity, bias. The contribution is
+    the datum times a column, three elements, of a matrix in `maps`. A row of the matrix has
+    `columns` elements; `at` is the flat index in `maps` of the column's first element.
     """
     return (
         n0 + element(maps, at) * datum,
@@ -69,8 +69,9 @@ def horizon_fix(q, fixes, mhe, registers):
 def tick_of(k0, i, interval):
     """Return the row in which the MHE's position that is valid at step i of a chunk is stored.
 
-    The chunk begins at step k0 of the record. The MHE gives a position at each multiple of
-    `interval` steps. Row 0 holds the position that is valid at the chunk's first step.
+    The MHE (moving horizon estimator) gives a position at each multiple of `interval` steps. The
+    chunk, steps that are computed together, begins at step k0 of the record. Row 0 holds the
+    position that is valid at the chunk's first step.
     """
     return (k0 + i) // interval - k0 // interval
 
@@ -79,9 +80,10 @@ def tick_of(k0, i, interval):
 def positions_from(k0, i, interval, rows):
     """Return the MHE's positions, from step i of a chunk on, in the form that `filter_steps` takes.
 
-    The form is (rows, row, phase, interval). `rows` is the array of the chunk's positions, one for
-    every `interval` steps. The position that is valid at step i is in row `row` and came `phase`
-    steps before step i. The chunk begins at step k0 of the record.
+    The MHE is the moving horizon estimator. The form is (rows, row, phase, interval). `rows` is the
+    array of the chunk's positions, one for every `interval` steps. The position that is valid at
+    step i is in row `row` and came `phase` steps before step i. The chunk, steps that are computed
+    together, begins at step k0 of the record.
     """
     return (rows, tick_of(k0, i, interval), (k0 + i) % interval, interval)
 
@@ -90,12 +92,12 @@ def positions_from(k0, i, interval, rows):
 def horizon_steps(steps, fed, q, chain, memory):
     """Compute the MHE's positions at some steps of a chunk, between fix number q and the next fix.
 
-    At each multiple of mhe.interval (T_m) a position is predicted by Eq. (11d) of Ren et al. (2019)
-    from the state at fix number q. The position is valid until the next multiple, and is stored in
-    the row of memory.scratch.positions that `tick_of` returns. Before fix number mhe.first the
-    position is the fix itself. The specific force is integrated as the MHE takes it: all samples,
-    averaged or sampled (mhe.inputs). `steps`, `fed`, `chain` and `memory` are structures of
-    `kernels.layout`.
+    The MHE is the moving horizon estimator. At each multiple of mhe.interval (T_m) a position is
+    predicted by Eq. (11d) of Ren et al. (2019) from the state at fix number q. The position is
+    valid until the next multiple, and is stored in the row of memory.scratch.positions that
+    `tick_of` returns. Before fix number mhe.first the position is the fix itself. The specific
+    force is integrated as the MHE takes it: all samples, averaged or sampled (mhe.inputs). `steps`,
+    `fed`, `chain` and `memory` are structures of `kernels.layout`.
     """
     k0, first, stop, _ = steps
     mhe, fix_interval = chain.mhe, chain.filter.fix_interval

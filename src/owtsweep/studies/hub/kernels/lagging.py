@@ -1,6 +1,6 @@
 """Smooths with a fixed lag, in O(1) per step, and predicts without measurements.
 
-Both are done for a chunk, a stretch of a record whose steps are computed together.
+The functions work on chunks. A chunk is a stretch of a record whose steps are computed together.
 """
 
 from __future__ import annotations
@@ -89,8 +89,9 @@ def smooth_chunk(k0, count, chain, width, window_rows, force, source):
     Parameters
     ----------
     k0
-        First step of the chunk. The states belong to the steps k0 - window to k0 - window + count -
-        1.
+        First step of the chunk. The first of the states belongs to step k0 - window.
+    chain
+        The scheme, `ChainArrays`.
     width
         Number of rows that a state takes, WHOLE or PREDICTED (see `filter_steps`).
     window_rows
@@ -148,8 +149,8 @@ def recall(window, width, registers, scratch):
 def keep(count, window, width, registers, scratch):
     """Copy a chunk's last `window` filtered states and innovations to the registers, for `recall`.
 
-    A chunk is a stretch of a record whose steps are computed together; this one has `count` steps.
-    A state takes `width` rows.
+    A chunk is a stretch of a record whose steps are computed together. The chunk has `count` steps;
+    a state takes `width` rows.
     """
     for row in range(window):
         store(registers.r, row, load(scratch.r, count + row))
@@ -160,11 +161,11 @@ def keep(count, window, width, registers, scratch):
 
 @njit
 def begin_prediction(k0, first, force, base, predictor, scratch):
-    """Return the sums over the inputs for the prediction of a chunk's step `first`: dv and dp.
+    """Return what the inputs add to velocity and position in the prediction at a step: dv, dp.
 
-    The inputs are the specific forces of the predictor's last steps; dv (m/s) is what they add to
-    the predicted velocity, dp (m) what they add to the position. At the start of a chunk (first =
-    0), which is step k0 of the record, the sums are computed anew. Otherwise they are what
+    dv is in m/s, dp in m. The inputs are the specific forces of the predictor's last steps. The
+    step is number `first` of a chunk (steps that are computed together); the chunk begins at the
+    record's step k0. At the chunk's first step, dv and dp are computed anew; later they are what
     `leave_prediction` has kept in the scratch. The force of step k is in row k - base of `force`.
     """
     dv, dp = load(scratch.inputs, 0), load(scratch.inputs, 1)
@@ -182,11 +183,11 @@ def begin_prediction(k0, first, force, base, predictor, scratch):
 def predict(i, at, dv, dp, force, predictor, X):
     """Predict position and velocity at the chunk's step i (Algorithm 9 of Ren et al. 2019).
 
-    Return position (m), velocity (m/s), and the sums dv and dp for the next step. X holds what the
-    filter's states add to position and velocity. The inputs (specific forces) of the predictor's
-    last steps add dp and dv, which are moving sums: for the next step the newest input, row `at` of
-    the force, enters and the oldest input leaves. The sums are computed anew in every chunk (a
-    stretch of a record), so that rounding errors do not accumulate.
+    Return position (m), velocity (m/s), and dv and dp for the next step. X holds what the filter's
+    states add to the predicted position and velocity. dv and dp are what the inputs, the specific
+    forces of the predictor's last steps, add to velocity and position. For the next step, the
+    newest input, row `at` of the force, is included and the oldest input left out. dv and dp are
+    computed anew in every chunk (a stretch of a record), so that rounding errors do not accumulate.
     """
     n, T, half = predictor.steps, predictor.step, predictor.half
     x, w = load(X, PREDICTED * i) + dp, load(X, PREDICTED * i + 1) + dv
@@ -198,10 +199,10 @@ def predict(i, at, dv, dp, force, predictor, X):
 
 @njit
 def leave_prediction(dv, dp, scratch):
-    """Keep the sums over the inputs, dv (m/s) and dp (m), in the scratch.
+    """Keep in the scratch what the inputs add to velocity, dv (m/s), and to position, dp (m).
 
-    `begin_prediction` continues with these sums at a later step of the same chunk (a stretch of a
-    record).
+    `begin_prediction` continues with dv and dp at a later step of the same chunk (a stretch of a
+    record). The inputs are specific forces.
     """
     store(scratch.inputs, 0, dv)
     store(scratch.inputs, 1, dp)

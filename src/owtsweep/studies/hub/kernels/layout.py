@@ -83,13 +83,13 @@ class HorizonArrays(NamedTuple):
         One matrix (3, columns) per number of a fix; the last matrix serves all later fixes. The
         columns are explained in `estimation.mhe.window_map`.
     horizon
-        N_m, the number of intervals between fixes in a full window.
+        N_m, the number of intervals between fixes in a full window of the MHE.
     interval
         T_m, the time between the MHE's positions, in steps.
     first
-        Number of the first fix at which the window can be solved.
+        Number of the first fix at which the MHE's window can be solved.
     arrival
-        Whether the window has an arrival state.
+        Whether the MHE's window has an arrival state (a prior of its oldest state).
     inputs
         Which IMU samples are taken: ALL, AVERAGED or SAMPLED.
     step
@@ -117,7 +117,9 @@ class ChainArrays(NamedTuple):
 class Registers(NamedTuple):
     """The memory that each lane (series) carries from one chunk of steps to the next.
 
-    Each field has an array (rows, 8) for each group of eight lanes.
+    Each field has an array (rows, 8) for each group of eight lanes. Below, `window` is the length
+    of the smoother's window in steps. The MHE is the moving horizon estimator; `horizon` is the
+    number of intervals between fixes in its window, and T_m the time between its positions.
 
     Attributes
     ----------
@@ -135,9 +137,9 @@ class Registers(NamedTuple):
     arrival
         Filtered states at past fixes; 3 (horizon + 1) rows: position, velocity, bias of each.
     running
-        4 rows. What the inputs since the last fix add to position and to velocity; the sum of the
-        IMU samples since the last multiple of T_m; the sample or average that the MHE takes until
-        the next multiple.
+        What the inputs since the last fix add to position (row 0) and to velocity (row 1); the sum
+        of the IMU samples since the last multiple of T_m (row 2); the sample or average that the
+        MHE takes until the next multiple (row 3).
     node
         The MHE's state at the newest fix; 3 rows.
     fix
@@ -161,7 +163,8 @@ class Scratch(NamedTuple):
     """The memory that is used only within a chunk of steps.
 
     All runs share this memory, so it stays in the cache. Each field has an array (rows, 8) for each
-    group of eight lanes.
+    group of eight lanes. Below, `chunk` is the number of steps of a chunk, and `window` the length
+    of the smoother's window in steps.
 
     Attributes
     ----------
@@ -170,9 +173,10 @@ class Scratch(NamedTuple):
     X
         States, up to four rows per step; 4 (window + chunk) rows.
     inputs
-        The predictor's sums over the inputs (specific forces); 2 rows.
+        What the inputs (specific forces) add to the predicted velocity and position; 2 rows.
     positions
-        The positions that the MHE gives the filter, one per multiple of T_m; `chunk` rows.
+        The positions that the moving horizon estimator gives the filter; `chunk` rows, of which as
+        many are used as there are positions.
     """
 
     r: Groups
@@ -229,7 +233,8 @@ class Truth(NamedTuple):
         Displacement along the wave (m) at unit amplitude, and its rate (m/s). Each is a tuple of
         one array (rows, 8). Step k is in the same row as in `Fed`.
     direction
-        The wave's direction cosines along x and y, times an amplitude; shape (2,).
+        The wave's direction cosines along x and y, times the amplitude of the motion in m (1 if
+        motion and noise are run apart); shape (2,).
     """
 
     position: Groups

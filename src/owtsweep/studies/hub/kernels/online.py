@@ -1,10 +1,10 @@
 """Runs one estimator sample by sample, with gains for the measurements that really arrived.
 
-These kernels serve all four schemes on two axes: [MHE ->] filter [-> fixed-lag smoother] [->
-predictor], where parts in brackets may be absent. All parts but the filter are recomputed from
-their registers at every step, so rounding errors do not accumulate. Memory is constant: registers
-have one row per step, and when they are full, the newest rows are moved to the front. In all
-kernels f, h and m are `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
+These kernels serve all four schemes on two axes: MHE (moving horizon estimator), filter, fixed-lag
+smoother, predictor, where all parts but the filter may be absent. All parts but the filter are
+recomputed from their registers at every step, so rounding errors do not accumulate. Memory is
+constant: registers have one row per step, and when they are full, the newest rows are moved to the
+front. In all kernels f, h and m are `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def advance(begin, resume, samples, f, h, m, estimates):
 
 @njit
 def take_sample(force, f, m):
-    """Turn the newest sample of specific force (2,) to NED and store it in m.force.
+    """Turn the newest sample of specific force (2,) to NED; store the result in m.force.
 
     m.force is register 1 of Ren et al. (2019). If the registers are full, the newest rows of all
     registers are first moved to the front. `f` is `FilterSettings`, `m` is `OnlineRegisters`.

@@ -127,6 +127,10 @@ class HorizonSettings(NamedTuple):
 class OnlineRegisters(NamedTuple):
     """The registers of an online estimator, for two axes, x and y.
 
+    The MHE is the moving horizon estimator. A node is a time at which a fix may come, and a link
+    leads from one node of the MHE's window to the next. T_m is the time between the MHE's
+    positions.
+
     Attributes
     ----------
     counter
@@ -150,8 +154,7 @@ class OnlineRegisters(NamedTuple):
     zero
         A state of zeros (3, 2).
     z, have
-        Position fix (m) of each node in the window of the MHE (moving horizon estimator), and
-        whether the fix arrived. A node is a time at which a fix may come.
+        Position fix (m) of each node, shape (nodes, 2), and whether the fix arrived.
     effects
         What the specific force adds to the state from each node to the next, shape (links, 3, 2).
     states, covariances

@@ -28,7 +28,8 @@ PIECE = 250
 def estimates(k0, count, fed, chain, memory):
     """Compute the estimates of `count` steps, from step k0 on, and write them to memory.output.
 
-    `count` is at most the number of steps for which `memory` was made.
+    `count` is at most the number of steps for which `memory` was made. `fed`, `chain` and `memory`
+    are `Fed`, `ChainArrays` and `Memory`.
     """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     if not is_filter(c):
@@ -38,10 +39,10 @@ def estimates(k0, count, fed, chain, memory):
 
 @njit
 def superposed(stretch, fed, truth, chain, weights, memory, sums):
-    """Run eight replicates as motion and noise; add the products of their errors to `sums`.
+    """Run a scheme on eight records, motion and noise apart; add products of the errors to `sums`.
 
-    There are three groups of eight lanes: the motion, the noise of x and the noise of y. A lane of
-    a group is one replicate. The other arguments are structures of `kernels.layout`.
+    There are three groups of eight lanes: the motion, the noise of x and the noise of y. Each
+    record has one lane in each group. The other arguments are structures of `kernels.layout`.
 
     Parameters
     ----------
@@ -74,12 +75,11 @@ def superposed(stretch, fed, truth, chain, weights, memory, sums):
 
 @njit
 def direct(stretch, fed, truth, chain, weights, memory, sums, squared):
-    """Run eight replicates as whole series; add the squares of their errors to `sums`.
+    """Run a scheme on eight records, motion plus noise; add the squares of the errors to `sums`.
 
-    A whole series is motion plus noise. There are two groups of eight lanes, x and y; a lane of a
-    group is one replicate. `squared` is a tuple of one array (steps, 8), which gets the squared
-    position error of each step, or of an empty array, which gets nothing. The other arguments are
-    those of `superposed`.
+    There are two groups of eight lanes, x and y. Each record has one lane in each group. `squared`
+    is a tuple of one array: either (steps, 8), to be filled with the squared position error of each
+    step, or empty. The other arguments are those of `superposed`.
     """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     true, w = borrowed(truth), borrowed(weights)

@@ -8,8 +8,8 @@ every amplitude follow from these sums. `direct_span` takes two groups, x and y,
 (motion plus noise) and sums the squares of their errors.
 
 With a predictor, estimates are made here, step by step, and never stored. Otherwise the estimates
-are read from the output: the estimate of the chunk's step i from row i - shift. A chunk is a
-stretch of a record whose steps are computed together.
+are read from the output: the estimate of the chunk's step i from row i - shift (see `Steps`). A
+chunk is a stretch of a record whose steps are computed together.
 
 The sums have the shape (36, 8). The rows are 2 windows x 6 quantities x 3 products; the columns are
 eight replicates. Window 0 is the time before settling, window 1 the time after. The quantities are
@@ -133,8 +133,8 @@ def superposed_innovations(steps, direction, chain, output, weights, sums, top):
 def superposed_span(steps, fed, truth, chain, memory, weights, sums, top):
     """Add products of the errors due to motion and due to noise to the sums, for some steps.
 
-    The 18 rows of the sums from row `top` on get the products; they belong to one window, before or
-    after settling. The other arguments are structures of `kernels.layout`.
+    The products go to 18 rows of the sums, from row `top` on. These rows belong to one window,
+    before or after settling. The other arguments are structures of `kernels.layout`.
     """
     k0, first, stop, shift = steps
     force, base, scratch = fed.force, fed.base, memory.scratch

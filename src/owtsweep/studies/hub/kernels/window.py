@@ -19,9 +19,10 @@ NO_ARRIVAL, PRIOR, FIXED = 0, 1, 2
 
 @njit
 def put(target, row, column, source):
-    """Copy the matrix `source` into a larger matrix, `target`, with the corner at a row and column.
+    """Copy the matrix `source` into a larger matrix, `target`.
 
-    (numba takes seconds to compile an assignment of slices.)
+    The first element of `source` goes to the given row and column of `target`. (numba takes seconds
+    to compile an assignment of slices.)
     """
     for i in range(source.shape[0]):
         for j in range(source.shape[1]):
@@ -32,7 +33,7 @@ def put(target, row, column, source):
 def take(target, source, row, column):
     """Fill the matrix `target` with a part of a larger matrix, `source`.
 
-    The part has its first element at the given row and column of `source`.
+    The part's first element is at the given row and column of `source`.
     """
     for i in range(target.shape[0]):
         for j in range(target.shape[1]):
@@ -177,8 +178,9 @@ def solve_window(n, h, m, x0, prior, kind, first):
 def older_nodes(n, blocks, nodes):
     """Compute the states of the nodes n - 1 ... 0 from the state of node n, by back substitution.
 
-    `blocks` are the factors that `solve_window` leaves, shape (nodes, 3, 8). `nodes`, shape
-    (nodes, 3, 2), holds the state of node n; the other states are written there.
+    A node is a time at which a fix may come. `blocks` are the factors that `solve_window` leaves,
+    shape (n or more, 3, 8). `nodes`, shape (n + 1 or more, 3, 2), holds the state of node n and
+    gets the other states.
     """
     for node in range(n - 1, -1, -1):
         block = blocks[node]
