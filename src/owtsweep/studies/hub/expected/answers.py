@@ -87,7 +87,7 @@ def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: s
 
 @dataclass(frozen=True)
 class Verdict:
-    """The best scheme and the runner-up in every cell, a natural period and an amplitude.
+    """The best scheme and the runner-up in every cell (a natural period and an amplitude).
 
     Arrays have the shape (periods, amplitudes).
 
@@ -98,7 +98,7 @@ class Verdict:
     mse_best, mse_runner_up
         Mean square error of the best scheme and of the runner-up.
     distinguishable
-        Whether these two errors differ by more than `RESOLUTION`, relatively.
+        Whether mse_best and mse_runner_up differ by more than `RESOLUTION`, relatively.
     """
 
     best: NDArray[np.int64]
@@ -141,10 +141,10 @@ def best_scheme(
 ) -> pd.DataFrame:
     """Make the table of the best scheme in every cell (natural period and amplitude).
 
-    The columns are those of a study with records. But there a confidence interval decides whether
-    two schemes are distinguishable; here they are distinguishable if their mean square errors
-    differ by more than `RESOLUTION`, relatively. `window` is "full" or "settled"; `criteria` are
-    the measures that are compared.
+    The columns are those of a study with records. With records, a confidence interval decides
+    whether two schemes are distinguishable. In this table, two schemes are distinguishable if their
+    mean square errors differ by more than `RESOLUTION`, relatively. `window` is "full" or
+    "settled"; `criteria` are the measures that are compared.
     """
     table = find_best_schemes(Cube.of_rows(rows, schemes, CONDITIONS, grid), window, criteria)
     clear = table["difference"] > RESOLUTION * table["mse_best"]

@@ -42,9 +42,9 @@ class Entry:
 
 @lru_cache(KEPT)
 def find_entry(key: str) -> Entry:
-    """Return the entry in memory of a key, a hash; a new entry has no arrays.
+    """Return the cache's entry in memory for a key; make an entry without arrays if there is none.
 
-    `find_entry.cache_clear` forgets all entries.
+    A key is a hash. `find_entry.cache_clear` forgets all entries.
     """
     return Entry()
 
@@ -66,7 +66,7 @@ def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> 
     what
         Everything that the arrays depend on besides this program; must be JSON-serialisable.
     compute
-        Function that computes the arrays.
+        Function that computes the arrays; it is called only if the arrays are not stored.
     """
     text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()

@@ -155,9 +155,9 @@ class _Prober:
     def walks(self) -> Array:
         """Compute the sums of squared errors due to a Wiener process with increments of variance 1.
 
-        The Wiener process is a specific force, like the IMU's bias. Its covariance min(k, l) has
-        the eigenvectors sin(angle k) with the eigenvalues 1 / (2 - 2 cos angle). The result has the
-        shape (2, 2): measure, window.
+        The Wiener process is a specific force, like the IMU's bias. The covariance of steps k and l
+        is min(k, l); its eigenvectors are sin(angle k), its eigenvalues 1 / (2 - 2 cos angle). The
+        result has the shape (2, 2): measure, window.
         """
         last = self.steps - 1
         per_number = 0.5 / (self.steps * self.sensors.step)

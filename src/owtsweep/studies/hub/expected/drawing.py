@@ -1,4 +1,4 @@
-"""Draws the figures of a study that is run by the expected engine."""
+"""Draws the figures of a study that is run by the expected engine, so without records."""
 
 from __future__ import annotations
 

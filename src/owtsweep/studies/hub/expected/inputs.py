@@ -28,10 +28,10 @@ class Probe:
         Amplitudes that a unit sinusoid has in the IMU's samples and in the position fixes, shape
         (n,) each.
     truth
-        Whether the sinusoid is a displacement that the estimate should follow; position fixes then
-        arrive with the delay of the GNSS. If not, the estimate should stay at zero.
+        True if the sinusoid is a displacement that the estimate should follow; position fixes then
+        arrive with the delay of the GNSS. False if the estimate should stay at zero.
     phasor
-        Whether both a cosine and a sine are run for each sinusoid. If not, only the sine is run.
+        True if both a cosine and a sine are run for each sinusoid, false if only the sine is run.
     shift
         Phase at step 0, rad.
     """
@@ -44,13 +44,16 @@ class Probe:
     shift: float = 0.0
 
     def part(self, first: int, last: int) -> Probe:
-        """Return a probe with the sinusoids `first` to `last` - 1."""
+        """Return a test input with the sinusoids number `first` ... last - 1 of this test input."""
         some = slice(first, last)
         return replace(self, angle=self.angle[some], force=self.force[some], fix=self.fix[some])
 
 
 def motion(frequency: Array, sensors: Sensors) -> Probe:
-    """Make a probe of sinusoidal displacements of 1 m at frequencies in Hz."""
+    """Make a probe (test input) of sinusoidal displacements of 1 m.
+
+    `frequency` are the sinusoids' frequencies, Hz, shape (n,).
+    """
     omega = 2.0 * np.pi * frequency
     return Probe(omega * sensors.step, -(omega**2), np.ones(len(omega)), truth=True)
 
@@ -85,5 +88,8 @@ def walks(number: Array, steps: int) -> Probe:
 
 
 def constant() -> Probe:
-    """Make a probe of a constant specific force of 1 m/s^2, written as sin(0 k + pi/2)."""
+    """Make a probe (test input) of a constant specific force of 1 m/s^2.
+
+    The force is written as sin(0 k + pi/2) at steps k.
+    """
     return Probe(np.zeros(1), np.ones(1), np.zeros(1), phasor=False, shift=0.5 * np.pi)

@@ -58,9 +58,10 @@ def advance(k0, stop, judged, course, waves, buffers, chain, memory):
 def repeats(newest, lanes, tolerance, ring):
     """Return whether, in each of the first `lanes` lanes, all complete cycles have equal sums.
 
-    `ring`, arranged as in `Buffers`, holds the sums of squared errors of the newest cycles
-    (stretches of equal length). Sums are equal if they agree to the relative tolerance; NaN equals
-    nothing. `newest` is the number of the last cycle, which is not complete and does not count.
+    Lanes are counted through both groups of eight. `ring`, arranged as in `Buffers`, holds the sums
+    of squared errors of the newest cycles (stretches of equal length). Sums are equal if they agree
+    to the relative tolerance; NaN equals nothing. `newest` is the number of the last cycle, which
+    is not complete and does not count.
     """
     slots = ring.shape[0] // 4
     for row in range(4):
@@ -91,9 +92,10 @@ def make_waves(stop, waves, buffers):
     """Fill `buffers.force` with specific forces, scaled sinusoids, up to the step stop - 1.
 
     If the estimates should follow the sinusoids (waves.truth), `buffers.wave` is filled with the
-    sinusoids. The sinusoids are rotated by their angle from step to step. After every `waves.block`
-    steps they start anew from `waves.starts`, so that rounding errors do not accumulate. Between
-    calls `waves.now` holds the sinusoids of the next step.
+    sinusoids. From step to step, a sinusoid is rotated by its angle. After every `waves.block`
+    steps the sinusoids start anew from `waves.starts`, so that rounding errors do not accumulate.
+    Between calls `waves.now` holds the sinusoids of the next step. `waves` and `buffers` are
+    `Waves` and `Buffers`.
     """
     base, k = buffers.filled[0], buffers.filled[1]
     phasor, keep = waves.phasor, waves.truth
@@ -138,9 +140,11 @@ def add_squares(k0, count, course, waves, buffers, output):
     """Add the squared errors of `count` steps, from step k0 on, to the sums in `buffers`.
 
     `buffers.sums` holds the sums of the record, `buffers.ring` the sums of each of the newest
-    cycles. If waves.truth is set, the wave is the true position and its time derivative is the true
-    velocity; otherwise both are zero. For phasors (a cosine and a sine of one frequency), the
-    squares of cosine and sine are added together in group 0. `output` holds the estimates.
+    cycles. If waves.truth is set, the wave is the true position and the wave's time derivative is
+    the true velocity; otherwise true position and velocity are zero. For phasors (a cosine and a
+    sine of one frequency), the squares of cosine and sine are added together in group 0. `course`,
+    `waves` and `buffers` are `Course`, `Waves` and `Buffers`; `output` holds the estimates
+    (`Output`).
     """
     settled, cycle, base, ring = course.settled, course.cycle, buffers.filled[0], buffers.ring
     phasor, truth = waves.phasor, waves.truth

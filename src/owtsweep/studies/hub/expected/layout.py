@@ -97,8 +97,9 @@ class Buffers(NamedTuple):
         Sums of squared errors, shape (8, 8); the rows are 2 parts of the record (before and after
         settling) x 2 measures x 2 groups.
     ring
-        Sums of squared errors of the newest cycles, shape (4 slots, 8). Cycle number q is in slot q
-        % slots; the four rows of a slot are 2 measures x 2 groups.
+        Sums of squared errors of the newest cycles, shape (4 slots, 8). A cycle is `Course.cycle`
+        steps. Cycle number q is in slot q modulo the number of slots; the four rows of a slot are 2
+        measures x 2 groups.
     """
 
     filled: NDArray[np.int64]

@@ -64,8 +64,8 @@ def scales(chain: Chain, sensors: Sensors) -> Scales:
 def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Array:
     """Return the first nodes in a band of frequencies: increasing, both edges included, Hz.
 
-    Nodes are the frequencies at which a curve is computed. `band` is in Hz; `duration` is that of a
-    record, s.
+    Nodes are the frequencies at which a curve is computed. `band` is in Hz; `scales` are the widths
+    of the curve's finest features; `duration` is that of a record, s.
     """
     low, high = band
     nodes = [np.geomspace(low, high, 8), _evenly(low, high, scales.window / PER_RIPPLE)]
@@ -83,7 +83,7 @@ def numbers(last: int, per_number: float, scales: Scales) -> Array:
     """Return the first nodes among the basis vectors number 1 ... last: whole numbers, increasing.
 
     Nodes are the basis vectors for which a curve is computed. The frequency of a basis vector is
-    its number times `per_number`, Hz.
+    its number times `per_number`, Hz. `scales` are the widths of the curve's finest features.
     """
     decades = np.log10(max(last, 2))
     nodes = [np.arange(1.0, min(last, 3) + 1.0), np.geomspace(1, last, int(PER_DECADE * decades))]
@@ -110,6 +110,8 @@ def refined(
     whole: bool = False,
 ) -> tuple[Array, Array]:
     """Halve the intervals between nodes until interpolation between nodes is accurate.
+
+    An interval is halved at most `HALVINGS` times.
 
     Parameters
     ----------

@@ -117,10 +117,10 @@ class PairMemory(NamedTuple):
 
 
 def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
-    """Run pairs of groups of lanes to the first step at which the responses of all pairs repeat.
+    """Run pairs of groups of eight lanes to the first step at which all responses repeat.
 
-    If the responses do not repeat, run to the record's end, `steps`. Return the step reached.
-    Repetition is tested from the step `earliest` on.
+    A lane is one sinusoidal test input. If the responses do not repeat, run to the record's end,
+    `steps`. Return the step reached. Repetition is tested from the step `earliest` on.
     """
     done = place = agreeing = 0
     while agreeing < len(pairs):
@@ -188,7 +188,8 @@ class _Pair:
     def ring(self) -> Array:
         """The sums of squared errors of the newest cycles; axes are slot, measure, sinusoid.
 
-        A slot holds one cycle, the time after which the scheme's gains repeat.
+        A slot holds the sums of one cycle. A cycle is the time after which the scheme's gains
+        repeat. The measures are position and velocity.
         """
         return self._of_lanes(self.buffers.ring)
 
@@ -246,7 +247,7 @@ def _in_groups(values: Array, phasor: bool) -> Array:
 
 
 def _rows(values: Array) -> Array:
-    """Copy values (..., 8) to an array (rows, 8) that is aligned to cache lines."""
+    """Copy values (..., 8) to a new array (rows, 8) that is aligned to the cache's lines."""
     rows = aligned(values.size // LANES, LANES)
     rows[:] = values.reshape(-1, LANES)
     return rows

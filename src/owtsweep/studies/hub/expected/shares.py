@@ -27,10 +27,11 @@ class Lines:
     frequency
         Frequencies of the lines, Hz, evenly spaced, shape (n,).
     beat
-        Fourier transform of a function of the difference of two lines' numbers: the square of the
-        mean that the beat of the two lines has over a record.
+        Fourier transform, shape (size // 2 + 1,), of a function b. The argument of b is the
+        difference of two lines' numbers. The value of b is the square of the mean that the beat of
+        the two lines has over a record; b(0) = 0.
     size
-        Number of values of this function that are transformed, at least 2 n.
+        Number of values of b that are transformed, at least 2 n.
     """
 
     frequency: Array
