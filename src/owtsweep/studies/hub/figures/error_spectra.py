@@ -53,9 +53,9 @@ def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeError
     """Return scheme -> the settled errors of the scheme, from motion and from sensor noise.
 
     A scheme is left out if it has no kernel, if its response to motion does not settle with the
-    study's tuning, or if the run's author wrote it (stored code is not run). `unsettled` describes
-    the schemes that are left out. `points` is the number of frequencies; a few near multiples of
-    the fix rate are dropped.
+    study's tuning, or if it is code of a stored run's author (such code is not run). `unsettled`
+    describes the schemes that are left out. `points` is the number of frequencies; a few near
+    multiples of the fix rate are dropped.
     """
     sensors = sensing.sensors(config.sensors)
     low, high = config.band

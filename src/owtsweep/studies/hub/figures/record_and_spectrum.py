@@ -31,7 +31,7 @@ MEASURED, GIVEN, EDGE = "#0072B2", "#D55E00", "0.45"
 
 
 def draw_record(config: HubConfig) -> Figure:
-    """Draw x and y of the study's first displacement record: whole, and one minute of it."""
+    """Draw x and y of the study's first displacement record; a detail shows one minute."""
     period, step, series = _first_record(config)
     time = step * np.arange(len(series))
     start = 0.5 * max(time[-1] - DETAIL, 0.0)

@@ -52,8 +52,9 @@ def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple
 def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     """Make a table of the error spectra, one row per scheme and frequency.
 
-    The columns are scheme, frequency (Hz), position and velocity. The last two are mean square
-    errors divided by the mean square of the displacement, in m^2/m^2 and in s^-2.
+    `errors` is the result of `error_spectra.compute`, and not empty. The columns are scheme,
+    frequency (Hz), position and velocity. The last two are mean square errors divided by the mean
+    square of the displacement, in m^2/m^2 and in s^-2.
     """
     parts = [pd.DataFrame({"scheme": name, **vars(of.spectrum)}) for name, of in errors.items()]
     return pd.concat(parts, ignore_index=True)
@@ -62,8 +63,9 @@ def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     """Make a table of the noise floors, one row per scheme, measure and source of noise.
 
-    The columns are scheme, measure (position or velocity), source (gnss, imu, bias or all), and mse
-    in m^2 or (m/s)^2. The mse is NaN if the scheme's error from noise does not settle.
+    `errors` is the result of `error_spectra.compute`. The columns are scheme, measure (position or
+    velocity), source (gnss, imu, bias or all), and mse in m^2 or (m/s)^2. The mse is NaN if the
+    scheme's error from noise does not settle.
     """
     rows = []
     for name, of_scheme in errors.items():
@@ -79,7 +81,8 @@ def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
     """Find the groups of schemes whose error spectra are equal up to rounding.
 
-    The list is empty if no two are equal.
+    `errors` is the result of `error_spectra.compute`. The list is empty if no two spectra are
+    equal.
     """
     spectra = [error.spectrum for error in errors.values()]
 

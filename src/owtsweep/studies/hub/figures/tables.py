@@ -27,8 +27,8 @@ DIGITS = 9
 def write(summary: pd.DataFrame, window: str, folder: Path, name: str) -> list[Path]:
     """Write tables 6-9 of Ren et al. (2019) as `<name>.csv` and `<name>.md`; return both files.
 
-    The tables hold published numbers and those of a run. `summary` is the run's table summary.csv;
-    `window`, "full" or "settled", is the time window of its rows that are used.
+    The tables hold published numbers and those of a run. `summary` is the run's table summary.csv.
+    Only its rows of one time window are used: `window` is "full" or "settled".
     """
     table, text = tables_6_to_9(summary, window=window), folder / f"{name}.md"
     write_atomically(text, to_markdown(table))
@@ -70,8 +70,8 @@ def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
 def to_markdown(table: pd.DataFrame) -> str:
     """Write the result of `tables_6_to_9` as Markdown, one table per natural period and amplitude.
 
-    Each table has one line per scheme. A cell reads "published → reproduced (ratio)", or "published
-    → –" if the run lacks the number.
+    Each table has one line per scheme. A cell reads "published → reproduced (ratio)". If the run
+    lacks the number, a dash stands for the reproduced number.
     """
     parts = []
     shown = table.assign(cell=[_cell(row) for row in table.to_dict("records")])

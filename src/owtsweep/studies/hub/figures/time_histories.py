@@ -51,8 +51,9 @@ def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom
-        Whether to show only a few seconds, which end `SPAN` s after the record's start: `ZOOM` s,
-        or `ACCELERATION_ZOOM` s of acceleration.
+        Whether to show only a few seconds: `ZOOM` s, or `ACCELERATION_ZOOM` s of acceleration.
+        These seconds end `SPAN` s after the record's start, or at the record's end if that is
+        earlier.
     tuning
         Name of the tuning, for the title.
 
@@ -158,7 +159,8 @@ def _drift(
     Returns
     -------
     marks
-        The line, or nothing if the line lies outside the panel during the whole view.
+        List with the line, or an empty list if the line lies outside the panel during the whole
+        view.
     limits
         Limits of the vertical axis; None for both if the line is not drawn.
     note

@@ -158,9 +158,9 @@ def _boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane, tuning: str) -
 
 
 def _differences(configs: Sequence[HubConfig]) -> list[str]:
-    """Return a sentence that names the settings, besides the tuning, in which two runs differ.
+    """Return, in a list, a sentence that names the settings in which two runs differ.
 
-    The list has this one sentence, or is empty if no other setting differs.
+    The tuning is not named. The list is empty if no other setting differs.
     """
     one, other = configs
     keys = ("seed", "record", "spectrum", "normalise", "band", "wave_direction", "sensors", "grid")
