@@ -97,8 +97,9 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
 def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
     """Make the registers of a new online estimator: zeros, except the filter's covariance, f.P0.
 
-    The algorithms of Ren et al. (2019) start from zero. The counter ROW is not zero: it starts
-    behind the rows that stand for the time before the first step.
+    f are the settings of filter, smoother and predictor; h are those of the moving horizon
+    estimator. The algorithms of Ren et al. (2019) start from zero. The counter ROW is not zero: it
+    starts behind the rows that stand for the time before the first step.
     """
     keep = f.delay + f.window + 2
     rows = 3 * keep + 64
