@@ -196,7 +196,10 @@ def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measur
         If `errors` is empty.
     """
     if not errors:
-        raise InputError("schemes: none of this run has a settled error spectrum to draw")
+        raise InputError(
+            "schemes: none of this run has a settled error spectrum to draw; use EKF, MKF, HME1 or "
+            f"HME2, or a tuning other than {config.tuning!r}"
+        )
     names = list(errors)
     for name, of_scheme in errors.items():
         look, spectrum = style_of(name, names), of_scheme.spectrum

@@ -80,7 +80,10 @@ def _names(histories: Histories, quantity: str) -> list[str]:
     if quantity == "acceleration":
         names = [name for name in names if estimated[name].acceleration is not None]
     if not names:
-        raise InputError(f"schemes: none of this run estimates the {quantity}")
+        wanted = " with the model sigma1" if quantity == "acceleration" else ""
+        raise InputError(
+            f"schemes: none of this run estimates the {quantity}; use MKF, HME1 or HME2{wanted}"
+        )
     return names
 
 

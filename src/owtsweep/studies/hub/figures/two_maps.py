@@ -58,7 +58,8 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
     for argument, run in (("paper", paper), ("matched", matched)):
         if run.study.name != "hub":
             raise InputError(
-                f"{argument}: {run.folder} is a run of the study {run.study.name!r}; use one of hub"
+                f"{argument}: {run.folder} is a run of the study {run.study.name!r}; "
+                "use a run of the study hub"
             )
     runs = (paper, matched)
     configs = [cast("HubConfig", run.config) for run in runs]
@@ -106,7 +107,10 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
     best, window = run.best_scheme(), config.measures.window
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
-        raise InputError(f"criterion: {run.folder} has no cell judged by {criterion} MSE")
+        raise InputError(
+            f"criterion: the run {run.folder} has no {criterion} MSE in the window {window!r}; "
+            "use a run with results"
+        )
     names = scheme_names(config)
     plane = Plane.of(shown, CONDITIONS)
     draw_cells(axes, shown.to_dict("records"), names, plane, labels="best")

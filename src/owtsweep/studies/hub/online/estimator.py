@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.horizon import Horizon
 
 OFF_GRID = (
-    "position: a fix came at step {step}, and HME2 takes fixes only at multiples of {interval} "
-    "IMU steps, where its window has nodes; move it to the next of them, or leave it out"
+    "position: a fix came at step {step}, but HME2 takes fixes only at multiples of {interval} "
+    "IMU steps; give the fix at the next multiple, or leave the fix out"
 )
 _EYE = np.eye(2)
 
@@ -186,17 +186,22 @@ class OnlineEstimator:
         if force.ndim != 2 or force.shape[1] != 2 or force.shape != positions.shape:
             raise ValueError(
                 f"specific_force, positions: their shapes are {force.shape} and "
-                f"{positions.shape}; give (steps, 2) twice"
+                f"{positions.shape}; give both the shape (steps, 2)"
             )
         first = int(self._registers.counter[STEP])
         if not np.isfinite(force).all():
             step = first + int(np.argmax(~np.isfinite(force).all(axis=1)))
-            raise ValueError(f"specific_force: it is not finite at step {step}")
+            raise ValueError(
+                f"specific_force: it is not finite at step {step}; give two finite numbers"
+            )
         there = positions == positions  # not NaN
         if not there.any():
             return
         if not np.array_equal(there[:, 0], there[:, 1]) or np.isinf(positions).any():
-            raise ValueError("position: give both components as finite numbers, or none at all")
+            raise ValueError(
+                "position: a fix has a component that is missing or infinite; give both components "
+                "as finite numbers, or leave the fix out"
+            )
         if self._horizon.active:
             at = first + np.flatnonzero(there[:, 0])
             off = at[at % self._sensors.fix_interval != 0]
@@ -282,4 +287,4 @@ def online_chain(
 
 def _check_pair(name: str, value: Array) -> None:
     if np.shape(value) != (2,):
-        raise ValueError(f"{name}: {value!r} is not two numbers, x and y")
+        raise ValueError(f"{name}: {value!r} is not two numbers; give x and y")
