@@ -1,4 +1,7 @@
-"""Read the table of sea states: one row per record; two columns are the axes of the map."""
+"""Read the table `replay.table`: one row per record, with numbers such as those of the sea state.
+
+The first two columns of numbers are the axes of the map of records.
+"""
 
 from __future__ import annotations
 
@@ -18,20 +21,22 @@ from owtsweep.studies.replay.loading import label_files
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Bytes of a table of records.
+#: Most bytes of a table of records.
 MOST_BYTES = 10_000_000
 
 
 def read_table(path: str) -> pd.DataFrame:
-    """Read a CSV table with the column `file` and at least one column of numbers.
+    """Read a CSV table of records: the column `file`, and at least one column of numbers.
 
-    File names in the table are relative to the folder of the table; the result has full paths.
+    In the CSV file, names in the column `file` are relative to the CSV file's folder. In the
+    result, the names begin with this folder.
 
     Raises
     ------
     InputError
-        If the table cannot be read, lacks one of these columns, has no row, or has a row without a
-        file.
+        If the table cannot be read, is too large, lacks one of these columns, has no row, or has a
+        row without a file. Also if two columns have one name, if a column has the name of a column
+        of records.csv, or if a number is too large for a map.
     """
     import pandas as pd
 
@@ -66,7 +71,10 @@ def read_table(path: str) -> pd.DataFrame:
 
 
 def _make_printable(table: pd.DataFrame) -> None:
-    """Names of columns and texts, for the terminal, reports and figures; not the names of files."""
+    """Replace unprintable characters in a table, in place, so that its texts can be shown.
+
+    This applies to the names of columns and to texts, but not to the column `file`.
+    """
     table.columns = list(number_repeats([tidy(str(name)) for name in table.columns]))
     for name in table.select_dtypes(exclude="number").columns:
         if name != "file":
@@ -74,7 +82,10 @@ def _make_printable(table: pd.DataFrame) -> None:
 
 
 def _check_columns(table: pd.DataFrame, where: str) -> None:
-    """Raise for a column that clashes with another, and for numbers that no map can show."""
+    """Raise `InputError` if the names of columns clash, or if a number is too large for a map.
+
+    No column may have the name of a column of records.csv. `where` is the beginning of the message.
+    """
     require("file.1" not in table.columns, f"{where}: it has two columns `file`; keep one")
     clash = next((name for name in table.columns if name in FACTS), None)
     require(clash is None, f"{where}: records.csv has a column `{clash}` of its own; rename this")
@@ -89,15 +100,19 @@ def _check_columns(table: pd.DataFrame, where: str) -> None:
 
 
 def find_axes(table: pd.DataFrame) -> list[str]:
-    """Return the names of the columns of numbers, in order; the first two are the map's axes."""
+    """Return the names of the table's columns of numbers, in order, without the column `file`.
+
+    The first two columns of numbers are the axes of the map of records.
+    """
     numbers = table.select_dtypes("number").columns
     return [str(name) for name in numbers if name != "file"]
 
 
 def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
-    """Read the rows of `replay.table` on the replayed records, with labels in the column `file`.
+    """Read the rows of the table `replay.table` that belong to records of the replay.
 
-    Returns None if the configuration names no table.
+    The column `file` of the result holds the labels of the records; each record has at most one
+    row. Returns None if the configuration names no table.
 
     Raises
     ------

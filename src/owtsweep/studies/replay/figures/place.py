@@ -1,4 +1,4 @@
-"""Draw the place of a record in the map of the best scheme by expected MSE."""
+"""Draw the place of a record in the map of the best scheme by expected mean squared error."""
 
 from __future__ import annotations
 
@@ -23,15 +23,16 @@ PERIODS, AMPLITUDES = 48, 160
 
 
 def draw(config: ReplayConfig, record: Any) -> Figure:
-    """Draw the map of the best scheme by expected settled MSE, and mark the record's place.
+    """Draw a map of the best scheme by expected settled MSE, and mark the place of a record in it.
 
-    The horizontal axis is the natural period (s), the vertical axis the amplitude (m). `record` is
-    the record's row of records.csv.
+    The horizontal axis is the natural period (s), the vertical axis the largest displacement (m).
+    `record` is the record's row of records.csv.
 
     Raises
     ------
     InputError
-        If the record has no fitted natural period inside the band.
+        If the record has no fitted spectrum with a peak inside the band, or if no errors can be
+        computed for one of the schemes.
     """
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
@@ -104,9 +105,15 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
 
 
 def _label_distinct(expected: Mapping[str, Array]) -> dict[str, str]:
-    """Label the schemes for the legend; of schemes with equal values, only the last is kept.
+    """Label the schemes for the legend; of schemes with equal errors, only the last gets a label.
 
-    The label of the last one names all of them, e.g. "HME1 = HME2".
+    This label names all of these schemes, e.g. "HME1 = HME2". `expected` holds for each scheme its
+    expected errors, an array over periods and amplitudes.
+
+    Returns
+    -------
+    dict
+        Scheme -> label.
     """
     labels = {}
     for name, values in expected.items():
