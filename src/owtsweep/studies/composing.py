@@ -88,8 +88,8 @@ def compose(
     study = str(plain.get("study", located.study or registry.DEFAULT))
     require(
         located.study in (None, study),
-        f"study: {located.study!r} is named, but its files or another override say {study!r}; "
-        "leave one out",
+        f"study: {located.study!r} is named, but the study's files or another override name "
+        f"{study!r}; name only one study",
     )
     _check_command(study, primary)
     return _checked(plain, study)
@@ -130,7 +130,7 @@ def _check_command(study: str, primary: str) -> None:
         return
     if primary == "sweep":
         raise InputError(f"study: {study!r} needs records; use `python -m owtsweep {needed} FILE`")
-    raise InputError(f"study: {study!r} replays no record; leave it out")
+    raise InputError(f"study: {study!r} replays no record; leave out study={study}")
 
 
 def _key(override: str) -> str:
@@ -150,7 +150,7 @@ def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
     """
     require(
         not isinstance(overrides, str),
-        f"overrides: {overrides!r} is one text; give a list, e.g. ['tuning=matched']",
+        f"overrides: {overrides!r} is one text; give a list of texts, e.g. ['tuning=matched']",
     )
     name, others = None, []
     for override in overrides:

@@ -30,7 +30,8 @@ def open_run(folder: Path) -> Run:
     path = folder / "config.yaml"
     require_folder(folder)
     require(
-        os.path.lexists(path), f"{folder}: there is no config.yaml in it; name the folder of a run"
+        os.path.lexists(path),
+        f"{folder}: the folder holds no config.yaml; name the folder of a run",
     )
     plain, text = read_stored(path)
     stored = read_stored_plan(folder, text)

@@ -102,9 +102,11 @@ def get_study(name: str) -> Study:
     with blame_package(name):
         study = getattr(import_module(module), attribute)()
         lacks = _lacks(study)
-        require(not lacks, f"it lacks {', '.join(lacks)}")
-        require(study.name == name, f"it calls itself {study.name!r}")
-        require(issubclass(study.config_type(), Config), "its configuration is no Config")
+        require(not lacks, f"the study lacks {', '.join(lacks)}")
+        require(study.name == name, f"the study's `name` is {study.name!r}")
+        require(
+            issubclass(study.config_type(), Config), "config_type() returns no subclass of Config"
+        )
     return study  # type: ignore[no-any-return]
 
 

@@ -34,7 +34,7 @@ def choose(vectors: bool) -> None:
         return
     if f"{__name__}.lanes" in sys.modules:
         raise InputError(
-            f"compute.vectors: this process has compiled its kernels with "
+            f"compute.vectors: this process has already compiled kernels with "
             f"vectors={str(not vectors).lower()}; start another process"
         )
     compiled.variant = "" if vectors else _PLAIN

@@ -42,5 +42,5 @@ class ReadingsConfig(HubConfig):
         super().check()
         require(
             self.engine != "expected",
-            "engine: the search judges records; use engine=batch, not expected",
+            "engine: expected simulates no records, but a search needs records; use engine=batch",
         )

@@ -117,7 +117,8 @@ def _choose_truths(
     for truth in wanted:
         require(
             truth in truths,
-            f"calibration.targets.{name}.truths: there is no {truth!r}; use {', '.join(truths)}",
+            f"calibration.targets.{name}.truths: there is no {truth!r} in calibration.truths; use "
+            f"{', '.join(truths)}",
         )
     return {truth: truths[truth] for truth in wanted}
 

@@ -85,7 +85,7 @@ class ReplayConfig(HubConfig):
         band = self.replay.band
         require(
             band is None or band[0] < band[1],
-            f"replay.band: {band} must be two edges in Hz, e.g. [0.2,0.4]",
+            f"replay.band: {band} must be two edges in Hz, the lower one first, e.g. [0.2,0.4]",
         )
 
     @property

@@ -112,16 +112,17 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
     else:
         require(
             config.replay.gnss == "auto",
-            f"{file}: replay.gnss={config.replay.gnss} is for recorded sensors; with a motion "
-            "fixes are simulated: leave it at auto, or set columns.specific_force_x",
+            f"{file}: replay.gnss={config.replay.gnss} needs a recorded specific force, but the "
+            "file is replayed as motion; use replay.gnss=auto, or set columns.specific_force_x",
         )
         recording = _rename(recording, "reference", "position")
         record = make_record_of_motion(config, recording, sensors)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(
         length >= settling + sensors.fix_step,
-        f"{file}: the record gives {length:.4g} s, no longer than measures.settling_time "
-        f"{settling:g} s and one fix; use a longer one, or a shorter settling time",
+        f"{file}: the record lasts {length:.4g} s, no longer than measures.settling_time "
+        f"({settling:g} s) and one interval between fixes; use a longer record, or a shorter "
+        "settling time",
     )
     return record
 

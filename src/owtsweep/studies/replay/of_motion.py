@@ -32,8 +32,9 @@ def make_record_of_motion(
     kept = gridded.cutoff or 0.0
     require(
         kept > lowest,
-        f"{recording.path}: motion is kept up to {kept:.3g} Hz only, and the band begins at "
-        f"{lowest:g} Hz; check units.time and the record's rate, replay.cutoff and replay.band",
+        f"{recording.path}: frequencies of the motion are kept up to {kept:.3g} Hz only, but the "
+        f"band begins at {lowest:g} Hz; check units.time, the record's rate, replay.cutoff and "
+        "replay.band",
     )
     position = gridded.pairs["position"]
     origin = position.mean(axis=0) if config.replay.remove_mean else np.zeros(2)

@@ -143,16 +143,16 @@ def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> Alig
     count = int(np.count_nonzero(inside))
     require(
         count >= LEAST_FIXES,
-        f"{recording.path}: columns.fix_x: the record holds {count} position fixes, and "
-        f"{LEAST_FIXES} are needed; without fixes give a reference and replay.gnss=from_reference",
+        f"{recording.path}: columns.fix_x: the record holds {count} position fixes, but "
+        f"{LEAST_FIXES} are needed; without fixes, give a reference and replay.gnss=from_reference",
     )
     aligned = align(time[inside], values[inside], duration, sensors)
     if aligned.jitter > LARGEST_JITTER * sensors.fix_step:
         median = np.median(np.diff(time[came]))
         raise InputError(
-            f"{recording.path}: fixes come up to {aligned.jitter:.3g} s away from a grid of "
-            f"{1.0 / sensors.fix_step:g} Hz (their median interval is {median:.4g} s); "
-            "set sensors.gnss.rate to their rate"
+            f"{recording.path}: fixes arrive as much as {aligned.jitter:.3g} s before or after the "
+            f"moments that a rate of {1.0 / sensors.fix_step:g} Hz gives (the fixes' median "
+            f"interval is {median:.4g} s); set sensors.gnss.rate to the rate of the fixes"
         )
     return aligned
 
@@ -241,7 +241,8 @@ def _derive_reference(
             unknown |= (grid.time < span[0] - 1e-9) | (grid.time > span[1] + 1e-9)
     require(
         not np.all(unknown),
-        f"{recording.path}: the reference and the specific force do not overlap",
+        f"{recording.path}: the reference and the specific force do not overlap in time; give "
+        "a reference of the same time",
     )
     position[unknown] = velocity[unknown] = np.nan
     return position, velocity, list(gridded.notes)

@@ -87,7 +87,9 @@ def expect_errors(
     """
     kernel: Any = getattr(scheme, "kernel", None)
     if kernel is None:
-        raise InputError(f"schemes: {scheme.name} has no kernel, so nothing can be expected of it")
+        raise InputError(
+            f"schemes: {scheme.name} has no kernel, so its expected errors cannot be computed"
+        )
     chain = kernel(sensors, config, steps)
     return _compute(chain, sensors, *band)
 

@@ -46,7 +46,9 @@ def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> R
     """
     config = compose(overrides, config_dir, primary="replay")
     if not isinstance(config, ReplayConfig):
-        raise InputError(f"study: {config.study!r} is none that replays records; leave it out")
+        raise InputError(
+            f"study: {config.study!r} replays no record; leave out study={config.study}"
+        )
     return config
 
 
@@ -75,7 +77,9 @@ def configure(
     if not words and table is not None:
         words = list(read_table(table)["file"])
     paths = expand(words)
-    require(len(paths) > 0, "FILE: name a record, a pattern, or replay.table=FILE.csv")
+    require(
+        len(paths) > 0, "FILE: name a record's file or a pattern, or give replay.table=FILE.csv"
+    )
     # Absolute, so that the run can be read from another folder.
     grid = changed(config.grid, files=paths)
     if table is not None:
@@ -101,7 +105,9 @@ def expand(words: Sequence[str]) -> list[str]:
     for word in words:
         path = Path(os.path.expanduser(word))
         if os.path.exists(path):
-            require(not path.is_dir(), f"{word}: this is a folder; name files, e.g. {word}/*.csv")
+            require(
+                not path.is_dir(), f"{word}: this is a folder; name files in it, e.g. {word}/*.csv"
+            )
             require_regular(path)
             matches = [path]
         else:
@@ -249,5 +255,7 @@ class Replay:
         if record is None and len(folders) == 1:
             record = next(iter(folders))
         if record not in folders:
-            raise InputError(f"record: {record!r} is none of {', '.join(folders)}")
+            raise InputError(
+                f"record: {record!r} is none of {', '.join(folders)}; name one of these"
+            )
         return pd.read_parquet(folders[record] / "estimates.parquet")

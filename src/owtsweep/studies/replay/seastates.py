@@ -46,20 +46,20 @@ def read_table(path: str) -> pd.DataFrame:
             raw = stream.read(MOST_BYTES + 1)
     except InputError as error:
         raise InputError(f"replay.table: {error}") from None
-    require(len(raw) <= MOST_BYTES, f"{where}: it is larger than {MOST_BYTES / 1e6:g} MB")
-    require(b"\0" not in raw, f"{where}: it holds binary data, not text")
+    require(len(raw) <= MOST_BYTES, f"{where}: the table is larger than {MOST_BYTES / 1e6:g} MB")
+    require(b"\0" not in raw, f"{where}: the file holds binary data, not text")
     try:
         table = pd.read_csv(io.BytesIO(raw), skipinitialspace=True)
     except ValueError as error:
-        raise InputError(f"{where}: it cannot be read as CSV ({shorten(error)})") from None
+        raise InputError(f"{where}: the file cannot be read as CSV ({shorten(error)})") from None
     _make_printable(table)
     _check_columns(table, where)
     columns = ", ".join(str(name) for name in table.columns[:8])
-    require("file" in table.columns, f"{where}: it has no column `file`; it has {columns}")
-    require(len(table) > 0, f"{where}: it has no row")
+    require("file" in table.columns, f"{where}: the table has no column `file`, only {columns}")
+    require(len(table) > 0, f"{where}: the table has no row")
     require(
         len(find_axes(table)) > 0,
-        f"{where}: it has no column of numbers besides `file`; add e.g. Hs and Tp",
+        f"{where}: the table has no column of numbers besides `file`; add e.g. Hs and Tp",
     )
     blank = table["file"].isna()
     require(not blank.any(), f"{where}: row {int(blank.argmax()) + 1} names no file")
@@ -86,9 +86,12 @@ def _check_columns(table: pd.DataFrame, where: str) -> None:
 
     No column may have the name of a column of records.csv. `where` is the beginning of the message.
     """
-    require("file.1" not in table.columns, f"{where}: it has two columns `file`; keep one")
+    require("file.1" not in table.columns, f"{where}: the table has two columns `file`; keep one")
     clash = next((name for name in table.columns if name in FACTS), None)
-    require(clash is None, f"{where}: records.csv has a column `{clash}` of its own; rename this")
+    require(
+        clash is None,
+        f"{where}: records.csv has a column `{clash}` of its own; rename the table's column",
+    )
     for name in find_axes(table):
         large = table[name].abs() > LARGEST_VALUE
         row = int(large.argmax())
@@ -126,8 +129,8 @@ def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
     table["file"] = [labels.get(_resolve(file)) for file in table["file"]]
     require(
         bool(table["file"].notna().any()),
-        f"replay.table: {config.replay.table}: it names none of the records; leave FILE out, or "
-        "name files of the table",
+        f"replay.table: {config.replay.table}: the table names none of the records; leave out "
+        "FILE, or name files of the table",
     )
     kept = table.dropna(subset=["file"]).drop_duplicates("file").reset_index(drop=True)
     return kept[["file", *[c for c in table.columns if c != "file"]]]

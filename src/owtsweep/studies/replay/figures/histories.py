@@ -58,8 +58,10 @@ def draw(
     """
     shown = collect_traces(session, states, quantity, zoom=zoom)
     if not shown.lines:
-        hint = "" if quantity in ("position", "velocity") else "; kernels give one with every fix"
-        raise InputError(f"there is no estimate of {quantity} here{hint}")
+        hint = ""
+        if quantity not in ("position", "velocity"):
+            hint = "; only schemes with kernels do, and only if no position fix is missing"
+        raise InputError(f"no scheme estimates the {quantity} of this record{hint}")
     panels = [_make_values_panel(session, quantity, axis, shown) for axis in range(2)]
     if shown.truth is not None:
         panels.append(_make_errors_panel(session, quantity, shown, advised))

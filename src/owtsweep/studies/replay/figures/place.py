@@ -39,7 +39,10 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
 
     shape, band = find_place(config, record), config.fit_band
     if shape is None:
-        raise InputError("the record's spectrum has no peak inside band, so it has no place there")
+        raise InputError(
+            "no spectrum with a peak inside the band could be fitted to the record, so the "
+            "record has no place in the map"
+        )
     period, amplitude = 1.0 / shape.peak_frequency, float(record["peak"])
     low = max(min([*config.grid.natural_period, 0.9 * period]), 1.0 / band[1])
     high = min(max([*config.grid.natural_period, 1.1 * period]), 1.0 / band[0])

@@ -48,7 +48,10 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     measured = advised[advised["source"] != "map"]
     shown = table.merge(measured, on="file").dropna(subset=[first, second])
     if shown.empty:
-        raise InputError("no record has both coordinates of the map; give replay.table=FILE.csv")
+        raise InputError(
+            "no record has values on both axes of the map; give replay.table=FILE.csv with two "
+            "columns of numbers"
+        )
     names = sorted(set(shown["best"]) | set(shown["runner_up"].dropna()) - {""})
     with style.context():
         figure = style.new_figure(8.0, 6.0)
@@ -101,7 +104,9 @@ def _choose_coordinates(
             return states, (names[0], names[1])
         return records, (names[0], "peak")
     if "natural_period" not in records:
-        raise InputError("no record has a fitted period; give replay.table=FILE.csv")
+        raise InputError(
+            "no record has a fitted natural period, an axis of the map; give replay.table=FILE.csv"
+        )
     return records, ("natural_period", "peak")
 
 

@@ -47,7 +47,10 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     low, high = config.fit_band
     shown = (frequency >= low / 2.0) & (frequency <= BEYOND * high)
     if not np.any(shown):
-        raise InputError(f"the record has no line of its spectrum about [{low:g}, {high:g}] Hz")
+        raise InputError(
+            f"the record's periodogram has no frequency in or near the band [{low:g}, {high:g}] "
+            "Hz; use a longer record"
+        )
     with style.context():
         figure = style.new_figure(9.0, 4.8)
         axes = figure.add_subplot()
