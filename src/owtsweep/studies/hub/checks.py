@@ -1,6 +1,6 @@
 """Refuses settings that cannot work together, before a run. Each message says what would work.
 
-Types and bounds of single keys are declared in `config`.
+Types and bounds of single keys are declared in `owtsweep.studies.hub.config`.
 """
 
 from __future__ import annotations
@@ -62,7 +62,11 @@ def check(config: HubConfig) -> None:
 
 
 def _check_sections(config: HubConfig, scheme: Scheme) -> None:
-    """Refuse a scheme that says to depend on keys that there are not."""
+    """Raise InputError unless the scheme's attribute `sections` is a list of existing keys.
+
+    The keys are those of the configuration, e.g. "mkf" or "hme.mhe". A scheme need not have this
+    attribute.
+    """
     sections = getattr(scheme, "sections", ())
     listed = isinstance(sections, list | tuple) and all(isinstance(name, str) for name in sections)
     for name in sections if listed else ():
@@ -76,7 +80,10 @@ def _check_sections(config: HubConfig, scheme: Scheme) -> None:
 
 
 def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
-    """Refuse settings with which the engine `expected` cannot work, because it runs no records."""
+    """Raise InputError for settings with which the engine `expected` cannot work.
+
+    This engine simulates no records, and it computes from the schemes' kernels.
+    """
     require(
         not config.measures.extremes,
         "measures.extremes: largest errors need records; use engine=batch",
@@ -114,7 +121,11 @@ def _check_sensors(config: HubConfig) -> None:
 
 
 def _check_steps(key: str, value: float, rate: float) -> None:
-    """Refuse a time (s) that is not a whole number of IMU steps; suggest the two nearest times."""
+    """Raise InputError if a time is not a whole number of IMU steps; suggest the two nearest times.
+
+    `key` is the key of the time in the configuration, `value` the time in s, and `rate` the IMU's
+    rate in Hz.
+    """
     step = 1.0 / rate
     count = value / step
     if abs(count - round(count)) > GRAIN * max(1.0, count):

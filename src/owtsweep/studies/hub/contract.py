@@ -13,7 +13,7 @@ from owtsweep.evaluation.estimate import Estimate
 
 @dataclass(frozen=True)
 class Sensors:
-    """The properties of IMU and GNSS that an estimator may know (PAPER.md, section 1).
+    """The properties of IMU and GNSS that an estimator may know.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Sensors:
 
 @runtime_checkable
 class Estimator(Protocol):
-    """A running estimator, whose method `update` is called once per IMU step."""
+    """The interface of a running estimator, whose method `update` is called once per IMU step."""
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the estimate of the present.

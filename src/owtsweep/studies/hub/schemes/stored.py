@@ -17,8 +17,8 @@ from owtsweep.studies.hub.contract import Scheme
 class StoredScheme(dict[str, Any]):
     """The stand-in for a user's scheme in a stored run: it has a name, but cannot start.
 
-    The stand-in is a dict that equals the scheme's entry of the key `schemes`, so that the
-    configuration keeps its text.
+    The stand-in is a dict that equals the scheme's entry in the key `schemes`. So a configuration
+    with stand-ins is written with the same text.
 
     Attributes
     ----------
@@ -68,8 +68,8 @@ def check_name(name: Any) -> None:
     Raises
     ------
     InputError
-        If the name is no text, is empty, is longer than `LONGEST_NAME`, or holds a character that
-        cannot be printed.
+        If the name is no text, is empty, has more than `LONGEST_NAME` characters, or contains a
+        character that cannot be printed.
     """
     require(
         isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable(),
@@ -79,9 +79,10 @@ def check_name(name: Any) -> None:
 
 
 def describe(schemes: Sequence[Scheme]) -> list[dict[str, Any]]:
-    """Return what plan.json stores of a run's schemes: one mapping per scheme, in their order.
+    """Return what plan.json stores of a run's schemes: one mapping per scheme, in the same order.
 
-    Each mapping holds `name`, `linear`, and `kernel`: whether the scheme has a kernel.
+    Each mapping holds the scheme's `name`, whether the scheme is `linear`, and under `kernel`
+    whether the scheme has a kernel for the batch engine.
     """
     return [
         {"name": scheme.name, "linear": scheme.linear, "kernel": hasattr(scheme, "kernel")}
@@ -90,22 +91,25 @@ def describe(schemes: Sequence[Scheme]) -> list[dict[str, Any]]:
 
 
 def stand_in(entries: Any, described: Any) -> Any:
-    """Return the entries of a stored key `schemes`, with each mapping made a `StoredScheme`.
+    """Replace users' schemes in the key `schemes` of a stored run by stand-ins that run no code.
 
-    An entry that is a name is kept.
+    Return the list of entries with a `StoredScheme` in place of each mapping. An entry that is a
+    name is kept.
 
     Parameters
     ----------
     entries
         The value of the key `schemes` in config.yaml. If it is no list, it is returned as it is.
     described
-        The list that `describe` made of these entries. None if the run is so old that it has no
-        stored plan; then each stand-in has the name of the scheme's class and counts as linear.
+        The list that `describe` made of these entries, from the run's plan.json. None if the run is
+        so old that it has no plan.json; then each stand-in has the name of the scheme's class and
+        counts as linear.
 
     Raises
     ------
     InputError
-        If `described` is no list with a name and `linear` for each of these entries.
+        If `described` is no list of one mapping per entry, or does not give a valid name and a bool
+        `linear` for an entry that is a mapping.
     """
     if not isinstance(entries, list):
         return entries
