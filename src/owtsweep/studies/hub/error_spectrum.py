@@ -133,8 +133,8 @@ def _error_phasors(
     """Compute the complex errors of position and velocity in the last cycles of a run.
 
     A cycle is the number of steps after which the chain repeats. The run has `steps` steps, and
-    then the last `KEPT_CYCLES` cycles. The motion is e^{iwt}, at n frequencies (Hz); errors are divided by e^{iwt}.
-    Each of the two results has the shape (cycles, steps of a cycle, n).
+    then the last `KEPT_CYCLES` cycles. The motion is e^{iwt}, at n frequencies (Hz); errors are
+    divided by e^{iwt}. Each of the two results has the shape (cycles, steps of a cycle, n).
     """
     cycle = cycle_of(chain)
     total = steps + KEPT_CYCLES * cycle
