@@ -40,13 +40,13 @@ class HubStudy:
     numerics_version = add_versions(1, *ROOMS)
 
     def schemes(self) -> dict[str, str]:
-        """Return scheme -> description, for all schemes of the study."""
+        """Return name -> description of each scheme that the study provides."""
         from owtsweep.studies.hub.schemes import REGISTERED
 
         return dict(REGISTERED)
 
     def config_type(self) -> type[HubConfig]:
-        """Return the model of the study's configuration."""
+        """Return the class of the study's configurations."""
         from owtsweep.studies.hub.config import HubConfig
 
         return HubConfig

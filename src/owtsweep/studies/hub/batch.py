@@ -88,7 +88,7 @@ def sum_errors(
     amplitude
         Amplitude of the motion, m. With an amplitude, motion plus noise is run as one series, and
         the square of its error is stored as the product noise x noise. If None, motion and noise
-        are run separately, and all three products of their errors are summed.
+        are run separately, and all three products of the two errors are summed.
     keep_squared
         Whether the squared position error of each step is kept; only with an amplitude.
     consistency
@@ -143,7 +143,21 @@ def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
 
 
 class ChainRun:
-    """A run of one scheme on up to eight replicates, whose records arrive span by span."""
+    """A run of one scheme on up to eight replicates, whose records arrive piece by piece.
+
+    Parameters
+    ----------
+    chain, weights
+        The scheme in its form for the batch engine, and its weights for NEES and NIS.
+    feed
+        The source of the records.
+    settled
+        Number of the first step after the settling time.
+    scratch, output
+        Working memory, which several runs may use in turn.
+    keep
+        Whether the squared position error of each step is kept.
+    """
 
     def __init__(
         self,
@@ -201,10 +215,11 @@ def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output
 
 
 def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
-    """Join the results of one scheme for all replicates to `Sums`.
+    """Join the results of one scheme for parts of the replicates into one `Sums`.
 
-    Each element of `parts` holds the sums and the squared errors of up to eight replicates. `steps`
-    is the length of a record, and `settled` the number of the first step after the settling time.
+    Each element of `parts` holds the sums and the squared errors of up to eight replicates. `chain`
+    is the scheme for the batch engine, `steps` the length of a record, and `settled` the number of
+    the first step after the settling time.
     """
     early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
     products, squared = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))

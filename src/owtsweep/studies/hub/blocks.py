@@ -89,8 +89,8 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
     """Return what a scheme's rows depend on: the scheme's name, its tuning, and a user's code.
 
     The tuning consists of the sections of the configuration that the scheme's attribute `sections`
-    names; without this attribute, of the sections of all schemes. For a user's scheme, the result
-    also contains `entry` and what identifies the source code.
+    names. If the scheme has no such attribute, the tuning consists of the sections of all schemes.
+    For a user's scheme, the result also contains `entry` and what identifies the source code.
 
     Parameters
     ----------
@@ -160,8 +160,9 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
 
     A block is the unit of work: one scheme, at one amplitude or for all amplitudes. Motion and
     noise are made once for all blocks. Schemes with a kernel run side by side on each piece of the
-    records, while the piece is in the processor's cache. So the first such block of an amplitude
-    also computes the rows of the later blocks of this amplitude whose schemes have kernels.
+    records, while the piece is in the processor's cache. So the first block of an amplitude whose
+    scheme has a kernel also computes the rows of the later blocks of this amplitude whose schemes
+    have kernels.
     """
     first = blocks[0].content
     records = make_records(config, first["natural_period"], first["replicates"])
@@ -221,7 +222,7 @@ def _by_kernels(
     records: Records,
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame | Exception]:
-    """Run schemes by kernels; return number -> the scheme's rows, or the exception it raised.
+    """Run schemes by kernels; return the number of each scheme -> its rows, or an exception.
 
     An exception comes from making the scheme's arrays for kernels, or from running the scheme.
 
@@ -258,7 +259,7 @@ def _run_chains(
     records: Records,
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame]:
-    """Run chains side by side; return number -> rows.
+    """Run chains side by side; return the number of each chain -> rows of the scheme.
 
     A chain is a scheme in the form of arrays for kernels. `chains` maps numbers to chains, and
     `schemes` maps the same numbers to the schemes. `amplitude` is in m; None runs motion and noise
@@ -306,8 +307,8 @@ def _chains(
 def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
     """Return how many threads may prepare schemes for the kernels at once.
 
-    If the sweep runs in threads, these would otherwise wait, so all workers may help. If the sweep
-    runs in processes or on a cluster, the result is 1.
+    If the sweep runs in threads, the result is the number of the sweep's workers, because the
+    workers would otherwise wait. If the sweep runs in processes or on a cluster, the result is 1.
     """
     from joblib import cpu_count
 

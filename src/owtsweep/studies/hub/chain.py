@@ -2,7 +2,7 @@
 
 Every scheme of the study is the same chain with some of the parts in brackets left out: [MHE ->]
 multirate Kalman filter [-> fixed-lag smoother] [-> predictor]. A chain is computed once for given
-sensors and tuning. All periods, amplitudes and records share its gains.
+sensors and tuning. The gains of a chain serve all periods, amplitudes and records.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ class Chain:
         return result
 
     def _covariance(self) -> Array:
-        """Compute `covariance`: that of estimated position and velocity along one axis.
+        """Compute the covariance of the estimate's error along one axis, shape (rows, 2, 2).
 
         The prediction starts from the smoothed state of step s, `window` steps before the filter's
         newest sample. Input i of the prediction has the noise v_i. The smoother has seen the inputs

@@ -110,7 +110,7 @@ class FilterTuning(Section):
 
 
 class Constraints(Section):
-    """The bounds of the states in the MHE's window: largest magnitudes of their components."""
+    """The bounds of the states in the MHE's window: largest magnitudes of the components."""
 
     position: Positive | None = key(
         "of the hub, north and east; null: none", unit="m", default=None, younger=True
@@ -182,7 +182,7 @@ class Mhe(Section):
 
 
 class Hme(Section):
-    """The settings that HME1 and HME2 share, and those of the MHE of HME2."""
+    """The settings that HME1 and HME2 share, and the settings of HME2's MHE."""
 
     smoother_window: int = key(
         "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
@@ -191,7 +191,7 @@ class Hme(Section):
 
 
 class Measures(Section):
-    """The measures to compute, and the criterion by which the map shows the best scheme."""
+    """The measures to compute, and the criterion by which schemes are ranked."""
 
     settling_time: NotNegative = key("left out of the window settled", unit="s")
     window: Literal["full", "settled"] = key("the window that the map judges")

@@ -1,4 +1,4 @@
-"""The interface between the hub study and any scheme, of this package or a user's."""
+"""The interface between the hub study and a scheme, be it the package's own or a user's."""
 
 from __future__ import annotations
 
@@ -94,8 +94,8 @@ class Scheme(Protocol):
         The scheme's name in tables and figures; unique within a run.
     linear
         Whether estimates are linear in the measurements, with gains that do not depend on the
-        measurements. Then one run with the motion alone and one with the noise alone serve every
-        amplitude.
+        measurements. If so, one run with the motion alone and one run with the noise alone serve
+        every amplitude.
     """
 
     name: str

@@ -61,7 +61,10 @@ class _Engine:
 
 
 class RecordsEngine(_Engine):
-    """The engine of `engine: batch` and `engine: reference`: runs schemes on simulated records."""
+    """The engine for the keys engine=batch and engine=reference: runs schemes on records.
+
+    Records are simulated measurements.
+    """
 
     samples = True
     plan = staticmethod(blocks.plan)
@@ -95,7 +98,10 @@ class RecordsEngine(_Engine):
 
 
 class ExpectedEngine(_Engine):
-    """The engine of `engine: expected`: computes the schemes' expected errors without records."""
+    """The engine for the key engine=expected: computes schemes' expected errors without records.
+
+    Records are simulated measurements; the expected error is the mean over all possible records.
+    """
 
     samples = False
     plan = staticmethod(engine.plan)

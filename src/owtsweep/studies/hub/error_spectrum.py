@@ -1,4 +1,4 @@
-"""Computes a scheme's error spectrum: its settled error per unit of motion at each frequency.
+"""Computes a scheme's error spectrum: the settled error per unit of motion at each frequency.
 
 A chain is a scheme's form for the batch engine. Once its gains have settled, a chain is a linear
 system whose coefficients repeat with the position fixes. The chain's response to a unit motion

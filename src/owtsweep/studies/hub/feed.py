@@ -34,8 +34,8 @@ class Span(NamedTuple):
         The number of the step in row 0, so step k is in row k - base. `base` may be negative; rows
         before step 0 are zero.
     force
-        Specific force in NED, m/s^2, shape (groups, rows, 8). A group is what `Feed` says: motion,
-        noise of x and noise of y, or x and y of motion plus noise.
+        Specific force in NED, m/s^2, shape (groups, rows, 8). The groups are either motion, noise
+        of x and noise of y, or x and y of motion plus noise.
     position, velocity
         True displacement (m) and velocity (m/s) along the wave, for the motion of unit amplitude;
         shape (rows, 8) each.
@@ -161,8 +161,8 @@ class Feed:
         """Return a function that writes the next steps of the noise of the specific force, in NED.
 
         The function takes the number of steps (at most `size`), the number of the first row to
-        write, and the array to write to, shape (3, rows, 8). It writes x to group 1 of this array,
-        and y to group 2.
+        write, and the array to write to, shape (3, rows, 8). The function writes the noise of x to
+        group 1 (first axis) of this array, and the noise of y to group 2.
         """
         from owtsweep.studies.hub.kernels import feeding
 
@@ -193,7 +193,7 @@ class Feed:
     def _force_noise(self, index: int) -> Callable[[int], Array]:
         """Return a function that takes a number of steps and returns the noise of these next steps.
 
-        This is the noise of one replicate's specific force in the IMU's frame, m/s^2, shape
+        The noise is that of one replicate's specific force in the IMU's frame, m/s^2, shape
         (steps, 2). `index` is the place of the replicate in the records. If the records keep their
         noise in memory, the function reads the noise from memory; otherwise it draws the noise.
         """

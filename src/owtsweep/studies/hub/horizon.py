@@ -47,8 +47,8 @@ class Horizon:
     initial_covariance
         Covariance (3, 3) of the prior while the window fills (only with an arrival term).
     bounds
-        Bounds (3,) of |p| and |v| in NED and of |b^b| in the IMU's frame; infinite where there is
-        none. `arrays` ignores bounds.
+        Largest allowed magnitudes (3,) of position and velocity, per axis in NED, and of the bias
+        b^b, per axis in the IMU's frame; infinity means no bound. `arrays` ignores bounds.
     """
 
     interval: int

@@ -27,8 +27,8 @@ SIGMA_2_STATES = np.array([0, 1, 3])
 def variance(rule: Variance, sigma: float, sensors: Sensors) -> float:
     """Compute the variance of a measurement from the standard deviation `sigma` of its sensor.
 
-    `rule` is a section of the configuration: a rule, and a factor on its result. The unit is that
-    of `sigma`, squared.
+    `rule` is a section of the configuration, which holds the rule and a factor. The result has the
+    unit of `sigma`, squared.
     """
     factor = {
         "sigma2": 1.0,
@@ -42,8 +42,8 @@ def sigma_1(q_a: float, q_b: float) -> Model:
     """Return the model Sigma_1 of one axis, Eq. (6a) of Ren et al. (2019).
 
     The states are position, velocity, acceleration and bias; there is no input. In Eq. (6a) white
-    noise drives only the bias. The text says that white noise drives the acceleration too, so Q
-    contains q_a, in (m/s^3)^2/Hz, as well as q_b, in (m/s^2)^2/s.
+    noise drives only the bias. The text of the paper says that white noise drives the acceleration
+    too, so Q contains q_a, in (m/s^3)^2/Hz, as well as q_b, in (m/s^2)^2/s.
     """
     A = np.zeros((4, 4))
     A[0, 1] = A[1, 2] = 1.0

@@ -1,9 +1,10 @@
 """Computes the noise floor: the settled MSE that sensor noise alone causes, without sampling.
 
 A chain is a scheme's form for the batch engine. A settled chain repeats after each cycle of steps.
-The variance of its error, averaged over a cycle, therefore follows from its responses to unit
-impulses, one at each step of one cycle. The variance is the energy of these responses (the sum of
-their squares) divided by the number of steps in the cycle.
+So the variance of the chain's error, averaged over a cycle, follows from the chain's responses to
+unit impulses, one at each step of one cycle. For noise of variance 1, the variance of the error is
+the energy of these responses (the sum of their squares) divided by the number of steps in the
+cycle.
 """
 
 from __future__ import annotations

@@ -62,8 +62,8 @@ class Records:
     def parts(self) -> Iterator[Records]:
         """Yield records of fewer replicates, so that their motion fits into `MEMORY_SHARE` bytes.
 
-        Together they hold all replicates, in order. Each makes its motion at first use and frees
-        the motion's memory when it is deleted. If all replicates fit, yield these records.
+        All yielded `Records` together hold all replicates, in order. Each of them makes its motion
+        at first use; deleting it frees the memory. If all replicates fit at once, yield `self`.
         """
         count = len(self.replicates)
         each = max(MEMORY_SHARE // (BYTES_PER_STEP * self.steps), 1)

@@ -73,7 +73,7 @@ def limit(sequence: Complex) -> tuple[Complex, Array]:
 
     The sequences must come from a linear system with few modes. The limit is a weighted sum of the
     terms. The weights have the sum 1 and minimise the norm of the weighted sum of the differences
-    between successive terms. With n differences, n - 1 modes are removed. Source: Smith, Ford and
+    between successive terms. With d differences, d - 1 modes are removed. Source: Smith, Ford and
     Sidi (1987), Extrapolation methods for vector sequences, SIAM Review 29, 199-233.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Refuses settings whose run would need more memory than machines have, before memory is taken.
+"""Refuses settings that would need more memory than machines have, before any memory is taken.
 
 The estimates of memory count the largest arrays only. At worst they are a few times too low.
 Settings that make sense stay far below the bounds.

@@ -24,10 +24,10 @@ def tolerated(period: float) -> tuple[float, float]:
 
 
 def claim_growth(evidence: HubEvidence) -> Claim:
-    """Test the claim that the boundary between HME1 and HME2 is at a larger amplitude at 8 s.
+    """Test the claim that the boundary between HME1 and HME2 grows with the natural period.
 
-    The boundary at a natural period of 8 s is compared with the boundary at 4 s. `evidence` holds
-    the results of the run.
+    The boundary is the amplitude at which both schemes are equally good. The claim is that this
+    amplitude is larger at 8 s than at 4 s. `evidence` holds the results of the run.
     """
     text, name = "the boundary at 8 s is above that at 4 s", "boundary at 4 s and 8 s"
     return claim_estimate(text, name, evidence.growth, {"above": 1.0})

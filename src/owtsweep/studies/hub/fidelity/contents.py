@@ -48,7 +48,7 @@ def document(
     tables
         File name without suffix -> table: fidelity, fidelity_numbers and consistency.
     judged
-        The paper's statements F1 to F11 with their verdicts.
+        The statements F1 to F11 of Ren et al. (2019), with the verdicts on them.
     pictures
         Figure name -> PNG file: published_against_reproduced, ratios and boundaries.
     """

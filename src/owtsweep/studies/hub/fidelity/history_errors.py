@@ -1,8 +1,8 @@
 """Simulate time histories at the natural period 3.8 s, and measure the errors of HME1 and HME2.
 
-Source: section 5.2 of Ren et al. (2019). The grid of a run does not contain this period. So the
-histories are simulated for the fidelity report, with the run's configuration except for natural
-period and amplitude.
+Source: section 5.2 of Ren et al. (2019). This period is not in the paper's grid. So the histories
+are simulated for the fidelity report, with the run's configuration except for natural period and
+amplitude.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""Draw the boundary figure of the hub's fidelity report; call under `figures.style.context`."""
+"""Draw the figure of the fidelity report on the boundary between HME1 and HME2.
+
+The boundary is the amplitude at which both schemes are equally good. Drawing must happen inside the
+context `figures.style.context`.
+"""
 
 from __future__ import annotations
 

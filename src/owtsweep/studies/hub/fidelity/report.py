@@ -52,8 +52,9 @@ def write_report(
     rows
         The run's cases, as `Run.cases` returns them.
     folder
-        Where to write; made if it does not exist. The files are fidelity.csv, fidelity_numbers.csv,
-        fidelity_claims.csv, consistency.csv, fidelity.md, fidelity.html and figures/.
+        The folder for the report, which is made if it does not exist. The files are fidelity.csv,
+        fidelity_numbers.csv, fidelity_claims.csv, consistency.csv, fidelity.md, fidelity.html and
+        figures/.
     metadata
         Texts by name to store inside the figures' files. The text "folder" is the run's name in
         the report.

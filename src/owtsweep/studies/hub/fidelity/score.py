@@ -1,11 +1,12 @@
 """Compute the score of an interpretation of the paper: its distance from the published results.
 
-The paper is Ren et al. (2019). The score is the sum of three parts. Its definition was fixed before
-the recorded search. The first part is the mean of |log2(reproduced / published)| over the 64
-numbers of tables 6-9 (Table 7's misprint is judged at 1.98e-3). The second part is `WINNER_PENALTY`
-for each of the four tables whose scheme of least position MSE (x + y) is not the published one. The
-third part is `BOUNDARY_WEIGHT` times the sum of |log2(reproduced / published)| of the boundary, the
-amplitude at which HME1 and HME2 are equally good: published as 0.3 m at 4 s and 1 m at 6 s.
+The paper is Ren et al. (2019). The score is the sum of three parts. This sum was fixed before the
+recorded search for an interpretation. The first part is the mean of |log2(reproduced / published)|
+over the 64 numbers of tables 6-9 (Table 7's misprint is judged at 1.98e-3). The second part is
+`WINNER_PENALTY` for each of the four tables whose scheme of least position MSE (x + y) is not the
+published one. The third part concerns the boundary, the amplitude at which HME1 and HME2 are
+equally good: published as 0.3 m at 4 s and 1 m at 6 s. This part is `BOUNDARY_WEIGHT` times the sum
+of |log2(reproduced / published)| over both boundaries.
 """
 
 from __future__ import annotations
@@ -95,7 +96,7 @@ def at_amplitude(products: Array, amplitude: float) -> Array:
 
 
 def boundary(lower: Array, upper: Array) -> float:
-    """Compute the amplitude (m) below which one scheme has the smaller MSE, and another one above.
+    """Compute the amplitude (m) below which one scheme has the smaller MSE, and above it another.
 
     The MSE is that of position, x + y. Return NaN if there is no such amplitude: one scheme is
     better at every amplitude, or `upper` is better at small amplitudes.

@@ -45,13 +45,13 @@ def fidelity_table(
     Returns
     -------
     DataFrame
-        One row per item; columns as in `verdicts.summary.make_table`. The column `kind` is
-        "number" for the 64 numbers of tables 6-9; "statement" for F1 to F11, where `published` is
-        the threshold of the decision that settles the verdict and `agrees` is the verdict;
-        "boundary" for the HME1/HME2 boundary in m; "winner" for the position MSE of a table's
-        published winner divided by that of the best other scheme; "summary" for numbers on whole
-        tables. Except for statements, `agrees` is yes, no, undecided, missing, or empty where
-        nothing is published.
+        One row per item; columns as in `verdicts.summary.make_table`. The column `kind` says what
+        the item is. "number": one of the 64 numbers of tables 6-9. "statement": one of F1 to F11;
+        `published` is the threshold of the decision that settles the verdict, and `agrees` is the
+        verdict. "boundary": the amplitude (m) at which HME1 and HME2 are equally good. "winner":
+        the position MSE of a table's published winner divided by that of the best other scheme.
+        "summary": a number on a whole table. Except for statements, `agrees` is yes, no, undecided
+        or missing, or empty if nothing is published.
     """
     tables: Any = numbers.groupby("table")
     return summary.make_table(
@@ -71,8 +71,8 @@ def _boundary(evidence: HubEvidence, period: float) -> Item:
     """Make the row on the boundary between HME1 and HME2 at a natural period (s).
 
     The boundary is the amplitude at which both are equally good. If a boundary is published at this
-    period, it is compared with the run's. If the run then has no boundary, the verdict also rests
-    on the MSEs at the amplitudes below and above the published boundary.
+    period, the run's boundary is compared with it. If the run has no boundary at such a period, the
+    verdict also rests on the MSEs at the amplitudes below and above the published boundary.
     """
     boundary = evidence.boundaries.get(period)
     row = Item(f"boundary {period:g} s", "boundary", boundaries.PUBLISHED.get(period, NAN))
@@ -89,7 +89,7 @@ def _boundary(evidence: HubEvidence, period: float) -> Item:
 def _growth(evidence: HubEvidence) -> Item:
     """Make the row on the growth of the boundary between HME1 and HME2 with the natural period.
 
-    Its number is the boundary (an amplitude) at 8 s divided by the boundary at 4 s.
+    The row's number is the boundary (an amplitude) at 8 s divided by the boundary at 4 s.
     """
     why = "the paper's boundary grows with the period; agreement: above 1"
     row = Item("boundary 8 s / 4 s", "boundary")

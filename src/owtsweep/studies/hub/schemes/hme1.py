@@ -29,9 +29,9 @@ class DelayedChain:
 
     Register 1 delays the samples of the IMU. HME1 and HME2 differ only in the position that they
     give to the filter. As long as every position fix arrives at the step at which the fix is due,
-    covariances of estimates come from the precomputed chain `gains`. Once a fix is missing or
-    arrives at another step, `on_schedule` is False, and covariances are computed from the filter's
-    own past covariances.
+    the covariances of estimates are taken from `gains`. Once a fix is missing or arrives at another
+    step, `on_schedule` is False, and the covariances are computed from the filter's own past
+    covariances.
 
     Parameters
     ----------
@@ -81,7 +81,8 @@ class DelayedChain:
         delayed
             The IMU sample of N_d steps ago, as `push` returns it. N_d is the delay of the GNSS.
         fix
-            The position of N_d steps ago, in NED, in m, shape (2,); None if there is none.
+            The position of N_d steps ago, in NED, in m, shape (2,); None if no position is given to
+            the filter at this step.
 
         Returns
         -------

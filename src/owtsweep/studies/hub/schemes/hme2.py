@@ -71,7 +71,7 @@ class MovingHorizonEstimator:
         self.fixes.append(fix)
 
     def determined(self) -> bool:
-        """Return whether the window has enough position fixes to determine its states.
+        """Return whether the window has enough position fixes to determine the window's states.
 
         One fix is enough if the MHE has an arrival term (a prior of the window's oldest state);
         otherwise three fixes are enough. If this prior is a past state of the filter, it already

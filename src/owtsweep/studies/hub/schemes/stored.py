@@ -1,7 +1,8 @@
-"""Stand-ins for users' schemes when a stored run is read; they never run a scheme's code.
+"""Stand-ins for users' schemes, for reading a stored run without running the schemes' code.
 
-A run folder may be another person's. Reading the folder must not execute the code that it names.
-So nothing is imported for an entry `{_target_: package.Class}` of a stored configuration.
+A run folder may be another person's. Reading a run must not execute the code that the run's
+configuration names. So nothing is imported for an entry `{_target_: package.Class}` of a stored
+configuration.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from owtsweep.studies.hub.contract import Scheme
 class StoredScheme(dict[str, Any]):
     """The stand-in for a user's scheme in a stored run: it has a name, but cannot start.
 
-    The stand-in is a dict that equals the scheme's entry in the key `schemes`. So a configuration
-    with stand-ins is written with the same text.
+    The stand-in is a dict that equals the scheme's entry in the key `schemes`. So writing the
+    configuration gives the text of the stored config.yaml.
 
     Attributes
     ----------
