@@ -42,8 +42,8 @@ _NETWORK = ("distributed", "tornado")
 class Lost:
     """The stand-in for the result of a task that the cluster has lost.
 
-    `task` is the number of the task, and `reason` says in one line why it was lost. `final` is True
-    if the whole cluster is lost.
+    `task` is the number of the task, and `reason` says in one line why the task was lost. `final`
+    is True if the whole cluster is lost.
     """
 
     task: int
@@ -56,7 +56,7 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
     """Yield a connection to the dask cluster at `address`, after checking the cluster's workers.
 
     `metadata` holds the versions that each worker must have, as `versions.all_versions` returns
-    them. `address` is that of the scheduler, e.g. tcp://host:8786.
+    them. `address` is the address of the cluster's scheduler, e.g. tcp://host:8786.
 
     Raises
     ------

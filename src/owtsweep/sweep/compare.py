@@ -124,8 +124,8 @@ def _open(
     Raises
     ------
     InputError
-        If a path holds no run, a run is named twice, or a run that was named itself cannot be
-        opened.
+        If a path holds no run, a run is named twice, or a run that `paths` names directly (not
+        through a multirun) cannot be opened.
     """
     runs: list[Run] = []
     preferred: list[str] = []

@@ -1,4 +1,4 @@
-"""Runs tasks through joblib and stores their results."""
+"""Runs the tasks of a sweep through joblib and stores the results of the tasks."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ BACKENDS = ("threading", "loky", "dask")
 
 @dataclass(frozen=True)
 class Executor:
-    """The executor, which runs the tasks of a sweep through joblib and stores their shards.
+    """The executor, which runs the tasks of a sweep through joblib and stores the results.
 
     Attributes
     ----------
@@ -212,7 +212,7 @@ class Executor:
         result.returned.clear()
 
     def _count_stored(self, number: int, blocks: Plan, reason: str) -> TaskResult:
-        """Make the result of task number `number`, whose worker did not report any.
+        """Make the result of task number `number`, whose worker has given no answer.
 
         `blocks` maps keys to the task's blocks. Blocks that are stored count as computed; all other
         blocks count as failed for `reason`.

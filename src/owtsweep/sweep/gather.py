@@ -34,8 +34,9 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
     Returns
     -------
     DataFrame
-        All rows. Text columns are categorical, with sorted categories; `as_text` makes them plain
-        text. If a table lacks a column, the rows of that table have missing values in the column.
+        All rows. Text columns are categorical, with sorted categories; `as_text` turns categorical
+        columns into plain text. If a table lacks a column, the rows of that table have missing
+        values in the column.
 
     Raises
     ------

@@ -97,12 +97,12 @@ def finish_manifest(
     manifest
         The manifest that `start_manifest` made.
     state
-        "done" if no case failed, "incomplete" if some failed, "interrupted" after Ctrl-C, or
+        "done" if no case failed, "incomplete" if a case failed, "interrupted" after Ctrl-C, or
         "error" after another exception.
     seconds
         Wall time of the sweep, s.
     cases
-        Number of cases by `computed`, `reused` and `failed`.
+        "computed", "reused" and "failed" -> number of cases.
     blocks
         Label of a block (unit of work) -> computing time of the block, s.
     """
@@ -174,11 +174,12 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
 
 def git_state(package: Path) -> dict[str, str | bool] | None:
-    """Return the git commit from which the package runs, and whether its sources differ from that.
+    """Return the git commit of the package's sources, and whether the sources have been changed.
 
-    `package` is the folder of the package; in a checkout it is `src/<package>` below the
-    repository's root. Return None if the package is not in such a checkout, or git fails. So a
-    repository that only contains an environment with the installed package does not count.
+    The result is {"commit": hash, "dirty": whether files in src or conf differ from the commit}.
+    `package` is the folder of the package. The result is None if git fails, or if this folder is
+    not `src/<package>` below the root of a git repository. So a repository that only contains an
+    environment with the installed package does not count.
     """
     root = _git(package, "rev-parse", "--show-toplevel")
     if not root or Path(root.strip()).resolve() / "src" / package.name != package:

@@ -27,7 +27,7 @@ class Setback:
 
 
 def require_rows(study: Study, config: Any, rows: pd.DataFrame) -> None:
-    """Check the rows of a block (unit of work) before storing: can tables be made of them?
+    """Check, before the rows of a block (unit of work) are stored, that tables can use the rows.
 
     The needed columns are those of `schema.needed_columns`.
 

@@ -56,8 +56,8 @@ class Outcome:
     results
         The rows and tables of the run; None if no case has succeeded or no tables could be made.
     unable
-        Cases without a number because their scheme cannot compute them. They are among the cases of
-        `computed` and `reused`.
+        Cases that have no number because the scheme cannot compute them. These cases are counted in
+        `computed` or `reused` too.
     """
 
     run: Run
@@ -161,7 +161,7 @@ def _require_same_run(run: Run) -> None:
 
 @dataclass
 class _Sweep:
-    """A sweep that is under way, with the numbers of cases that it has counted so far."""
+    """A sweep that is under way, and its counts of cases up to now."""
 
     run: Run
     plan: Plan
@@ -275,7 +275,8 @@ class _Sweep:
         """Make and write the tables of all stored cases; return the rows and the tables.
 
         Return None, and write no table, if no case has succeeded or the study cannot make the
-        tables. If the tables cannot be written, this counts as a failure, and they are returned.
+        tables. If the tables cannot be written, a failure is listed, and rows and tables are
+        returned.
         """
         run = self.run
         rows, _ = run.stored()

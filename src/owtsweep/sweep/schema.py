@@ -38,7 +38,7 @@ Needed = Mapping[str, type | None]
 
 
 class WrongRows(Exception):
-    """The error for rows of which no table can be made; the message says why."""
+    """The error for rows of which no table can be made; the message says what is wrong."""
 
 
 def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
@@ -102,6 +102,8 @@ def check_columns(schema: Any, needed: Needed) -> None:
 
 def check_table(table: Any, needed: Needed) -> None:
     """Check the values of a `pyarrow.Table` whose columns `check_columns` has checked.
+
+    `needed` is what `needed_columns` returns.
 
     Raises
     ------

@@ -33,7 +33,10 @@ _MOST_VALUES = 20
 
 
 class DamagedShard(Exception):
-    """The error for bytes that are damaged or belong to another block; the message says why."""
+    """The error for a file of rows that is damaged or belongs to another block (unit of work).
+
+    The message says what is wrong with the file.
+    """
 
 
 def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:

@@ -69,7 +69,7 @@ def _read_source(code: ModuleType | type) -> str:
 
 
 def _hash_imports(module: ModuleType) -> dict[str, str]:
-    """Return name -> hash of each user's module that `module` imports, directly or indirectly."""
+    """Return name -> hash of each module of the user that `module` imports, also indirectly."""
     hashes: dict[str, str] = {}
     waiting = [(module.__name__, _file_of(module.__name__))]
     package = module.__name__.partition(".")[0]

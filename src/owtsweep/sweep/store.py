@@ -1,8 +1,8 @@
 """The store of a run: a folder of immutable files, the shards, each named by a block's key.
 
 A shard holds the rows of one block (unit of work). The store needs no lock and no index. A shard is
-whole or absent. The shard's name determines its rows. So two processes that write shards of the
-same name write equal rows.
+whole or absent. The shard's name determines the rows in the shard. So two processes that write
+shards of the same name write equal rows.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Store:
 
     @property
     def cases(self) -> Path:
-        """The folder that holds the shards."""
+        """The folder of the shards (files of rows); it may not exist yet."""
         return self.folder / "cases"
 
     def path(self, key: str) -> Path:
@@ -127,7 +127,7 @@ class Store:
         return self._verified(key, read_statuses)
 
     def clear(self) -> None:
-        """Delete all shards, including damaged ones."""
+        """Delete all shards (files of rows), including damaged files that were renamed."""
         # Delete by name, not the whole folder: other files in the folder are kept.
         for path in self.cases.glob("*part-*.parquet*"):
             path.unlink(missing_ok=True)
@@ -154,7 +154,7 @@ class Store:
         """Return whether the columns of a shard hold the same kinds of values as in earlier shards.
 
         If not, log a warning. `table` holds the rows of the shard of the block `key`. `kinds` maps
-        column names to the kinds in earlier shards, e.g. "text"; new columns are added to it.
+        column names to the kinds in earlier shards, e.g. "text". New columns are added to `kinds`.
         """
         try:
             for name, kind in kinds_of(table.schema).items():

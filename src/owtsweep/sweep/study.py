@@ -63,7 +63,7 @@ class Block:
 
 
 def add_versions(base: int, *rooms: ModuleType) -> int:
-    """Return a study's `numerics_version`: `base` plus the `NUMERICS_VERSION` of each module.
+    """Return a study's `numerics_version`: `base` plus the `NUMERICS_VERSION` of all `rooms`.
 
     `rooms` are the modules (packages of owtsweep) that the study uses. The sum rises as soon as
     `base` or one of these numbers rises. Neither `base` nor any of these numbers may ever be
@@ -87,7 +87,7 @@ class Engine(Protocol):
     def run(self, config: Any, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group; yield each block with its rows as soon as the block is done.
 
-        Blocks (units of work) with the same `Block.group` are a group; they share expensive inputs.
+        A group is all blocks (units of work) with the same `Block.group`, which share inputs.
         Rows have at least the columns `status` (`owtsweep.results.status`) and `reason`. The reason
         is "" in a row with the status "ok".
         """
@@ -206,7 +206,10 @@ class Judged(Protocol):
 
 @runtime_checkable
 class Spectral(Protocol):
-    """The interface of a study that can compute error spectra of its schemes without a record."""
+    """The interface of a study that can compute error spectra of its estimation schemes.
+
+    An error spectrum is the error due to motion at each frequency. It needs no simulated record.
+    """
 
     def write_spectrum(
         self, config: Any, folder: Path, *, metadata: Mapping[str, str]
