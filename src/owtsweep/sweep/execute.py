@@ -174,7 +174,7 @@ class Executor:
                 results.close()
 
     def _make_parallel(self, tasks: int) -> Any:
-        """Return a `joblib.Parallel` that suits the backend, for `tasks` tasks."""
+        """Return a `joblib.Parallel` for the backend; `tasks` is the number of tasks to run."""
         from joblib import Parallel
 
         options: dict[str, Any]

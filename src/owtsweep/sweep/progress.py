@@ -67,7 +67,10 @@ class LineProgress(Progress):
             self._done += cases
 
     def fail(self, label: str, reason: str, cases: int) -> None:
-        """Count a number of failed cases; nothing is printed before the next line."""
+        """Count a number of failed cases, which the next printed line shows.
+
+        `label` and `reason` are not used.
+        """
         with self._lock:
             self._failed += cases
 

@@ -275,8 +275,8 @@ class _Sweep:
         """Make and write the tables of all stored cases; return the rows and the tables.
 
         Return None, and write no table, if no case has succeeded or the study cannot make the
-        tables. If the tables cannot be written, a failure is listed, and rows and tables are
-        returned.
+        tables. If the tables cannot be written, a failure is added to `self.failed`, and rows and
+        tables are returned.
         """
         run = self.run
         rows, _ = run.stored()

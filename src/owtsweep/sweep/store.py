@@ -111,8 +111,9 @@ class Store:
     def status(self, key: str) -> Status:
         """Return whether the block with the key `key` is "missing", "done" or "failed".
 
-        A stored block is "failed" if at least one of its cases failed; otherwise it is "done". A
-        case that its scheme cannot compute does not count as failed, so it is not computed again.
+        A block is "missing" if it has no shard that can be used. A stored block is "failed" if at
+        least one of its cases failed; otherwise it is "done". A case that its scheme cannot compute
+        does not count as failed, so it is not computed again.
         """
         statuses = self.statuses(key)
         if statuses is None:

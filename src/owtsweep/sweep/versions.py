@@ -20,7 +20,7 @@ KINDS = ("schema_version", "numerics_version")
 
 
 def shard_metadata(study: Study) -> dict[str, str | int]:
-    """Return a study's name, `schema_version` and `numerics_version`, each under its own name."""
+    """Return a study's name and versions, under study, schema_version and numerics_version."""
     return {
         "study": study.name,
         "schema_version": study.schema_version,
@@ -29,7 +29,10 @@ def shard_metadata(study: Study) -> dict[str, str | int]:
 
 
 def all_versions(study: Study) -> dict[str, str]:
-    """Return the name and both versions of a study, and owtsweep's version: name -> text."""
+    """Return a study's name and versions, and the version of owtsweep, all as text.
+
+    The keys are study, schema_version, numerics_version and owtsweep_version.
+    """
     from owtsweep import __version__
 
     entries = {**shard_metadata(study), "owtsweep_version": __version__}

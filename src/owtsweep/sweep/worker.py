@@ -200,9 +200,9 @@ class _Task:
             self._fail(key, "RuntimeError: the study gave no rows for it")
 
     def _skip_stored(self) -> None:
-        """Count blocks as reused, and do not run them, if another sweep has stored them meanwhile.
+        """Skip the blocks that another sweep has stored meanwhile; their cases count as reused.
 
-        This is possible only if the worker sees the run folder.
+        No block is skipped if the worker does not see the run folder.
         """
         for key, block in list(self.left.items()):
             if self.shares and self.work.store.status(key) == "done":

@@ -124,9 +124,10 @@ class HubStudy:
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:
-    """Return the measures by whose MSE best_scheme.csv ranks the schemes, each once.
+    """Return the measures by whose MSE best_scheme.csv ranks the schemes.
 
-    They are "position", "velocity" and the configured `measures.criterion`.
+    These measures are "position", "velocity" and the configured `measures.criterion`. A measure is
+    listed only once.
     """
     return tuple(dict.fromkeys(("position", "velocity", config.measures.criterion)))
 

@@ -182,7 +182,7 @@ class ChainRun:
         self.done = 0
 
     def advance(self, span: Span) -> None:
-        """Run the scheme on the next span of the records, and add to the sums.
+        """Run the scheme on the next span of the records; add the errors' products to `self.sums`.
 
         Kernels process whole chunks of `self.chunk` steps. Steps at the end of the span that fill
         no chunk wait for the next span, unless the record ends with this span.

@@ -79,7 +79,7 @@ def _boundary(evidence: HubEvidence, period: float) -> Item:
     if period not in boundaries.PUBLISHED:
         return _boundary_row(row, boundary, "", "not published")
     claims = boundaries.boundary_claims(evidence, period)
-    # where there is no boundary, the cells on either side decide
+    # if there is no boundary, the cells below and above the published boundary decide
     verdict = all_of(claims if boundary and boundary.wins else claims[:1])
     low, high = boundaries.tolerated(period)
     why = f"agreement: within a factor of 2, {low:g} to {high:g} m"
