@@ -147,7 +147,7 @@ def _check_workers(client: Client, address: str, study: Study, metadata: Mapping
     for worker, answer in sorted(answers.items()):
         if isinstance(answer, BaseException):
             answer = (
-                f"the worker cannot load the study ({one_line(answer)}); install owtsweep there"
+                f"the worker cannot load the study ({one_line(answer)}); install owtsweep on it"
             )
         if answer:
             raise InputError(f"compute.scheduler: {worker}: {answer}")

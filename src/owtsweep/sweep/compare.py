@@ -92,7 +92,7 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     if len(loaded) < 2:
         number = "no run" if not loaded else "only one run"
         why = f" ({notes[0]})" if notes else ""
-        raise InputError(f"{paths[0]}: {number} with a succeeded case here{why}; compare needs two")
+        raise InputError(f"{paths[0]}: {number} has a succeeded case{why}; compare needs two runs")
     study = loaded[0][0].study
     if not isinstance(study, Comparable):
         raise InputError(f"compare: the study {study.name!r} has no comparison of its runs")
@@ -139,7 +139,7 @@ def _open(
         preferred += swept
         for folder in folders:
             if folder.resolve() in seen:
-                raise InputError(f"{folder}: this run is named twice; name each once")
+                raise InputError(f"{folder}: this run is named twice; name each run once")
             seen.add(folder.resolve())
             try:
                 runs.append(load(folder))

@@ -87,7 +87,7 @@ def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
     with _listening(handler):
         yield entries
     if handler.dropped:
-        text = f"{handler.dropped} more records of this task were left out"
+        text = f"{handler.dropped} more messages of this task were left out"
         entries.append(LogEntry("owtsweep", logging.WARNING, time.time(), text))
 
 

@@ -25,7 +25,7 @@ def make_plan(study: Study, config: Config) -> Plan:
     plan: Plan = {}
     for block in study.engine(config).plan(config):
         plan.setdefault(block_key(study, block), block)
-    require(len(plan) > 0, "grid: it holds no case; give every list a value")
+    require(len(plan) > 0, "grid: it holds no case; give every list of the grid a value")
     return plan
 
 

@@ -167,7 +167,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
         If there is no manifest, or the file cannot be read or holds no mapping.
     """
     path = folder / MANIFEST
-    require(os.path.lexists(path), f"{folder}: there is no {MANIFEST} in it; run its sweep")
+    require(os.path.lexists(path), f"{folder}: the folder has no {MANIFEST}; run its sweep")
     manifest = read_json(path, MOST_BYTES)
     require(isinstance(manifest, dict), f"{path}: this is no manifest; run its sweep again")
     return dict(manifest)

@@ -106,8 +106,8 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
     """
     require(
         not isinstance(scheme, StoredScheme),
-        f"schemes: {scheme.name} is a scheme of the run's author, and the run holds no plan.json "
-        "(it is older, or config.yaml was changed); only its tables can be read",
+        f"schemes: {scheme.name} is a scheme of the run's author, whose code is not loaded, and "
+        "the run has no plan.json that fits its config.yaml; only its tables can be read",
     )
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
     tuning = {section: _plain(attrgetter(section)(config)) for section in sections}

@@ -90,7 +90,7 @@ def error_spectrum(
         bad = frequency[np.argmin(np.abs(cycles - np.round(cycles)))]
         raise InputError(
             f"frequencies: {bad:g} Hz is a multiple of the rate at which the scheme repeats, so "
-            "that its fixes look constant; leave it out"
+            "that the position fixes would look constant; leave this frequency out"
         )
     parts = [
         _batch(steady, sensors, frequency[first : first + BATCH], settle)

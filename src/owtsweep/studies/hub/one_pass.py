@@ -36,7 +36,9 @@ class OnePassSeries:
     def __getitem__(self, part: slice) -> Array:
         begin, stop, _ = part.indices(self.shape[0])
         if begin < self._first:
-            raise IndexError(f"row {begin} has been forgotten; the first one kept is {self._first}")
+            raise IndexError(
+                f"row {begin} has been forgotten; the first row in memory is {self._first}"
+            )
         while self._first + len(self._rows) < stop:
             kept = self._rows[begin - self._first :]
             self._first += len(self._rows) - len(kept)

@@ -37,8 +37,8 @@ def check_grid(config: HubConfig) -> None:
     blocks = schemes * periods * each * -(-records // REPLICATES_PER_BLOCK)
     require(
         config.engine == "expected" or blocks <= MOST_BLOCKS,
-        f"grid: it makes {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give fewer "
-        "natural periods, amplitudes or replicates",
+        f"grid: a sweep would have {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give "
+        "fewer natural periods, amplitudes or replicates",
     )
     # bytes: the values of one scheme at one period, the rows of all records, the tables' lines
     values = NUMBER * VALUES * amplitudes * records
@@ -60,8 +60,8 @@ def check_fix_interval(steps: int) -> None:
     """
     require(
         steps <= MOST_STEPS_BETWEEN_FIXES,
-        f"sensors.gnss.rate: it leaves {steps:.3g} IMU steps between fixes, more than "
-        f"{MOST_STEPS_BETWEEN_FIXES}; raise it, or lower sensors.imu.rate",
+        f"sensors.gnss.rate: this rate leaves {steps:.3g} IMU steps between fixes, more than "
+        f"{MOST_STEPS_BETWEEN_FIXES}; raise this rate, or lower sensors.imu.rate",
     )
 
 
@@ -84,7 +84,7 @@ def check_buffers(key: str, window: int, delay: int) -> None:
     require(
         needed <= MOST_BYTES,
         f"{key}: {window} steps, and {delay} steps of sensors.gnss.delay, need some "
-        f"{needed / 1e9:.3g} GB, more than {MOST_BYTES / 1e9:g} GB; shorten one of them",
+        f"{needed / 1e9:.3g} GB, more than {MOST_BYTES / 1e9:g} GB; shorten the window or delay",
     )
 
 
@@ -97,5 +97,5 @@ def check_horizon(intervals: int) -> None:
     require(
         needed <= MOST_BYTES,
         f"hme.mhe.horizon: {intervals} GNSS intervals need some {needed / 1e9:.3g} GB, more than "
-        f"{MOST_BYTES / 1e9:g} GB; shorten it",
+        f"{MOST_BYTES / 1e9:g} GB; shorten the horizon",
     )

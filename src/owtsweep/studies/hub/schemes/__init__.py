@@ -76,7 +76,7 @@ def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
     names = [scheme.name for scheme in schemes]
     for name in names:
         if names.count(name) > 1:
-            raise InputError(f"schemes: {name!r} stands there twice; names must differ")
+            raise InputError(f"schemes: {name!r} stands there twice; use each name once")
     return schemes
 
 
@@ -134,7 +134,7 @@ def _instantiate(entry: Mapping[str, Any]) -> Scheme:
         f"schemes: _target_: {target!r} names no class; use {{_target_: package.Class}}",
     )
     arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
-    advice = "it must be importable from here (PYTHONPATH) and take the given arguments"
+    advice = "the class must be importable (see PYTHONPATH) and take the given arguments"
     with _blame(target, advice):
         made = getattr(import_module(module_name), class_name)
         require(

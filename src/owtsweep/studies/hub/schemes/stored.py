@@ -120,7 +120,7 @@ def stand_in(entries: Any, described: Any) -> Any:
         isinstance(described, list)
         and len(described) == len(entries)
         and all(isinstance(facts, Mapping) for facts in described),
-        "schemes: plan.json describes other schemes than config.yaml names",
+        "schemes: plan.json describes other schemes than config.yaml names; run the sweep again",
     )
     return [
         _stand_in(entry, facts) if isinstance(entry, Mapping) else entry
@@ -132,7 +132,8 @@ def _stand_in(entry: Mapping[str, Any], facts: Mapping[str, Any]) -> StoredSchem
     name, linear = facts.get("name"), facts.get("linear")
     require(
         isinstance(name, str) and name != "" and isinstance(linear, bool),
-        "schemes: plan.json gives a scheme without a name, or does not say whether it is linear",
+        "schemes: plan.json lacks the name of a scheme, or whether the scheme is linear; run the "
+        "sweep again",
     )
     check_name(name)
     kind = StoredKernelScheme if facts.get("kernel") is True else StoredScheme
