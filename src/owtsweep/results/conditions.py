@@ -85,8 +85,9 @@ def require_usable(conditions: Sequence[Condition]) -> None:
     Raises
     ------
     InputError
-        If there is no condition, if two conditions have the same name, or if a condition other than
-        the last expands (one computed result serves all its values).
+        If there is no condition, or if two conditions have the same name. Also if a condition other
+        than the last has `expands` set. (Only the last may have one computed result that serves all
+        its values.)
     """
     names = [condition.name for condition in conditions]
     if not names or len(set(names)) < len(names):

@@ -31,7 +31,7 @@ class Located(NamedTuple):
 
 
 def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
-    """Find the study that the overrides name, its YAML files, and the overrides for Hydra.
+    """Find the study and its YAML files; separate `study=NAME` from the overrides for Hydra.
 
     If no override is `study=NAME`, the result names no study. It then has the YAML files of the
     first built-in study whose main file is `primary`.

@@ -153,9 +153,10 @@ def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
 
 
 def _factors(builder: Any, kind: Any, value: Any) -> list[tuple[Any, Any]]:
-    """Return a product's factors: a pair (left, right) of registers for each group of eight lanes.
+    """Return the factors of a product that has not been multiplied out yet.
 
-    `kind` is the numba type of the product, `value` its LLVM value.
+    There is a pair of registers (left factor, right factor) for each group of eight lanes. `kind`
+    is the product's numba type, and `value` is the product's LLVM value.
     """
     factors = [builder.extract_value(value, i) for i in range(2 * kind.parts)]
     return list(zip(factors[: kind.parts], factors[kind.parts :], strict=True))

@@ -1,4 +1,4 @@
-"""The contents of a file in SI units, at the file's times, by role (e.g. "position_x")."""
+"""The series read from a file: converted to SI units, not resampled, by role ("position_x")."""
 
 from __future__ import annotations
 

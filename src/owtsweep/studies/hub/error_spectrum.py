@@ -199,7 +199,7 @@ def expected_mse(
     nodes = errors.frequency
     if low < nodes[0] * (1.0 - 1e-9) or high > nodes[-1] * (1.0 + 1e-9):
         raise InputError(
-            f"band: [{low:g}, {high:g}] Hz is wider than the error spectrum, which reaches from "
+            f"band: [{low:g}, {high:g}] Hz reaches beyond the error spectrum, which is known from "
             f"{nodes[0]:g} to {nodes[-1]:g} Hz"
         )
     f = np.linspace(low, high, QUADRATURE)

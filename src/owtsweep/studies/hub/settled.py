@@ -44,7 +44,7 @@ def settled(chain: Chain) -> Chain:
 
 
 def cycle_of(chain: Chain) -> int:
-    """Return the number of steps after which gains, position fixes and MHE of a chain repeat.
+    """Return the period, in steps, of all that repeats in a chain: gains, position fixes, MHE.
 
     A chain is a scheme's form for the batch engine.
     """
@@ -52,7 +52,7 @@ def cycle_of(chain: Chain) -> int:
 
 
 def filling(chain: Chain) -> int:
-    """Return the number of steps until all of a scheme's memories (windows, delays) hold data.
+    """Return the number of steps after which all windows and delays of a scheme are full.
 
     `chain` is the scheme in its form for the batch engine.
     """

@@ -63,7 +63,7 @@ class FilterState:
 class FilterStates:
     """All filters' estimates of acceleration and accelerometer bias on a record.
 
-    An envelope is a series reduced to few points, for a plot.
+    They are kept as envelopes: series reduced to few points, for a plot.
 
     Attributes
     ----------
@@ -166,7 +166,7 @@ def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[A
 def _add_piece(
     state: FilterState, piece: Array, truth: Array | None, begin: int, session: Session
 ) -> None:
-    """Add a piece of a filter's states to the values that figures show.
+    """Append a piece of a filter's states to the values that figures show.
 
     Parameters
     ----------

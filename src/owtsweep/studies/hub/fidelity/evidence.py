@@ -94,11 +94,11 @@ class HubEvidence(Evidence):
 
     @cached_property
     def growth(self) -> Estimate | None:
-        """The ratio of the boundary at 8 s to the boundary at 4 s (natural periods).
+        """The boundary at a natural period of 8 s, divided by the boundary at 4 s.
 
-        The boundary is the amplitude at which HME1 and HME2 have equal position MSE. The value is
-        NaN if one of the two boundaries does not exist. None stands for a run that lacks one of the
-        periods or schemes, or was not run with evaluation=superposed.
+        The boundary is the amplitude at which HME1 and HME2 have equal position MSE. The ratio is
+        NaN if one of the two boundaries does not exist. The ratio is None if the run lacks one of
+        these periods or schemes, or was not run with evaluation=superposed.
         """
         periods = (8.0,), (4.0,)
         try:

@@ -87,10 +87,11 @@ def make_lanes(
 
 
 def at_amplitude(products: Array, amplitude: float) -> Array:
-    """Compute the MSE at an amplitude (m) from the products of the errors from motion and noise.
+    """Compute the MSE at an amplitude (m) by superposition.
 
-    The last axis of `products` is motion, cross, noise, as `scheme_products` returns them. The
-    result has the shape of `products` without the last axis.
+    `products` is the result of `scheme_products`. Its last axis holds the mean square of the error
+    due to motion of 1 m, the mean product of this error and the error due to noise, and the mean
+    square of the error due to noise. The result has the shape of `products` without the last axis.
     """
     return np.asarray(superpose(products[..., 0], products[..., 1], products[..., 2], amplitude))
 

@@ -69,7 +69,7 @@ def check_name(name: Any) -> None:
     Raises
     ------
     InputError
-        If the name is no text, is empty, has more than `LONGEST_NAME` characters, or contains a
+        If the name is not a text, is empty, has more than `LONGEST_NAME` characters, or contains a
         character that cannot be printed.
     """
     require(
