@@ -299,7 +299,7 @@ def test_missing_extra_is_told_before_anything_is_written(study, config, tmp_pat
 @pytest.mark.parametrize(
     ("backend", "scheduler", "says"),
     [
-        ("dask", None, "compute.scheduler: compute.backend=dask needs one; give tcp://host:port"),
+        ("dask", None, "compute.scheduler: compute.backend=dask needs an address; give tcp://"),
         ("loky", "tcp://a:1", "compute.scheduler: 'tcp://a:1' needs compute.backend=dask"),
         ("dask", "a:1", "compute.scheduler: 'a:1' is no address"),
         ("dask", "tcp://a", "compute.scheduler: 'tcp://a' is no address"),

@@ -1,4 +1,4 @@
-"""`replay`: run all schemes on recorded motion or recorded sensors."""
+"""The command `replay`: run all schemes on recorded motion or on recorded sensor signals."""
 
 from __future__ import annotations
 
@@ -12,9 +12,23 @@ from owtsweep.config import dump, require
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Describe or replay record files, and return the exit code.
+    """Replay record files, or only describe their channels, and return the exit code.
 
-    A replay writes tables, estimates, figures and a report.
+    A replay runs all schemes on the records, and writes tables, estimates, figures and a report.
+
+    Parameters
+    ----------
+    options
+        The parsed arguments of the command. `options.words` are the files and the overrides. With
+        `options.describe` the files are described; with `options.cfg` the configuration is
+        printed. In both cases nothing is run.
+    argv
+        The words of the command line.
+
+    Raises
+    ------
+    InputError
+        If a file or an override is refused.
     """
     files = [word for word in options.words if "=" not in word]
     overrides = [word for word in options.words if "=" in word]

@@ -1,4 +1,4 @@
-"""Compose overrides and a tree of YAML files to plain data, with Hydra."""
+"""Compose a configuration from a folder of YAML files and overrides, with Hydra."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ class Tree:
     Attributes
     ----------
     folder
-        The folder.
+        The path of the folder.
     primary
-        The name of its primary file, without .yaml.
+        The name, without .yaml, of the file in `folder` with which Hydra begins.
     model
-        The model of the configuration; error messages take the names of keys from it.
+        The pydantic model of the configuration, from which error messages take the names of keys.
     """
 
     folder: Path
@@ -41,19 +41,19 @@ class Tree:
     model: type[Config]
 
     def groups(self) -> list[str]:
-        """Return the sorted names of the tree's config groups, i.e. of its subfolders."""
+        """Return the sorted names of the config groups, i.e. of the subfolders of `folder`."""
         folders = (path.name for path in self.folder.iterdir() if path.is_dir())
         return sorted(name for name in folders if name != TREES)
 
     def options(self, group: str) -> list[str]:
-        """Return the sorted names of a config group's files, without .yaml."""
+        """Return the options of a config group: the sorted names of its files, without .yaml."""
         return sorted(path.stem for path in (self.folder / group).glob("*.yaml"))
 
     def admit(self, overrides: Sequence[str]) -> list[str]:
-        """Return the overrides, with `++` before each key whose default is only in the model.
+        """Return the overrides, with `++` before each one whose key is not in the primary file.
 
-        Hydra refuses to set a key that the YAML files do not list, unless the override begins with
-        `++`.
+        Without `++`, Hydra refuses to set a key that is not in the YAML files. Overrides of config
+        groups, and of keys without a default in the model, are returned unchanged.
         """
         listed = _listed_keys(self)
         groups = self.groups()
@@ -68,20 +68,23 @@ class Tree:
 
 
 def quote_home(override: str) -> str:
-    """Return `results=~/x` as `results='~/x'`, and any other override unchanged.
+    """Put quotes around a results folder that begins with `~`: `results=~/x` to `results='~/x'`.
 
-    Hydra reads `~` only in quotes. Most shells do not expand `~` behind the equals sign.
+    Return any other override unchanged. Hydra accepts `~` in a value only if the value is quoted,
+    and most shells do not replace `~` after an equals sign.
     """
     return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
 
 
 def conf_directory() -> Path:
-    """Return the folder `conf`: inside the installed package, or beside src in a checkout.
+    """Return the folder `conf` of owtsweep's own YAML files.
+
+    The folder is inside the installed package, or beside the folder src in a checkout.
 
     Raises
     ------
     InputError
-        If neither folder holds a sweep.yaml.
+        If neither place has a folder `conf` with the file sweep.yaml.
     """
     package = Path(__file__).resolve().parents[1]
     for candidate in (package / "conf", package.parents[1] / "conf"):
@@ -91,14 +94,14 @@ def conf_directory() -> Path:
 
 
 def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> Any:
-    """Return the OmegaConf object that Hydra composes from a tree and overrides.
+    """Return the OmegaConf object that Hydra composes from YAML files and overrides.
 
-    With `settings`, the object also holds Hydra's own settings.
+    `tree` is the folder of YAML files. With `settings`, the object also holds Hydra's own settings.
 
     Raises
     ------
     InputError
-        For errors of Hydra and OmegaConf; the message is one line.
+        If Hydra or OmegaConf refuses a file or an override; the message is one line.
     """
     from hydra import compose, initialize_config_dir
 
@@ -217,7 +220,16 @@ def _find_folder(config_dir: str) -> Path:
 
 
 def _require_storable(key: str, value: Any, depth: int = 2) -> None:
-    """Raise `InputError` for a value that `config.stored` could not read from a run's folder."""
+    """Check that a value, once stored in a run's config.yaml, could be read again.
+
+    `key` is the key of the value, for the error message. `depth` is the number of lists and
+    mappings in which the value lies, including the value itself.
+
+    Raises
+    ------
+    InputError
+        If a text in the value contains "${", or lists and mappings lie more than `DEEPEST` deep.
+    """
     if isinstance(value, str):
         require("${" not in value, f"{key}: {value!r} holds ${{, which cannot be stored")
     if isinstance(value, dict | list):

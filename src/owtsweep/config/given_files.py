@@ -1,7 +1,8 @@
-"""Check the user's own YAML files (`--config-dir`) before Hydra reads them.
+"""Check the user's own YAML files (option `--config-dir`) before Hydra reads them.
 
-The user trusts these files, so they may hold interpolations and aliases. But a typing error must
-not end in a traceback, and aliases of aliases must not stand for more data than fit into memory.
+The user trusts these files, so interpolations (`${...}`) and aliases (`*name`) are allowed. But a
+typing error in a file must not end in a traceback, and aliases of aliases must not stand for more
+data than fit into memory.
 """
 
 from __future__ import annotations
@@ -18,15 +19,16 @@ MOST_VALUES = 1_000_000
 
 
 def check_chosen_files(directory: Path, overrides: Sequence[str]) -> None:
-    """Check the files that overrides choose from a folder of config groups.
+    """Check the YAML files that overrides choose from the user's folder of config groups.
 
-    `tuning=mine` chooses the file tuning/mine.yaml in `directory`. A file that is not in
-    `directory` is not checked.
+    For example, the override `tuning=mine` chooses the file tuning/mine.yaml in `directory`. If
+    `directory` does not hold the chosen file, nothing is checked.
 
     Raises
     ------
     InputError
-        If a file cannot be read, is no YAML, nests too deeply, or holds too many values.
+        If a file cannot be read or is no YAML, its lists and mappings lie too deep in each other,
+        or its aliases stand for too many values.
     """
     for override in overrides:
         group, _, options = override.lstrip("+").partition("=")
@@ -52,9 +54,11 @@ def _check_file(path: Path) -> None:
 
 
 def _measure(text: str) -> tuple[int, int]:
-    """Return how deep a YAML text nests, and how many values it holds with aliases replaced.
+    """Return the depth of a YAML text, and the number of its values.
 
-    Counting stops as soon as the depth exceeds `DEEPEST` or the number exceeds `MOST_VALUES`.
+    The depth is the largest number of nested lists and mappings, e.g. 3 for `a: {b: [1]}`. In the
+    number of values, an alias (`*name`) counts as the values for which the alias stands. Counting
+    stops as soon as the depth exceeds `DEEPEST` or the number exceeds `MOST_VALUES`.
     """
     import yaml
 

@@ -1,4 +1,4 @@
-"""Show the best-scheme map in the terminal, at the end of the command `sweep`."""
+"""Make the map of best schemes that the command `sweep` prints in the terminal at its end."""
 
 from __future__ import annotations
 
@@ -30,20 +30,25 @@ def grid(
     criterion: str,
     window: str,
 ) -> RenderableType:
-    """Make the map as a coloured grid: first condition horizontal, second vertical.
+    """Make a map of the best schemes for the terminal, as coloured tables with a legend.
+
+    A cell of the map is one value of each condition. The first condition runs from left to right,
+    the second from bottom to top. There is one map for each combination of values of the third and
+    further conditions. If no row of `best` has the criterion and the window, return a sentence that
+    says so.
 
     Parameters
     ----------
     best
-        The table best_scheme.csv of a run.
+        A run's table best_scheme.csv, one row per cell, criterion and window.
     schemes
-        All schemes compared.
+        Names of all compared schemes, which determine the colours.
     conditions
-        The study's conditions. There is one grid for each combination of values of the third and
-        any further condition.
-    criterion, window
-        Measure and window of the rows to show. If there are no such rows, a sentence that says so
-        is returned.
+        The study's conditions.
+    criterion
+        The measure by which schemes are judged, e.g. "position".
+    window
+        The part of the records over which the criterion is averaged: "full" or "settled".
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -74,14 +79,16 @@ def _make_tables(best: pd.DataFrame, schemes: Sequence[str], plane: Plane) -> li
 def _make_table(
     cells: Mapping[tuple[int, int], Text], plane: Plane, columns: Sequence[int]
 ) -> Table:
-    """Make the table of some columns of the map.
+    """Make a table for the terminal with some columns of a map.
 
     Parameters
     ----------
     cells
-        (column, line) of a cell -> its text.
+        Column and line of a cell, from 0 -> text of the cell.
+    plane
+        The conditions and values on the axes of the map.
     columns
-        The columns to show.
+        Numbers of the map's columns to show, from 0.
     """
     table = Table(box=box.SIMPLE, padding=(0, 1), header_style="")
     upwards = plane.upwards

@@ -13,19 +13,21 @@ from owtsweep.arrays import Array
 def fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
     """Compute the confidence interval of mean(a) / mean(b) by Fieller's theorem.
 
-    The interval holds the ratios r for which the paired t-test does not reject mean(a) = r mean(b).
+    The interval holds the ratios r for which the paired t-test does not reject that mean(a) equals
+    r mean(b).
 
     Parameters
     ----------
     a, b
         Paired samples, not negative, shape (n,).
     quantile
-        Quantile of Student's t with n - 1 degrees of freedom.
+        Quantile of Student's t with n - 1 degrees of freedom, e.g. the 97.5 % quantile for an
+        interval of 95 %.
 
     Returns
     -------
     tuple of float
-        The lower end, at least 0, and the upper end; both NaN if `b` scatters so much that the
+        The lower end, at least 0, and the upper end; both are NaN if `b` scatters so much that the
         interval has no end.
     """
     n = len(a)

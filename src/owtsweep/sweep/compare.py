@@ -1,4 +1,7 @@
-"""Compares runs: opens them, finds how they differ, lets their study compare, writes the result."""
+"""Compares runs: opens the runs, finds the keys in which they differ, and writes the comparison.
+
+The comparison itself is the work of the study to which the runs belong.
+"""
 
 from __future__ import annotations
 
@@ -41,11 +44,11 @@ class Compared:
     folder
         The folder that the comparison was written to.
     findings
-        What the study has found.
+        What the study has found: its tables and its text.
     overview
         The table that the terminal shows: one row per run.
     notes
-        Lines on runs that are left out or incomplete, and notes of the study.
+        Lines on runs that are left out or incomplete, and the notes of the study.
     """
 
     folder: Path
@@ -74,8 +77,8 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     ------
     InputError
         If fewer than two runs have a succeeded case, a run is named twice, the runs belong to
-        different studies or have nothing in common, their study cannot compare runs, or the folder
-        cannot be written. Nothing has been written then.
+        different studies or have nothing in common, the study cannot compare runs, or the folder
+        cannot be written. No file has then been written.
     """
     import pandas as pd
 
@@ -89,7 +92,7 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     if len(loaded) < 2:
         number = "no run" if not loaded else "only one run"
         why = f" ({notes[0]})" if notes else ""
-        raise InputError(f"{paths[0]}: {number} with a succeeded case here{why}; compare needs two")
+        raise InputError(f"{paths[0]}: {number} has a succeeded case{why}; compare needs two runs")
     study = loaded[0][0].study
     if not isinstance(study, Comparable):
         raise InputError(f"compare: the study {study.name!r} has no comparison of its runs")
@@ -113,9 +116,16 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
 def _open(
     paths: Sequence[str], load: Callable[[Path], Run]
 ) -> tuple[list[Run], list[str], list[str]]:
-    """Open the runs at these paths.
+    """Open the runs and multiruns at `paths`.
 
-    Return the runs, the keys that multiruns among them swept, and notes on runs that are left out.
+    Return the runs, the keys that the multiruns swept, and notes on runs that are left out. A run
+    of a multirun that cannot be opened is left out.
+
+    Raises
+    ------
+    InputError
+        If a path holds no run, a run is named twice, or a run that `paths` names directly (not
+        through a multirun) cannot be opened.
     """
     runs: list[Run] = []
     preferred: list[str] = []
@@ -129,7 +139,7 @@ def _open(
         preferred += swept
         for folder in folders:
             if folder.resolve() in seen:
-                raise InputError(f"{folder}: this run is named twice; name each once")
+                raise InputError(f"{folder}: this run is named twice; name each run once")
             seen.add(folder.resolve())
             try:
                 runs.append(load(folder))
@@ -141,9 +151,10 @@ def _open(
 
 
 def _members(path: Path, notes: list[str]) -> tuple[list[Path], list[str]]:
-    """Return the run folders of the multirun at `path` in order, and the keys that it swept.
+    """Return the run folders of the multirun at `path`, and the keys that the multirun swept.
 
-    A note on each run that was never started is added to `notes`.
+    The folders are in the multirun's order. Without a multirun.json, the order is alphabetical and
+    there are no keys. A note on each run that was never started is added to `notes`.
     """
     folders = sorted(config.parent for config in path.glob("*/config.yaml"))
     planned = read_record(path)

@@ -1,4 +1,4 @@
-"""Plans the work of a sweep: the blocks of its configuration by key, grouped into tasks."""
+"""Plans the work of a sweep: the blocks (units of work) by key, grouped into tasks."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def make_plan(study: Study, config: Config) -> Plan:
             if tuning and tuning not in plan[key].tunings:
                 plan[key] = replace(plan[key], tunings=(*plan[key].tunings, tuning))
     plan = {key: _label(block) for key, block in plan.items()}
-    require(len(plan) > 0, "grid: it holds no case; give every list a value")
+    require(len(plan) > 0, "grid: it holds no case; give every list of the grid a value")
     return plan
 
 
@@ -44,9 +44,10 @@ def _label(block: Block) -> Block:
 
 
 def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
-    """Group the blocks of a plan into tasks: one task per `Block.group`, as key -> block.
+    """Group the blocks (units of work) of a plan into tasks; a task is key -> block.
 
-    Blocks of one group share expensive inputs, so they should run together.
+    There is one task per `Block.group`. Blocks of one group share expensive inputs, so the blocks
+    should run together.
     """
     groups: dict[str, Plan] = {}
     for key, block in plan.items():
@@ -55,5 +56,5 @@ def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
 
 
 def count_cases(plan: Mapping[str, Block]) -> int:
-    """Return the number of cases that the blocks of a plan hold."""
+    """Return the number of cases in all blocks (units of work) of a plan."""
     return sum(block.cases for block in plan.values())

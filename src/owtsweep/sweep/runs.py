@@ -81,7 +81,8 @@ class Run:
     study
         The study to which the configuration belongs.
     stored_plan
-        The run's plan, if it has been made or read already; None if the folder holds no plan.
+        The run's plan (key -> block) as read from the folder or made before. If None, `plan` makes
+        a new plan.
     """
 
     folder: Path
@@ -91,22 +92,27 @@ class Run:
 
     @property
     def hash(self) -> str:
-        """The hash of the configuration without grid, schemes, compute, results and name."""
+        """The hash that identifies the run: 10 hexadecimal digits.
+
+        It is a hash of the configuration without grid, schemes, compute, results and name.
+        """
         return run_hash(self.config)
 
     @property
     def store(self) -> Store:
-        """The store of the run's shards."""
+        """The store of the run's rows, in the run folder."""
         with blame(self.study):
             return Store(self.folder, needed_columns(self.study, self.config))
 
     @property
     def engine(self) -> Engine:
-        """The engine that plans, runs and draws this configuration."""
+        """The engine of the study that plans, runs and draws the run's configuration."""
         return self.study.engine(self.config)
 
     def plan(self) -> Plan:
-        """Return the blocks of the run by key: `stored_plan`, or a new plan if that is None.
+        """Return the run's plan, key -> block: `stored_plan`, or a new plan if that is None.
+
+        A block is the unit of work and storage.
 
         Raises
         ------
@@ -189,9 +195,10 @@ class Run:
         return stored, len(missing)
 
     def unable(self) -> list[Setback]:
-        """Return the stored cases that their scheme cannot compute, by block and reason.
+        """Return the stored cases that their scheme cannot compute.
 
-        This reads all shards of the plan.
+        There is one `Setback` for each block (unit of work) and reason. All files of the run's plan
+        are read.
         """
         setbacks = []
         store = self.store
@@ -212,7 +219,15 @@ class Run:
         return read_table(self.folder, name)
 
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Read all tables of the run; return them by name, or {} if no case has succeeded yet."""
+        """Read all tables of the run; return name -> table.
+
+        The result is {} if the run has no tables, e.g. because no case has succeeded yet.
+
+        Raises
+        ------
+        InputError
+            If a file is damaged.
+        """
         return {
             path.stem: read_table(self.folder, path.stem)
             for path in sorted(self.folder.glob("*.csv"))
@@ -282,7 +297,7 @@ class Run:
         return draw_each(drawings, folder, only, partial(blame, self.study))
 
     def metadata(self) -> dict[str, str]:
-        """Return what the files of the run's figures store: the hash and the folder's name."""
+        """Return texts to store in the figures' files: the run's hash and the folder's name."""
         return {"run": self.hash, "folder": printable(self.folder.name)}
 
     def summary(self) -> pd.DataFrame:

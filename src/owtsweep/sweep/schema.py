@@ -1,7 +1,7 @@
-"""Checks what the columns of stored rows hold.
+"""Checks the columns of stored rows: their names, types and values.
 
-The seal of a shard shows damage, but not forgery: whoever has this package can seal other rows. So
-rows are checked when they are read, and also before they are stored.
+The seal of a shard (a stored file of rows) shows damage, but not forgery: whoever has this package
+can seal other rows. So rows are checked when they are read, and also before they are stored.
 """
 
 from __future__ import annotations
@@ -38,14 +38,15 @@ Needed = Mapping[str, type | None]
 
 
 class WrongRows(Exception):
-    """The error for rows of which no table can be made; the message says why."""
+    """The error for rows of which no table can be made; the message says what is wrong."""
 
 
 def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
     """Return the columns that every row of a study must have: name -> `str`, `float` or None.
 
-    None stands for any type. The columns are `status` and `reason`, those of the engine's
-    `sort_columns` and `row_types`, and the conditions that do not expand.
+    None stands for any type. The columns are `status` and `reason`, the columns that the engine's
+    `sort_columns` and `row_types` name, and the conditions that do not expand. (A condition expands
+    if one row may stand for all its values.)
     """
     engine = study.engine(config)
     conditions = [c.name for c in study.conditions(config) if not c.expands]
@@ -54,15 +55,15 @@ def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
 
 
 def kinds_of(schema: Any) -> dict[str, str]:
-    """Return column name -> kind for a `pyarrow.Schema`.
+    """Return column name -> kind of the column's values, for a `pyarrow.Schema`.
 
-    A kind is "text", "categories" (coded text), "numbers", "flags", or "nothing" for a column of
-    missing values.
+    A kind is "text", "categories" (coded text), "numbers", "flags" (true and false), or "nothing"
+    (missing values only).
 
     Raises
     ------
     WrongRows
-        If two columns have equal names, or a column is of none of these kinds.
+        If two columns have the same name, or a column is of none of these kinds.
     """
     kinds: dict[str, str] = {}
     for name, type_ in zip(schema.names, schema.types, strict=True):
@@ -87,7 +88,8 @@ def check_columns(schema: Any, needed: Needed) -> None:
     Raises
     ------
     WrongRows
-        If a needed column is missing or of another type, or `kinds_of` refuses the schema.
+        If a needed column is missing or of another type, two columns have the same name, or a
+        column holds no text, numbers or flags.
     """
     kinds = kinds_of(schema)
     for name, type_ in needed.items():
@@ -101,10 +103,13 @@ def check_columns(schema: Any, needed: Needed) -> None:
 def check_table(table: Any, needed: Needed) -> None:
     """Check the values of a `pyarrow.Table` whose columns `check_columns` has checked.
 
+    `needed` is what `needed_columns` returns.
+
     Raises
     ------
     WrongRows
-        If there are no rows, a status is unknown, or a needed text other than `reason` is missing.
+        If there are no rows, a status is unknown, or a needed text column other than `reason` has a
+        missing value.
     """
     for name, type_ in needed.items():
         if type_ is str and name != "reason" and table[name].null_count:
@@ -114,7 +119,7 @@ def check_table(table: Any, needed: Needed) -> None:
 
 
 def check_statuses(statuses: frozenset[Any]) -> None:
-    """Check the distinct values of the column `status`.
+    """Check `statuses`, the distinct values of the column `status`.
 
     Raises
     ------

@@ -1,4 +1,7 @@
-"""Compare a published number with the single records of a run, because a paper shows one record."""
+"""Compare published numbers with a run: with its mean over the records and with single records.
+
+Single records matter because a paper shows the result of one record.
+"""
 
 from __future__ import annotations
 
@@ -20,23 +23,24 @@ TAILS = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
 
 
 def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
-    """Compare a run's values with a published number.
+    """Compare a run's values of a quantity with a published number.
 
     Parameters
     ----------
     samples
-        Values of the run, shape (records,); None if the run has none.
+        The quantity in each record of the run, shape (records,); None if the run has no values.
     published
         The published number, positive.
 
     Returns
     -------
     dict
-        The keys are `COLUMNS`. `reproduced`, `ci_low`, `ci_high`: mean over the records with its
-        95 % t interval. `record_low`, `record_high`: 2.5th and 97.5th percentile of single records.
-        `quantile`: the fraction of records below the published number (ties count half). `ratio`:
-        reproduced / published. `log2`: base-2 logarithm of `ratio`. `missed_by_factor_2`: whether
-        |log2| > 1. Without samples, this is False and all other values are NaN.
+        The keys are `COLUMNS`. `reproduced`, `ci_low`, `ci_high`: mean over the records and the
+        ends of its 95 % interval by Student's t. `record_low`, `record_high`: 2.5th and 97.5th
+        percentile of the records. `quantile`: the fraction of records whose value is below the
+        published number; a record with an equal value counts half. `ratio`: reproduced / published.
+        `log2`: base-2 logarithm of `ratio`. `missed_by_factor_2`: whether |log2| > 1. If `samples`
+        is None, `missed_by_factor_2` is False and all other items are NaN.
     """
     if samples is None:
         return {**dict.fromkeys(COLUMNS, float("nan")), "missed_by_factor_2": False}
@@ -57,19 +61,19 @@ def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
 
 
 def lies_within_records(row: Any) -> str:
-    """Say whether the published number could be one of the run's records.
+    """Return whether a published number could come from one of the run's records.
 
     Parameters
     ----------
     row
-        Its attributes are `published` and the keys of `compare_number`'s result.
+        An object whose attributes are `published` and the keys of `compare_number`'s result.
 
     Returns
     -------
     str
-        "yes" if the published number lies within the central 95 % of single records, "no" if it
-        lies outside, "undecided" if all records have one value (e.g. a single record), "missing"
-        if the run has no record.
+        "yes" if the published number lies within the central 95 % of the records' values, "no" if
+        it lies outside, "undecided" if these 95 % are a single value (e.g. with one record),
+        "missing" if the run has no values.
     """
     if np.isnan(row.reproduced):
         return MISSING

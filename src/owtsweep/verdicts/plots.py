@@ -1,4 +1,4 @@
-"""Draw published numbers against a run's; call under `figures.style.context`."""
+"""Draw published numbers against a run's numbers; call the functions in `figures.style.context`."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ def scatter(
 ) -> Figure:
     """Draw published numbers (horizontal) against the run's means (vertical), in two panels.
 
-    A vertical line shows the central 95 % of single records.
+    A mark's vertical line spans the central 95 % of the run's single records.
 
     Parameters
     ----------
     numbers
-        One row per published number. Columns scheme, measure, published, and those of
-        `verdicts.numbers.compare_number`. Numbers that the run lacks are left out.
+        One row per published number. Columns scheme, measure, published, and the keys of
+        `verdicts.numbers.compare_number`'s result. Rows whose `reproduced` is NaN are left out.
     schemes
         The schemes to draw, in the order of the legend.
     panels
-        Title of a panel -> its measures; two panels.
+        Title of a panel -> the measures in this panel; exactly two items.
     """
     figure = style.new_figure(10.0, 4.7)
     present = numbers.dropna(subset="reproduced")
@@ -90,18 +90,19 @@ def ratios(
 ) -> Figure:
     """Draw log2(reproduced / published) of every measure and scheme, one panel per published table.
 
-    A vertical line shows the central 95 % of single records.
+    A mark's vertical line spans the central 95 % of the run's single records.
 
     Parameters
     ----------
     numbers
-        As for `scatter`, with a further column `table`: the number of the published table.
+        One row per published number. Columns table (the number of the published table), scheme,
+        measure, published, and the keys of `verdicts.numbers.compare_number`'s result.
     schemes
         The schemes to draw, in the order of the legend.
     measures
         Measure -> its label on the horizontal axis.
     tables
-        Number of a published table -> its conditions, for the panel's title.
+        Number of a published table -> the conditions of this table, for the panel's title.
     """
     figure = style.new_figure(10.0, 4.2)
     for axes, (number, cell) in zip(

@@ -30,9 +30,9 @@ logger = logging.getLogger(__name__)
 
 
 class _Engine:
-    """The part that both engines share: the columns that identify a row, and the map as result.
+    """The part that all engines of the study share: the columns of rows, and the main result.
 
-    The map is a picture of the best scheme at each natural period and amplitude.
+    The main result is the map: a picture of the best scheme at each natural period and amplitude.
     """
 
     #: Columns without which no table can be made.
@@ -47,7 +47,11 @@ class _Engine:
         return ["natural_period", "scheme", "measure", "window", "amplitude", "replicate"]
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """Return the map of the best schemes as a coloured grid for the terminal."""
+        """Return the map as a coloured grid for the terminal.
+
+        The map shows the best scheme at each natural period and amplitude, from the table
+        best_scheme.
+        """
         from rich.console import Group
         from rich.text import Text
 
@@ -63,7 +67,10 @@ class _Engine:
         return Group(*(Text(line, style="bold") for line in origin), shown, *told)
 
     def overview(self, config: HubConfig) -> str:
-        """Return the name of the map of the best schemes (figure 18 of Ren et al. 2019)."""
+        """Return the name of the figure that shows the best scheme at each point of the grid.
+
+        It is figure 18 of Ren et al. (2019).
+        """
         return figures.MAP
 
     untuned = figures.UNTUNED
@@ -80,7 +87,10 @@ class _Engine:
 
 
 class RecordsEngine(_Engine):
-    """The engine of `engine: batch` and `engine: reference`: runs schemes on simulated records."""
+    """The engine for the keys engine=batch and engine=reference: runs schemes on records.
+
+    Records are simulated measurements.
+    """
 
     samples = True
     plan = staticmethod(blocks.plan)
@@ -88,9 +98,10 @@ class RecordsEngine(_Engine):
     drawings = staticmethod(figures.drawings)
 
     def backend(self, config: HubConfig) -> str:
-        """Return "threading" if all schemes run by kernels, which release the GIL; else "loky".
+        """Return the joblib backend that suits the schemes: "threading" or "loky" (processes).
 
-        Log a warning for a scheme that has no kernel because of its constraints.
+        It is "threading" if all schemes run by compiled kernels, which release the GIL. With
+        engine=batch, log a warning for each scheme that has no kernel because of its constraints.
         """
         schemes = resolve_all(config.schemes, config)
         for scheme in schemes:
@@ -103,14 +114,20 @@ class RecordsEngine(_Engine):
         return blocks.backend(config, schemes)
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Make the tables summary and best_scheme, with confidence intervals."""
+        """Make the tables `summary` and `best_scheme` from a run's rows; return them by name.
+
+        Both tables have confidence intervals.
+        """
         cube = make_cube(config, rows)
         best = find_best_schemes(cube, config.measures.window, criteria(config))
         return {"summary": summarise(cube), "best_scheme": best}
 
 
 class ExpectedEngine(_Engine):
-    """The engine of `engine: expected`: computes the schemes' expected errors without records."""
+    """The engine for the key engine=expected: computes schemes' expected errors without records.
+
+    Records are simulated measurements; the expected error is the mean over all possible records.
+    """
 
     samples = False
     plan = staticmethod(engine.plan)

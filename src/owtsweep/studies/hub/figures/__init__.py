@@ -48,7 +48,8 @@ def drawings(
 ) -> dict[str, Drawing]:
     """List all figures of a run with records: name -> function that draws and saves the figure.
 
-    Some figures show the run's results, others are simulated from the run's configuration.
+    Some figures show the run's results. The other figures are simulated from the run's
+    configuration. The Markdown and CSV files "tables_6_to_9" are listed too.
 
     Parameters
     ----------
@@ -57,7 +58,7 @@ def drawings(
     tables
         The run's tables "summary" and "best_scheme".
     rows
-        The run's cases, including failed ones.
+        The run's rows, including those of failed schemes.
     metadata
         Texts by name to store inside the figures' files.
     """
@@ -98,9 +99,9 @@ def save_each(
 
 
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
-    """List the two best-scheme maps by name: by the run's criterion and by velocity.
+    """List the two maps of the best scheme by name: judged by the run's criterion, and by velocity.
 
-    `draw_map` draws a map from the name of the criterion.
+    `draw_map` draws a map from the name of a criterion, "position" or "velocity".
     """
     return {
         MAP: partial(draw_map, config.measures.criterion),
@@ -117,16 +118,16 @@ def draw_cells(
     *,
     replicates: int | None = None,
 ) -> Figure:
-    """Draw the best-scheme map with one coloured cell per condition.
+    """Draw the map of the best schemes with one coloured cell per natural period and amplitude.
 
     Parameters
     ----------
     tables
         The run's tables; "best_scheme" is drawn.
     rows
-        The run's cases, of which failed ones are counted.
+        The run's rows, of which failed ones are counted.
     criterion
-        "position" or "velocity".
+        The measure by which schemes are compared, "position" or "velocity".
     coinciding
         Groups of schemes with equal results. The map shows each group under the last of its names.
     replicates
@@ -154,7 +155,10 @@ def over_amplitude(
     periods: Iterable[float],
     coinciding: Sequence[Sequence[str]],
 ) -> dict[str, Draw]:
-    """List the figures of MSE against amplitude by name, one per natural period (s)."""
+    """List the figures of MSE against amplitude by name, one figure per natural period (s).
+
+    `summary` is the run's table "summary". `coinciding` are groups of schemes with equal results.
+    """
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
     draw = partial(
@@ -173,9 +177,10 @@ def over_amplitude(
 
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
-    """List the figures that need the configuration alone, by name.
+    """List the figures that need the configuration alone: name -> function that draws the figure.
 
-    They show a record, the record's spectrum, time histories and error spectra.
+    The figures show a record, the record's spectrum, time histories and error spectra. `coinciding`
+    are groups of schemes with equal results, for a footnote.
     """
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import simulate_histories

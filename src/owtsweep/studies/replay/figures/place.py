@@ -1,4 +1,4 @@
-"""Draw the place of a record in the map of the best scheme by expected MSE."""
+"""Draw the place of a record in the map of the best scheme by expected mean squared error."""
 
 from __future__ import annotations
 
@@ -23,22 +23,26 @@ PERIODS, AMPLITUDES = 48, 160
 
 
 def draw(config: ReplayConfig, record: Any) -> Figure:
-    """Draw the map of the best scheme by expected settled MSE, and mark the record's place.
+    """Draw a map of the best scheme by expected settled MSE, and mark the place of a record in it.
 
-    The horizontal axis is the natural period (s), the vertical axis the amplitude (m). `record` is
-    the record's row of records.csv.
+    The horizontal axis is the natural period (s), the vertical axis the largest displacement (m).
+    `record` is the record's row of records.csv.
 
     Raises
     ------
     InputError
-        If the record has no fitted natural period inside the band.
+        If the record has no fitted spectrum with a peak inside the band, or if no errors can be
+        computed for one of the schemes.
     """
     from matplotlib.colors import ListedColormap
     from matplotlib.patches import Patch
 
     shape, band = find_place(config, record), config.fit_band
     if shape is None:
-        raise InputError("the record's spectrum has no peak inside band, so it has no place there")
+        raise InputError(
+            "no spectrum with a peak inside the band could be fitted to the record, so the "
+            "record has no place in the map"
+        )
     period, amplitude = 1.0 / shape.peak_frequency, float(record["peak"])
     low = max(min([*config.grid.natural_period, 0.9 * period]), 1.0 / band[1])
     high = min(max([*config.grid.natural_period, 1.1 * period]), 1.0 / band[0])
@@ -104,9 +108,15 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
 
 
 def _label_distinct(expected: Mapping[str, Array]) -> dict[str, str]:
-    """Label the schemes for the legend; of schemes with equal values, only the last is kept.
+    """Label the schemes for the legend; of schemes with equal errors, only the last gets a label.
 
-    The label of the last one names all of them, e.g. "HME1 = HME2".
+    This label names all of these schemes, e.g. "HME1 = HME2". `expected` holds for each scheme its
+    expected errors, an array over periods and amplitudes.
+
+    Returns
+    -------
+    dict
+        Scheme -> label.
     """
     labels = {}
     for name, values in expected.items():
