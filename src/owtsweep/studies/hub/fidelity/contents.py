@@ -61,8 +61,8 @@ def document(
             f"{describe_window(config.measures.window)}; schemes {', '.join(evidence.schemes)}. "
             "Position is x + y, velocity vx + vy. Brackets are 95 % intervals: of means, t "
             "intervals over the records; of ratios of means, paired over the records (Fieller); "
-            "of boundaries, a bootstrap over the records. A claim about many cells is tested in all "
-            "of them with Holm's correction."
+            "of boundaries, a bootstrap over the records. A claim about many cells is tested in "
+            "all of them with Holm's correction."
         ),
         *_summary(tables["fidelity"], numbers, judged),
         *sections.statement_section(judged, DEFINITIONS),
