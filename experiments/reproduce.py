@@ -27,9 +27,9 @@ from owtsweep.studies.hub.figures import two_maps
 REFERENCE = Path("results/reference")
 #: Run -> its overrides. `matched_on_paper` has the truth of `paper`: only the tuning differs.
 RUNS = {
-    "default": ["grid.replicates=20"],
+    "default": ["experiment=study", "tuning=paper", "grid.replicates=20"],
     "paper": ["experiment=paper", "tuning=paper"],
-    "matched": ["tuning=matched"],
+    "matched": ["experiment=study", "tuning=matched"],
     "matched_on_paper": ["experiment=paper", "tuning=matched"],
 }
 #: The paper's reading with one thing changed, for HME1 and HME2: shows what shapes the map.
@@ -120,7 +120,7 @@ class Reproduction:
             self.report(name)
             self.keep(name)
         for name, overrides in ABLATIONS.items():
-            words = ["experiment=paper", "schemes=[HME1,HME2]"]
+            words = ["experiment=paper", "tuning=paper", "schemes=[HME1,HME2]"]
             self.sweep(name, *words, f"grid.replicates={self.replicates}", *overrides)
             self.keep(name)
         paper, matched = (owtsweep.load(self.results / n) for n in ("paper", "matched_on_paper"))

@@ -262,8 +262,9 @@ class Run:
         Parameters
         ----------
         only
-            The name of the single figure to draw; None draws all figures. With several tunings,
-            the name of a tuning's figure ends with the tuning's name.
+            The name of the figure to draw; None draws all figures. With several tunings, the name
+            of a tuning's figure ends with the tuning's name; without this ending, the figures of
+            all tunings are drawn.
         results
             The results to draw by tuning, if they are in memory. If None, the shards are read.
         overview
@@ -294,7 +295,11 @@ class Run:
             drawings = list_drawings(self.engine, results, self.metadata())
             only = name_overview(self.engine, results) if overview else only
         folder.mkdir(exist_ok=True)
-        return draw_each(drawings, folder, only, partial(blame, self.study))
+        guard = partial(blame, self.study)
+        chosen = [name for name in (f"{only}_{tuning}" for tuning in results) if name in drawings]
+        if only is None or only in drawings or not chosen:
+            return draw_each(drawings, folder, only, guard)
+        return [file for name in chosen for file in draw_each(drawings, folder, name, guard)]
 
     def metadata(self) -> dict[str, str]:
         """Return texts to store in the figures' files: the run's hash and the folder's name."""
