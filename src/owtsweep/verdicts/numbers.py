@@ -35,14 +35,16 @@ def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
         The keys are `COLUMNS`. `reproduced`, `ci_low`, `ci_high`: mean over the records with its
         95 % t interval. `record_low`, `record_high`: 2.5th and 97.5th percentile of single records.
         `quantile`: the fraction of records below the published number (ties count half). `ratio`:
-        reproduced / published. `log2`: base-2 logarithm of `ratio`. `missed_by_factor_2`: whether
-        |log2| > 1. Without samples, this is False and all other values are NaN.
+        reproduced / published. `log2`: base-2 logarithm of `ratio`, minus infinity for the ratio 0
+        and NaN for a negative one. `missed_by_factor_2`: whether |log2| > 1. Without samples, this
+        is False and all other values are NaN.
     """
     if samples is None:
         return {**dict.fromkeys(COLUMNS, float("nan")), "missed_by_factor_2": False}
     decision = mean_ratio("", samples, 1.0, published, "above")
     low, high = np.percentile(samples, TAILS)
-    log2 = float(np.log2(decision.value / published))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        log2 = float(np.log2(decision.value / published))
     return {
         "reproduced": decision.value,
         "ci_low": decision.low,

@@ -90,11 +90,13 @@ def terms(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> Terms
 def start_up_share(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> float:
     """Compute which share (0 to 1) of the record's squared error is made before the settling time.
 
-    Returns NaN unless the run computed this case by superposition (evaluation=superposed).
+    Returns NaN if there is no error, and unless the run computed this case by superposition
+    (evaluation=superposed).
     """
     chosen = _superposed(evidence, scheme, cell, measure, both_windows=True)
     total = (_mse(chosen, cell) * chosen["n_samples"]).groupby(chosen["window"]).sum()
-    return float(1.0 - total.get("settled", np.nan) / total.get("full", np.nan))
+    full = total.get("full", np.nan)
+    return float(1.0 - total.get("settled", np.nan) / full) if full > 0.0 else float("nan")
 
 
 def reason(evidence: HubEvidence, scheme: str, cell: Cell, measure: str, published: float) -> str:
@@ -122,10 +124,11 @@ def reason(evidence: HubEvidence, scheme: str, cell: Cell, measure: str, publish
     else:
         sentences.append("the print leaves no room for a motion term")
     cause = "noise floor" if with_noise < with_motion else "motion term"
-    left = min(with_noise, with_motion)
+    with np.errstate(over="ignore"):
+        left = np.exp2(min(with_noise, with_motion))
     sentences.append(
         f"mainly the {cause}: with the print's own the number would be within a factor of "
-        f"{2.0**left:.2f}"
+        f"{left:.2f}"
     )
     share = start_up_share(evidence, scheme, cell, measure)
     if np.isfinite(share) and evidence.window == "full":
@@ -159,7 +162,10 @@ def _doubt(evidence: HubEvidence, scheme: str, measure: str, floor: float) -> st
 
 
 def _shares(parts: Terms) -> str:
-    motion, cross, noise = (part / sum(parts) for part in parts)
+    total = sum(parts)
+    if not total > 0.0:
+        return f"ours is {total:.3g}"
+    motion, cross, noise = (part / total for part in parts)
     product = f", {_percent(cross)} their product" if abs(cross) > 0.005 else ""
     return f"ours is {_percent(motion)} motion, {_percent(noise)} noise{product}"
 
