@@ -343,3 +343,12 @@ def test_a_pipe_in_place_of_a_file_is_refused(study, config, name):
     os.mkfifo(run.folder / name)
     with pytest.raises(InputError, match=f"{name}: this is a pipe or a device where a file"):
         sweep(study, config())
+
+
+@pytest.mark.parametrize("name", ["means.csv", "summary.csv", "other.csv"])
+def test_a_folder_in_place_of_a_table_is_refused_before_anything_is_written(study, config, name):
+    folder = run_folder(config())
+    (folder / name).mkdir(parents=True)
+    with pytest.raises(InputError, match=f"{name}: this is a folder where a file belongs; move"):
+        sweep(study, config())
+    assert [path.name for path in folder.iterdir()] == [name]
