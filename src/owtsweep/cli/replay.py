@@ -6,9 +6,11 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from owtsweep.cli.program import BAD_INPUT, DONE
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED
 from owtsweep.cli.running import may_start, print_answer, tell_end, written_tables
 from owtsweep.config import dump, require
+from owtsweep.errors import InputError
+from owtsweep.io.files import refuse_in_one_line
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -56,10 +58,18 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     for note in list_spectrum_notes(config):
         print(f"note: {note}", file=sys.stderr)
     replayed, tables = outcome.run, written_tables(outcome)
+    written = True
     if tables:
-        report.write(config, tables, replayed.draw(results=outcome.results), replayed.folder)
-        print_answer(replayed, tables, width=None if sys.stdout.isatty() else 120)
-    return tell_end(outcome, argv, f"{replayed.folder}/report.md")
+        try:
+            with refuse_in_one_line(replayed.folder):
+                figures = replayed.draw(results=outcome.results)
+                report.write(config, tables, figures, replayed.folder)
+        except InputError as error:  # what was computed is stored
+            print(f"failed: the report could not be written: {error}", file=sys.stderr)
+            written = False
+        written &= print_answer(replayed, tables, width=None if sys.stdout.isatty() else 120)
+    code = tell_end(outcome, argv, f"{replayed.folder}/report.md")
+    return code if written else FAILED
 
 
 def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | None) -> int:

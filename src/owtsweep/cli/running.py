@@ -87,11 +87,10 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
 
 
 def written_tables(outcome: Outcome) -> dict[str, pd.DataFrame]:
-    """Return the tables of a sweep's run, by name; an empty dict if there are no results.
-
-    There are no results if no case has succeeded or no tables could be made.
-    """
-    return {} if outcome.results is None else outcome.run.tables()
+    """Read the tables that a run has written, by name; an empty dict if no case has succeeded."""
+    names = () if outcome.results is None else outcome.results.tables
+    there = [name for name in names if (outcome.run.folder / f"{name}.csv").exists()]
+    return {name: outcome.run.table(name) for name in there}
 
 
 def _draw_overview(outcome: Outcome) -> bool:

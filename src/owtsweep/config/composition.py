@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep.config.common import Config
-from owtsweep.config.given_files import check_chosen_files
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
 from owtsweep.config.stored import DEEPEST, read, resolved
@@ -17,6 +16,8 @@ from owtsweep.errors import InputError, require, shorten
 
 #: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
 TREES = "studies"
+#: Most digits of a number in an override: Python makes no number of more than 4300.
+MOST_DIGITS = 4000
 
 
 @dataclass(frozen=True)
@@ -71,6 +72,25 @@ def quote_home(override: str) -> str:
     and most shells do not replace `~` after an equals sign.
     """
     return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
+
+
+def require_readable(overrides: Sequence[str]) -> None:
+    """Check what Hydra would answer with an error of several lines or of another kind.
+
+    Raises
+    ------
+    InputError
+        If an override has no key, or holds a number of more than `MOST_DIGITS` digits.
+    """
+    for override in overrides:
+        require(
+            override.partition("=")[0].strip("+~") != "",
+            f"{override!r}: this is no override; use key=value",
+        )
+        require(
+            re.search(rf"[\d_]{{{MOST_DIGITS + 1}}}", override) is None,
+            f"{shorten(override, 60)}: a number has at most {MOST_DIGITS} digits",
+        )
 
 
 def _holds(mapping: Any, path: Sequence[str]) -> bool:
@@ -135,21 +155,17 @@ def compose_plain(
         If Hydra refuses an override or a file, `config_dir` is no folder, or a value could not be
         read again from config.yaml; the message is one line.
     """
+    require_readable(overrides)
     for override in overrides:
-        require(
-            override.partition("=")[0].strip("+~") != "",
-            f"{override!r}: this is no override; use key=value",
-        )
         require(
             not override.lstrip("+~").startswith("hydra"),
             f"{override}: Hydra's own settings work with --multirun only",
         )
     search = []
     if config_dir is not None:
-        directory = _find_folder(config_dir)
-        check_chosen_files(directory, overrides)
-        quoted = str(directory).replace("\\", "\\\\").replace("'", "\\'")
-        search = [f"hydra.searchpath=['file://{quoted}']"]
+        from owtsweep.config.given_files import search_path_of
+
+        search = [search_path_of(_find_folder(config_dir))]
     try:
         plain = resolved(compose_hydra(tree, [*search, *overrides]))
     except InputError:

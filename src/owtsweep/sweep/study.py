@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from owtsweep.results.conditions import Condition
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Judged", "Spectral", "Study", "add_versions",
-    "blame", "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Judged", "Spectral", "Square", "Study",
+    "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
 
@@ -60,6 +60,13 @@ class Block:
     cases: int
     cases_per_row: int = 1
     anew: str = ""
+
+
+class Square(float):
+    """The type that `row_types` of an engine gives to a column of mean squares or mean products.
+
+    Each number of the column is 0 or at least 1e-300 away from 0, because no study makes others.
+    """
 
 
 def add_versions(base: int, *rooms: ModuleType) -> int:
