@@ -6,6 +6,7 @@ import argparse
 import hashlib
 import json
 import logging
+import math
 import os
 import shlex
 import shutil
@@ -19,7 +20,7 @@ from typing import Any
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM, raise_interrupt
 from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, dump
-from owtsweep.config.composition import compose_hydra, quote_home
+from owtsweep.config.composition import compose_hydra, quote_home, require_readable
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.errors import InputError, as_text, printable, require
 from owtsweep.io.files import check_writable, write_atomically
@@ -37,6 +38,8 @@ OUTCOMES = ".outcomes"
 NOT_FINISHED = "not finished"
 #: Most bytes of the file of an outcome.
 MOST_BYTES = 10_000_000
+#: Most runs of a multirun: the configurations of all are made and checked before the first run.
+MOST_RUNS = 10_000
 
 
 def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -280,33 +283,31 @@ def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[st
 
 
 def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str], dict[str, str]]]:
-    """List the runs of a multirun; for each, return its overrides and its swept values.
+    """Return, for each run, the run's overrides and the run's values of the swept keys.
 
-    An override such as a=1,2 sweeps the key a: there is a run with a=1 and a run with a=2. The
-    swept values of a run are a dict from key to value. If the overrides choose another sweeper than
-    Hydra's basic one, return an empty list, because the runs of other sweepers are not known in
-    advance.
-
-    Parameters
-    ----------
-    overrides
-        The overrides of the command line.
-    tree
-        The YAML files of the study.
+    The list is empty if the overrides choose another sweeper than Hydra's basic one, because the
+    combinations of other sweepers are not known in advance.
 
     Raises
     ------
     InputError
-        If Hydra cannot parse an override.
+        If an override cannot be read, or there are more than `MOST_RUNS` combinations.
     """
     from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
     from hydra.core.override_parser.overrides_parser import OverridesParser
 
+    require_readable(overrides)
     if any(o.startswith("hydra/sweeper=") and o != "hydra/sweeper=basic" for o in overrides):
         return []
     with hydra_in_one_line(tree):
         parsed = OverridesParser.create().parse_overrides([quote_home(o) for o in overrides])
         keys = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
+        number = math.prod(map(_count_values, keys))
+        require(
+            number <= MOST_RUNS,
+            f"--multirun: the overrides ask for {number:.6g} runs, and a multirun has at most "
+            f"{MOST_RUNS}; give fewer values",
+        )
         batches = BasicSweeper.split_arguments(keys, max_batch_size=None)
     swept = {o.get_key_element() for o in keys if o.is_sweep_override()}
     combinations = []
@@ -314,6 +315,20 @@ def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str],
         pairs = [word.partition("=")[::2] for word in words]
         combinations.append((words, {key: value for key, value in pairs if key in swept}))
     return combinations
+
+
+def _count_values(override: Any) -> float:
+    """Return how many values an override that Hydra has parsed gives its key; infinite: no end.
+
+    The values themselves are not made.
+    """
+    value = override.value()
+    if override.is_range_sweep():
+        try:
+            return float(max(math.ceil((value.stop - value.start) / value.step), 0))
+        except (ArithmeticError, ValueError):  # a step of zero, an end that is infinite or NaN
+            return math.inf
+    return float(len(value.list)) if hasattr(value, "list") else 1.0
 
 
 def _through_hydra(job: Job, options: argparse.Namespace, folder: Path, located: Located) -> None:

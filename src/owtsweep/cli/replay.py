@@ -6,9 +6,11 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from owtsweep.cli.program import BAD_INPUT, DONE
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED
 from owtsweep.cli.running import may_start, print_answer, tell_end
 from owtsweep.config import dump, require
+from owtsweep.errors import InputError
+from owtsweep.io.files import refuse_in_one_line
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
@@ -56,11 +58,18 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     for note in list_spectrum_notes(config):
         print(f"note: {note}", file=sys.stderr)
     replayed, results = outcome.run, outcome.results
+    written = True
     if results:
-        tables = results[""].tables
-        report.write(config, tables, replayed.draw(results=results), replayed.folder)
-        print_answer(replayed, results, width=None if sys.stdout.isatty() else 120)
-    return tell_end(outcome, argv, f"{replayed.folder}/report.md")
+        try:
+            with refuse_in_one_line(replayed.folder):
+                figures = replayed.draw(results=results)
+                report.write(config, results[""].tables, figures, replayed.folder)
+        except InputError as error:  # what was computed is stored
+            print(f"failed: the report could not be written: {error}", file=sys.stderr)
+            written = False
+        written &= print_answer(replayed, results, width=None if sys.stdout.isatty() else 120)
+    code = tell_end(outcome, argv, f"{replayed.folder}/report.md")
+    return code if written else FAILED
 
 
 def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | None) -> int:

@@ -11,7 +11,6 @@ from typing import Any
 
 from owtsweep.config import tunings
 from owtsweep.config.common import Config
-from owtsweep.config.given_files import check_chosen_files
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
 from owtsweep.config.stored import DEEPEST, read, resolved
@@ -20,6 +19,8 @@ from owtsweep.errors import InputError, require, shorten
 
 #: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
 TREES = "studies"
+#: Most digits of a number in an override: Python makes no number of more than 4300.
+MOST_DIGITS = 4000
 
 
 @dataclass(frozen=True)
@@ -76,6 +77,25 @@ def quote_home(override: str) -> str:
     return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
 
 
+def require_readable(overrides: Sequence[str]) -> None:
+    """Check what Hydra would answer with an error of several lines or of another kind.
+
+    Raises
+    ------
+    InputError
+        If an override has no key, or holds a number of more than `MOST_DIGITS` digits.
+    """
+    for override in overrides:
+        require(
+            override.partition("=")[0].strip("+~") != "",
+            f"{override!r}: this is no override; use key=value",
+        )
+        require(
+            re.search(rf"[\d_]{{{MOST_DIGITS + 1}}}", override) is None,
+            f"{shorten(override, 60)}: a number has at most {MOST_DIGITS} digits",
+        )
+
+
 def conf_directory() -> Path:
     """Return the folder `conf` of owtsweep's own YAML files.
 
@@ -103,19 +123,33 @@ def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = Fals
     InputError
         If Hydra or OmegaConf refuses a file or an override; the message is one line.
     """
-    from hydra import compose, initialize_config_dir
+    from hydra import compose
 
-    with hydra_in_one_line(tree), initialize_config_dir(str(tree.folder), version_base="1.3"):
+    with hydra_in_one_line(tree), _hydra_of(tree):
         return compose(tree.primary, overrides=list(overrides), return_hydra_config=settings)
+
+
+@contextmanager
+def _hydra_of(tree: Tree) -> Iterator[None]:
+    """Set Hydra up for a tree; a run of a multirun, which Hydra itself has started, may do so too."""
+    from hydra import initialize_config_dir
+    from hydra.core.global_hydra import GlobalHydra
+
+    running = GlobalHydra.instance().hydra
+    GlobalHydra.instance().clear()
+    try:
+        with initialize_config_dir(str(tree.folder), version_base="1.3"):
+            yield
+    finally:
+        GlobalHydra.instance().hydra = running
 
 
 def find_options(tree: Tree, overrides: Sequence[str], group: str) -> list[str]:
     """Return the names of the files of a config group that Hydra would compose, in their order."""
-    from hydra import initialize_config_dir
     from hydra.core.global_hydra import GlobalHydra
     from hydra.types import RunMode
 
-    with hydra_in_one_line(tree), initialize_config_dir(str(tree.folder), version_base="1.3"):
+    with hydra_in_one_line(tree), _hydra_of(tree):
         loader = GlobalHydra.instance().config_loader()
         chosen = loader.compute_defaults_list(tree.primary, list(overrides), RunMode.RUN).defaults
     paths = [str(default.config_path) for default in chosen]
@@ -157,21 +191,17 @@ def compose_plain(
 
 def _search_path(config_dir: str | None, overrides: Sequence[str]) -> list[str]:
     """Check the overrides; return the override that makes Hydra search `config_dir` too."""
+    require_readable(overrides)
     for override in overrides:
-        require(
-            override.partition("=")[0].strip("+~") != "",
-            f"{override!r}: this is no override; use key=value",
-        )
         require(
             not override.lstrip("+~").startswith("hydra"),
             f"{override}: Hydra's own settings work with --multirun only",
         )
     if config_dir is None:
         return []
-    directory = _find_folder(config_dir)
-    check_chosen_files(directory, overrides)
-    quoted = str(directory).replace("\\", "\\\\").replace("'", "\\'")
-    return [f"hydra.searchpath=['file://{quoted}']"]
+    from owtsweep.config.given_files import search_path_of
+
+    return [search_path_of(_find_folder(config_dir))]
 
 
 def _find_tunings(tree: Tree, words: Sequence[str]) -> list[str]:
@@ -194,7 +224,7 @@ def _refusing_no_names(tree: Tree, words: Sequence[str]) -> Iterator[None]:
         yield
     except InputError:
         raise
-    except (ValueError, TypeError, OSError) as error:
+    except (ValueError, TypeError, OSError) as error:  # no name where Hydra expects an option's
         wrong = [word for word in words if word.split("=")[0] in tree.groups()]
         text = shorten(" ".join(str(error).split()), 300)
         if not wrong:

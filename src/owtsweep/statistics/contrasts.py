@@ -44,7 +44,7 @@ def gap(samples: Array) -> Contrast:
     The result's `value` is the mean; `n_first` and `n_second` are both the number of finite
     samples.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         mean, error, n = mean_and_error(samples)
     return _student(mean, error, n - 1.0, n, n)
 
@@ -57,7 +57,7 @@ def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
     """
     if paired:
         return gap(second - first)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         (a, error_a, n_a), (b, error_b, n_b) = mean_and_error(first), mean_and_error(second)
         error, freedom = _welch(error_a, n_a, error_b, n_b)
     return _student(b - a, error, freedom, n_a, n_b)
@@ -66,10 +66,10 @@ def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
 def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
     """Compute the ratio of means over the replicates, the last axis: `second` divided by `first`.
 
-    Both means must be positive. A replicate that did not finish is NaN. If `paired`, only
-    replicates that finished in both samples are used.
+    If a mean is not positive, the ratio has no interval; 0 / 0 is NaN. A replicate that did not
+    finish is NaN. If `paired`, only replicates that both samples have are used.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         if paired:
             both = np.isfinite(first) & np.isfinite(second)
             first, second = np.where(both, first, np.nan), np.where(both, second, np.nan)

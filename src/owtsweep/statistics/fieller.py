@@ -32,10 +32,11 @@ def fieller(a: Array, b: Array, quantile: float) -> tuple[float, float]:
     """
     n = len(a)
     A, B = np.mean(a), np.mean(b)
-    variance = np.cov(a, b) * quantile**2 / n
-    square = B * B - variance[1, 1]
-    if square <= 0.0:
-        return float("nan"), float("nan")
-    half = A * B - variance[0, 1]
-    root = np.sqrt(max(half * half - square * (A * A - variance[0, 0]), 0.0))
-    return max(float((half - root) / square), 0.0), float((half + root) / square)
+    with np.errstate(over="ignore", invalid="ignore"):  # the square of a square may be too large
+        variance = np.cov(a, b) * quantile**2 / n
+        square = B * B - variance[1, 1]
+        if square <= 0.0:
+            return float("nan"), float("nan")
+        half = A * B - variance[0, 1]
+        root = np.sqrt(max(half * half - square * (A * A - variance[0, 0]), 0.0))
+        return max(float((half - root) / square), 0.0), float((half + root) / square)

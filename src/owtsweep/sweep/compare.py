@@ -28,7 +28,7 @@ from owtsweep.io.reading import require_folder
 from owtsweep.io.tables import write_table
 from owtsweep.sweep.multirun_record import read_record
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.study import FAILED, OK, UNABLE
+from owtsweep.sweep.study import FAILED, OK, UNABLE, blame
 from owtsweep.sweep.swept import RUN, make_pairs, swept_keys
 
 if TYPE_CHECKING:
@@ -77,8 +77,9 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     ------
     InputError
         If fewer than two runs have a succeeded case, a run is named twice, the runs belong to
-        different studies or have nothing in common, the study cannot compare runs, or the folder
-        cannot be written. No file has then been written.
+        different studies or have nothing in common, their study cannot compare runs, or the folder
+        cannot be written. Nothing has been written then. Also if the study is of another package
+        and does not work; its figures may have been written then.
     """
     import pandas as pd
 
@@ -100,16 +101,20 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     hashes = " ".join(candidate.hash for candidate in comparison.runs)
     folder = _folder(paths, [run for run, _ in loaded])
     check_writable(folder, "compare", "move away what is there, or get the right to write")
-    findings = study.compare(comparison, folder, metadata={"runs": hashes, "folder": folder.name})
-    every_note = tuple(map(printable, (*notes, *findings.notes)))
     swept = pd.DataFrame([run.shown for run in comparison.runs], columns=list(comparison.keys))
-    overview = pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
-    overview = overview.rename(columns=printable).map(printable)
+    metadata = {"runs": hashes, "folder": folder.name}
+    with blame(study):  # also if it returns something else than findings
+        findings = study.compare(comparison, folder, metadata=metadata)
+        every_note = tuple(map(printable, (*notes, *findings.notes)))
+        overview = pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
+        overview = overview.rename(columns=printable).map(printable)
+        report = _report(comparison, findings, overview, every_note)
+        # a file without columns could not be read back
+        tables = {name: table for name, table in findings.tables.items() if len(table.columns)}
     folder.mkdir(parents=True, exist_ok=True)
-    for name, table in findings.tables.items():
-        if len(table.columns):  # a file without columns could not be read back
-            write_table(folder, name, table)
-    write_atomically(folder / "comparison.md", _report(comparison, findings, overview, every_note))
+    for name, table in tables.items():
+        write_table(folder, name, table)
+    write_atomically(folder / "comparison.md", report)
     return Compared(folder, findings, overview, every_note)
 
 
@@ -221,7 +226,8 @@ def _folder(paths: Sequence[str], runs: Sequence[Run]) -> Path:
     if len(paths) == 1:
         return Path(paths[0]) / "comparison"
     identity = "\n".join(sorted(f"{run.folder.name} {run.hash}" for run in runs))
-    digest = hashlib.blake2b(identity.encode(), digest_size=5).hexdigest()
+    # a folder's name need not be UTF-8
+    digest = hashlib.blake2b(identity.encode(errors="surrogateescape"), digest_size=5).hexdigest()
     return runs[0].folder.parent / f"comparison-{digest}"
 
 

@@ -122,8 +122,9 @@ def sweep(
 def _prepare(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
     for folder in (run.folder, run.store.cases):
         check_writable(folder)
-    for name in (*texts, "manifest.json", "run.log"):
-        path = run.folder / name
+    names = (*texts, "manifest.json", "run.log")
+    # The tables of the study have no names yet, but every CSV file of a run is a table.
+    for path in (*(run.folder / name for name in names), *run.folder.glob("*.csv")):
         kind = "folder" if path.is_dir() else "pipe or a device"
         require(
             path.is_file() or not path.exists(),

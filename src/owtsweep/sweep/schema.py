@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pyarrow as pa
 
-from owtsweep.sweep.study import FAILED, OK, UNABLE
+from owtsweep.sweep.study import FAILED, OK, UNABLE, Square
 
 if TYPE_CHECKING:
     from owtsweep.config import Config
@@ -26,14 +27,19 @@ _KINDS = {
     "bool": FLAGS,
     "null": NOTHING,
 }
+#: A mean square is 0 or at least this: no number of a configuration is smaller than 1e-30, and no
+#: error smaller than the rounding of such a number.
+LEAST_SQUARE = 1e-300
+
 #: What `Engine.row_types` says of a column -> the kinds of values that the column may hold.
 _ALLOWED: Mapping[type | None, tuple[str, ...]] = {
     str: (TEXT, CATEGORIES, NOTHING),
     float: (NUMBERS, NOTHING),
+    Square: (NUMBERS, NOTHING),
     None: (TEXT, CATEGORIES, NUMBERS, FLAGS, NOTHING),
 }
 
-#: Column -> `str`, `float` (a number), or None where the study does not say.
+#: Column -> `str`, `float` (a number), `Square`, or None where the study does not say.
 Needed = Mapping[str, type | None]
 
 
@@ -42,11 +48,11 @@ class WrongRows(Exception):
 
 
 def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
-    """Return the columns that every row of a study must have: name -> `str`, `float` or None.
+    """Return the columns that every row of a study must have, by name, with their types.
 
-    None stands for any type. The columns are `status` and `reason`, the columns that the engine's
-    `sort_columns` and `row_types` name, and the conditions that do not expand. (A condition expands
-    if one row may stand for all its values.)
+    A type is `str`, `float`, `Square` or None, which stands for any type. The columns are `status`
+    and `reason`, those of the engine's `sort_columns` and `row_types`, and the conditions that do
+    not expand.
     """
     engine = study.engine(config)
     conditions = [c.name for c in study.conditions(config) if not c.expands]
@@ -103,19 +109,28 @@ def check_columns(schema: Any, needed: Needed) -> None:
 def check_table(table: Any, needed: Needed) -> None:
     """Check the values of a `pyarrow.Table` whose columns `check_columns` has checked.
 
-    `needed` is what `needed_columns` returns.
-
     Raises
     ------
     WrongRows
-        If there are no rows, a status is unknown, or a needed text column other than `reason` has a
-        missing value.
+        If there are no rows, a status is unknown, a needed text other than `reason` is missing, or
+        a column of squares holds a number between 0 and `LEAST_SQUARE` (or its negative).
     """
     for name, type_ in needed.items():
+        if type_ is Square:
+            _check_squares(name, table[name])
         if type_ is str and name != "reason" and table[name].null_count:
             raise WrongRows(f"its column {name} has an empty value")
     if "status" in needed:
         check_statuses(frozenset(table["status"].unique().to_pylist()))
+
+
+def _check_squares(name: str, column: Any) -> None:
+    values = column.to_numpy().astype(float)  # what is missing becomes NaN
+    tiny = values[(values != 0.0) & (np.abs(values) < LEAST_SQUARE)]
+    if len(tiny):
+        raise WrongRows(
+            f"its column {name} holds {tiny[0]:.3g}, but no mean square is so near to 0"
+        )
 
 
 def check_statuses(statuses: frozenset[Any]) -> None:

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     C = TypeVar("C", bound=Config)
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Joint", "Judged", "Spectral", "Study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Joint", "Judged", "Spectral", "Square",
+    "Study",
     "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
@@ -71,6 +72,13 @@ class Block:
     def choose(self, config: C) -> C:
         """Return the configuration, of one tuning, with which the block is computed."""
         return config.by_tuning()[self.tunings[0] if self.tunings else ""]
+
+
+class Square(float):
+    """The type that `row_types` of an engine gives to a column of mean squares or mean products.
+
+    Each number of the column is 0 or at least 1e-300 away from 0, because no study makes others.
+    """
 
 
 def add_versions(base: int, *rooms: ModuleType) -> int:

@@ -65,27 +65,28 @@ NOTHING = Decision("", np.nan, np.nan, np.nan, np.nan, "", -np.inf, 1.0)
 def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: Side) -> Decision:
     """Compare the ratio mean(a) / mean(b), paired over the replicates, with a threshold.
 
-    "mean(a) / mean(b) < threshold" means "mean(a - threshold b) < 0". So the test is the paired t
+    "mean(a) / mean(b) < threshold" means "mean(a - threshold b) < 0", so the test is the paired t
     test of a - threshold b. The 95 % interval of the ratio is the set of thresholds that this test
-    does not reject (Fieller 1954, Some problems in interval estimation). Its lower end is 0 or
-    more. Both ends are NaN for a single replicate, or if `b` scatters too much for a bounded
-    interval. For a single replicate, the decision has t = 0 and p = 1.
+    does not reject (Fieller 1954, Some problems in interval estimation). The interval starts at 0
+    or above. Its ends are NaN for a single replicate, or if `b` scatters too much for a bounded
+    interval. If the mean of `b` is 0, the ratio is infinite, or NaN if that of `a` is 0 too.
 
     Parameters
     ----------
     label
-        What is compared and where, for the reader.
+        Where the ratio is compared, for the reader.
     a, b
-        Values of shape (replicates,) each, in the same order of replicates, not negative. `b` may
-        be a number that is known exactly.
+        Values of shape (replicates,) each, in the same order, not negative. `b` may be a number
+        that is known exactly.
     threshold, side
-        The claim: the ratio lies below (or above) the threshold.
+        The claim: the ratio lies below (above) the threshold.
     """
     n = len(a)
     b = np.broadcast_to(np.asarray(b, dtype=float), (n,))
-    A, B = float(np.mean(a)), float(np.mean(b))
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # the mean of b may be 0
+        ratio = float(np.mean(a) / np.mean(b))
     if n < 2:
-        return Decision(label, A / B, np.nan, np.nan, threshold, side, 0.0, 1.0)
+        return Decision(label, ratio, np.nan, np.nan, threshold, side, 0.0, 1.0)
     difference = a - threshold * b
     error = float(np.std(difference, ddof=1) / np.sqrt(n))
     distance = float(np.mean(difference)) * (1.0 if side == "above" else -1.0)
@@ -94,7 +95,7 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
         t = distance / error if error > 0.0 else float(np.sign(distance)) * np.inf
     low, high = fieller(a, b, float(t_quantile(n - 1)))
     p = float(p_value(distance, error, n - 1))
-    return Decision(label, A / B, low, high, threshold, side, t, p)
+    return Decision(label, ratio, low, high, threshold, side, t, p)
 
 
 @dataclass(frozen=True)

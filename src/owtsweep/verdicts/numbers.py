@@ -23,30 +23,31 @@ TAILS = (50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE))
 
 
 def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
-    """Compare a run's values of a quantity with a published number.
+    """Compare a run's values with a published number.
 
     Parameters
     ----------
     samples
-        The quantity in each record of the run, shape (records,); None if the run has no values.
+        Values of the run, shape (records,); None if the run has none.
     published
         The published number, positive.
 
     Returns
     -------
     dict
-        The keys are `COLUMNS`. `reproduced`, `ci_low`, `ci_high`: mean over the records and the
-        ends of its 95 % interval by Student's t. `record_low`, `record_high`: 2.5th and 97.5th
-        percentile of the records. `quantile`: the fraction of records whose value is below the
-        published number; a record with an equal value counts half. `ratio`: reproduced / published.
-        `log2`: base-2 logarithm of `ratio`. `missed_by_factor_2`: whether |log2| > 1. If `samples`
-        is None, `missed_by_factor_2` is False and all other items are NaN.
+        The keys are `COLUMNS`. `reproduced`, `ci_low`, `ci_high`: mean over the records with its
+        95 % t interval. `record_low`, `record_high`: 2.5th and 97.5th percentile of single records.
+        `quantile`: the fraction of records below the published number (ties count half). `ratio`:
+        reproduced / published. `log2`: base-2 logarithm of `ratio`, minus infinity for the ratio 0
+        and NaN for a negative one. `missed_by_factor_2`: whether |log2| > 1. Without samples, this
+        is False and all other values are NaN.
     """
     if samples is None:
         return {**dict.fromkeys(COLUMNS, float("nan")), "missed_by_factor_2": False}
     decision = mean_ratio("", samples, 1.0, published, "above")
     low, high = np.percentile(samples, TAILS)
-    log2 = float(np.log2(decision.value / published))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        log2 = float(np.log2(decision.value / published))
     return {
         "reproduced": decision.value,
         "ci_low": decision.low,

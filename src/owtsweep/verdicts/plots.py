@@ -65,6 +65,7 @@ def _scatter_panel(axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str]) ->
     axes.set(xscale="log", yscale="log", aspect="equal")
     if len(numbers):
         ends = numbers[["published", "reproduced", "record_low", "record_high"]].to_numpy()
+        ends = ends[ends > 0.0]  # a perfect scheme has the value 0, which has no place on the axis
         low, high = 0.6 * float(np.min(ends)), float(np.max(ends)) / 0.6
         line = np.array([low, high])
         axes.fill_between(line, line / 2.0, line * 2.0, **BAND)
@@ -130,7 +131,9 @@ def _ratio_panel(
         look = style_of(scheme, schemes)
         rows = numbers[numbers["scheme"] == scheme].dropna(subset="reproduced")
         place = np.array([measures.index(m) for m in rows["measure"]]) + shift
-        low = np.log2(rows["record_low"] / rows["published"])
-        high = np.log2(rows["record_high"] / rows["published"])
-        axes.vlines(place, low, high, color=look.color, alpha=0.6)
+        with np.errstate(divide="ignore", invalid="ignore"):  # a value that is not positive
+            low = np.log2(rows["record_low"] / rows["published"])
+            high = np.log2(rows["record_high"] / rows["published"])
+        there = np.isfinite(low) & np.isfinite(high)
+        axes.vlines(place[there], low[there], high[there], color=look.color, alpha=0.6)
         axes.plot(place, rows["log2"], look.marker, color=look.color, markersize=5.5)

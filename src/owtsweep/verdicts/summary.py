@@ -121,10 +121,12 @@ def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float])
         distances = chosen["log2"].abs().dropna()
         complete = len(distances) == len(chosen)
         for label, quantile, limit in (("median", 0.5, goal), ("80th percentile", 0.8, NAN)):
-            value = float(distances.quantile(quantile))
+            with np.errstate(over="ignore", invalid="ignore"):  # the value 0 is infinitely far
+                value = float(distances.quantile(quantile))
+                factor = np.exp2(value)
             agrees, why = "", f"over {len(distances)} of {len(chosen)} numbers"
             if np.isfinite(value):
-                why += f", a factor of {2.0**value:.2f}"
+                why += f", a factor of {factor:.2f}"
             if np.isfinite(limit):
                 # If numbers are missing, the distance is that of a different set of numbers.
                 agrees = ("yes" if value <= limit else "no") if complete else MISSING

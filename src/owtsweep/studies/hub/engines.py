@@ -16,6 +16,7 @@ from owtsweep.studies.hub.conditions import CONDITIONS, make_cube
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
 from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.sweep.study import Square
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,7 +40,7 @@ class _Engine:
     row_types: ClassVar[Mapping[str, type]] = {
         **dict.fromkeys(("scheme", "measure", "window"), str),
         **dict.fromkeys(("natural_period", "replicate", "amplitude", "n_samples"), float),
-        **dict.fromkeys(("motion", "cross", "noise", "value"), float),
+        **dict.fromkeys(("motion", "cross", "noise", "value"), Square),
     }
 
     def sort_columns(self) -> list[str]:

@@ -100,14 +100,18 @@ def _write_all(
 
 @contextmanager
 def _replace_when_written(path: Path) -> Iterator[str]:
-    """Give a `with` block the name of a temporary file; rename this file to `path` after the block.
+    """Give the name of a temporary file inside a `with` block; then rename this file to `path`.
 
-    If the block raises an error, the temporary file is deleted and `path` stays as it was.
+    After an error, the temporary file is deleted and `path` stays as it was. The first note of an
+    error of the file system (`__notes__`) names `path`.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         yield str(temporary)
         os.replace(temporary, path)
+    except OSError as error:
+        error.add_note(str(path))  # the error itself has the temporary name, or none
+        raise
     finally:
         temporary.unlink(missing_ok=True)
 

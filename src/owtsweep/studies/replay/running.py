@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import glob
+import logging
 import os
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import changed, require
 from owtsweep.errors import InputError, printable
+from owtsweep.io.files import refuse_in_one_line
 from owtsweep.io.reading import require_regular
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.replay.config import ReplayConfig
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from owtsweep.sweep.progress import Progress
     from owtsweep.sweep.run import Outcome
     from owtsweep.sweep.runs import Run
+
+logger = logging.getLogger(__name__)
 
 #: Bytes of the name of a replay; its folder's name has 11 more, and file systems allow 255.
 LONGEST_EXPERIMENT = 244
@@ -150,20 +154,14 @@ def execute(
     argv: Sequence[str] | None = None,
     say: Callable[[str], None] = lambda text: None,
 ) -> Outcome:
-    """Run the schemes on the records, except where results are stored; then write the estimates.
-
-    The report is not written.
+    """Run the cases that are missing, then write the estimates (`report.write` writes the report).
 
     Parameters
     ----------
     config
         The configuration of the replay.
-    fresh
-        If True, the stored results of this run are deleted first.
-    progress
-        An object that shows the progress of the run; None to show nothing.
-    argv
-        The words of the command line, to be stored with the run; None if started from Python.
+    fresh, progress, argv
+        As for `owtsweep.sweep.run.sweep`.
     say
         Function that shows the user a line: notes on the records before anything runs, and
         announcements of slow work.
@@ -171,7 +169,7 @@ def execute(
     Returns
     -------
     Outcome
-        The run, and what was computed, reused or failed.
+        What was computed, reused and failed; estimates that could not be written are in `failed`.
 
     Raises
     ------
@@ -179,15 +177,22 @@ def execute(
         If a record or the configuration cannot be used; nothing has been written then.
     """
     from owtsweep.studies.replay import estimates
+    from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import sweep
 
     for note in verify(config):
         say(f"note: {note}")
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
-    folders = locate_estimates(config, outcome.run.folder).values()
-    for file, folder in zip(config.grid.files, folders, strict=True):
-        estimates.write(config, file, folder, say)
-    return outcome
+    folders = locate_estimates(config, outcome.run.folder)
+    unwritten = []
+    for file, (label, folder) in zip(config.grid.files, folders.items(), strict=True):
+        try:
+            with refuse_in_one_line(folder):
+                estimates.write(config, file, folder, say)
+        except InputError as error:  # no case is lost: all are stored
+            logger.warning("failed: estimates of %s: %s", label, error)
+            unwritten.append(Setback(f"estimates of {label}", str(error), 0))
+    return replace(outcome, failed=[*outcome.failed, *unwritten])
 
 
 def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:

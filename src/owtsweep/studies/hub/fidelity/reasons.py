@@ -95,14 +95,15 @@ def terms(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> Terms
 
 
 def start_up_share(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> float:
-    """Compute the share (0 to 1) of a record's squared error that arises before the settling time.
+    """Compute which share (0 to 1) of the record's squared error is made before the settling time.
 
-    The share is that of all replicates of `cell` (natural period and amplitude) together. Return
-    NaN if the run did not compute this scheme in this cell with evaluation=superposed.
+    Returns NaN if there is no error, and unless the run computed this case by superposition
+    (evaluation=superposed).
     """
     chosen = _superposed(evidence, scheme, cell, measure, both_windows=True)
     total = (_mse(chosen, cell) * chosen["n_samples"]).groupby(chosen["window"]).sum()
-    return float(1.0 - total.get("settled", np.nan) / total.get("full", np.nan))
+    full = total.get("full", np.nan)
+    return float(1.0 - total.get("settled", np.nan) / full) if full > 0.0 else float("nan")
 
 
 def reason(evidence: HubEvidence, scheme: str, cell: Cell, measure: str, published: float) -> str:
@@ -132,10 +133,11 @@ def reason(evidence: HubEvidence, scheme: str, cell: Cell, measure: str, publish
     else:
         sentences.append("the print leaves no room for a motion term")
     cause = "noise floor" if with_noise < with_motion else "motion term"
-    left = min(with_noise, with_motion)
+    with np.errstate(over="ignore"):
+        left = np.exp2(min(with_noise, with_motion))
     sentences.append(
         f"mainly the {cause}: with the print's own the number would be within a factor of "
-        f"{2.0**left:.2f}"
+        f"{left:.2f}"
     )
     share = start_up_share(evidence, scheme, cell, measure)
     if np.isfinite(share) and evidence.window == "full":
@@ -170,7 +172,10 @@ def _doubt(evidence: HubEvidence, scheme: str, measure: str, floor: float) -> st
 
 
 def _shares(parts: Terms) -> str:
-    motion, cross, noise = (part / sum(parts) for part in parts)
+    total = sum(parts)
+    if not total > 0.0:
+        return f"ours is {total:.3g}"
+    motion, cross, noise = (part / total for part in parts)
     product = f", {_percent(cross)} their product" if abs(cross) > 0.005 else ""
     return f"ours is {_percent(motion)} motion, {_percent(noise)} noise{product}"
 
