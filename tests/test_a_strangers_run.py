@@ -125,7 +125,7 @@ def test_a_run_of_before_plans_shows_its_tables_only(stranger, capsys):
         (lambda plan: {**plan, "blocks": [["../../secret", "a", 1, 1]]}, "no plan"),
         (lambda plan: {**plan, "blocks": [[plan["blocks"][0][0], "a", -1, 1]]}, "no plan"),
         (lambda plan: {**plan, "code": []}, "other schemes"),
-        (lambda plan: {**plan, "code": [{"name": 3, "linear": True}] * 2}, "without a name"),
+        (lambda plan: {**plan, "code": [{"name": 3, "linear": True}] * 2}, "lacks the name"),
     ],
 )
 def test_a_plan_is_checked_as_what_it_is(stranger, change, says):

@@ -14,12 +14,12 @@ from owtsweep.cli import main
 
 ROOT = Path(__file__).parents[1]
 SMALL = [
-    "experiment=study",
-    "tuning=paper",
     "grid.natural_period=[4.0]",
     "grid.amplitude=[0.2,1.0]",
     "grid.replicates=2",
     "record.duration=40",
+    "experiment=study",
+    "tuning=paper",
 ]
 
 
@@ -109,6 +109,7 @@ def test_list_names_everything_there_is(capsys):
 @pytest.mark.parametrize("place", [0, 2, 5])
 def test_multirun_works_anywhere_in_the_line(place, capsys):
     words = ["schemes=[MKF]", "sensors.gnss.delay=0.1,0.2,0.4", *SMALL[:2], "record.duration=30"]
+    words.append("tuning=paper")
     words.insert(place, "--multirun" if place else "-m")
     assert main(["sweep", *words, "grid.replicates=1"]) == 0
     configs = [yaml.safe_load(p.read_text()) for p in Path("results").glob("*/*/config.yaml")]

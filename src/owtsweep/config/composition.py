@@ -131,7 +131,7 @@ def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = Fals
 
 @contextmanager
 def _hydra_of(tree: Tree) -> Iterator[None]:
-    """Set Hydra up for a tree; a run of a multirun, which Hydra itself has started, may do so too."""
+    """Set Hydra up for a tree, also within a run that Hydra itself has started (a multirun)."""
     from hydra import initialize_config_dir
     from hydra.core.global_hydra import GlobalHydra
 

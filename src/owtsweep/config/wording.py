@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from owtsweep.config.hints import explain_unknown_key, list_keys
 from owtsweep.config.section import TYPE_NAMES, fields_along, item_type, read_facts
+from owtsweep.config.tunings import SECTIONS
 
 #: First words of pydantic's names of type errors -> the type expected.
 TYPES = {"bool": bool, "string": str, "int": int, "float": float}
@@ -29,6 +30,8 @@ def in_one_line(error: ValidationError, model: Any) -> str:
     order = {"extra_forbidden": 0, "missing": 1}
     first = min(error.errors(include_url=False), key=lambda e: order.get(e["type"], 2))
     kind, value, limits, path = first["type"], first["input"], first.get("ctx", {}), first["loc"]
+    if path[:1] == (SECTIONS,):
+        path = path[2:]  # what belongs to one of several tunings is named as in a run of one
     steps = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     key = "".join(steps).removeprefix(".")
     if kind == "extra_forbidden":

@@ -26,7 +26,7 @@ INTRODUCTION = """\
 
 Every key of every study. Set one by `key=value` on the command line, e.g.
 `sensors.gnss.delay=0.4`; the defaults are those of a run without overrides. Units are SI, angles
-are in degrees.
+are in degrees. With several tunings, the defaults of `ekf` to `hme` are those of the first.
 
 An *axis* is a list whose entries are numbers, `{log: [first, last, count]}` or
 `{linear: [first, last, count]}`: `'grid.amplitude=[{log:[0.05,10,100]},20]'` (in quotes, because
@@ -62,7 +62,9 @@ def reference() -> str:
     parts = [INTRODUCTION, "## Every study", sentence, table(COLUMNS, seen)]
     for name, entry in OURS.items():
         config = compose([f"study={name}"], primary=entry.primary)
-        rows = [row for row in _describe(type(config), as_plain(config)) if row not in seen]
+        first = next(iter(config.by_tuning().values()))  # of several tunings, for its sections
+        defaults = {**as_plain(first), **as_plain(config)}
+        rows = [row for row in _describe(type(config), defaults) if row not in seen]
         seen |= dict.fromkeys(rows)
         sentence = "What it adds or changes, besides the keys above."
         parts += [f"## `{name}`", sentence, table(COLUMNS, rows)]

@@ -31,16 +31,11 @@ def make_plan(study: Study, config: Config) -> Plan:
             plan.setdefault(key, block)
             if tuning and tuning not in plan[key].tunings:
                 plan[key] = replace(plan[key], tunings=(*plan[key].tunings, tuning))
-    plan = {key: _label(block) for key, block in plan.items()}
+    for key, block in plan.items():
+        if len(block.tunings) == 1:
+            plan[key] = replace(block, label=f"{block.label}, {block.tunings[0]}")
     require(len(plan) > 0, "grid: it holds no case; give every list of the grid a value")
     return plan
-
-
-def _label(block: Block) -> Block:
-    """Return the block with its tuning in its label, if it belongs to one of several tunings."""
-    if len(block.tunings) != 1:
-        return block
-    return replace(block, label=f"{block.label}, {block.tunings[0]}")
 
 
 def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
