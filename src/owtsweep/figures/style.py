@@ -68,10 +68,20 @@ def label_of(name: str) -> str:
     return JOINER + name if name.startswith("_") else name
 
 
-def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns: int) -> None:
-    """Put a legend above everything else; the legend's `title` serves as the figure's title."""
+def add_legend_above(
+    figure: Figure,
+    handles: Sequence[Any],
+    title: str,
+    columns: int,
+    handlers: Mapping[Any, Any] | None = None,
+) -> None:
+    """Put a legend above everything else; the legend's `title` serves as the figure's title.
+
+    `handlers` draw special handles: kind of handle -> handler, as matplotlib's `handler_map`.
+    """
     figure.legend(
         handles=handles,
+        handler_map=None if handlers is None else dict(handlers),
         title=title,
         title_fontsize=11,
         loc="outside upper left",
