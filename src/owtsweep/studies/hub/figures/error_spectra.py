@@ -154,7 +154,7 @@ def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, flo
     axes.set_ylim(1e-4, 2.0)
     _frequency_ticks(axes, limits[0], BEYOND[1] * config.band[1])
     axes.set_xlabel("frequency of the motion (Hz)")
-    axes.set_ylabel("motion spectrum")
+    axes.set_ylabel("motion spectrum\n(its peak is 1)")
 
 
 def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
