@@ -107,13 +107,12 @@ def _make_field(
 
 
 def _mark(axes: Axes, place: tuple[float, float], ends: tuple[float, float]) -> None:
-    """Mark the record's place by a star with bars; the map keeps its limits.
+    """Mark the record's place by a star with bars.
 
     `place` is natural period (s) and amplitude (m). `ends` is half the bar of the period (s), and
     half that of the logarithm of the amplitude; NaN for no bar.
     """
     period, amplitude = place
-    limits = axes.get_xlim(), axes.get_ylim()
     bars: dict[str, Any] = {
         "xerr": [[ends[0]], [ends[0]]],
         "yerr": [[amplitude - amplitude / np.exp(ends[1])], [amplitude * np.expm1(ends[1])]],
@@ -125,8 +124,7 @@ def _mark(axes: Axes, place: tuple[float, float], ends: tuple[float, float]) -> 
         period, amplitude, marker="*", markersize=14, color="white", markeredgecolor="black",
         markeredgewidth=1.3, zorder=7,
     )  # fmt: skip
-    axes.set(xlim=limits[0], ylim=limits[1])
-    right = period > 0.5 * sum(limits[0])
+    right = period > 0.5 * sum(axes.get_xlim())
     axes.annotate(
         f"this record\n{period:.2f} s, {amplitude:.2g} m", (period, amplitude),
         (-14 if right else 14, 12), ha="right" if right else "left",
