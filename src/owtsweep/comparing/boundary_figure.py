@@ -169,7 +169,7 @@ def _explain(boundaries: pd.DataFrame, shared: Aspects, edges: tuple[float, floa
     text = (
         f"Below the boundary {lower} has the smaller mean MSE of the two, above it {upper}; bars:"
         " 95 % interval (bootstrap over the records), left out where an end is infinite. Points of"
-        " one value stand side by side."
+        " one tick are shifted sideways, so that their bars do not hide each other."
     )
     exists = boundaries.loc[boundaries["wins"] == "", "boundary"]
     if not exists.between(*edges).all():

@@ -124,7 +124,7 @@ EXPLANATION = (
     "Curves: error from motion alone, for a sinusoid of 1 m rms along the waves; s m rms moves them"
     " by s². Bars on the right: error from sensor noise alone, at any motion. The MSE of a record"
     " is the average of the curve over its spectrum, times its mean square, plus the bar. Both are"
-    " settled: the start-up transient of a record is in neither."
+    " settled: the start-up transient of a record is in neither. Curves may go on below a panel."
 )
 
 MOTION_EXPLANATION = (

@@ -241,7 +241,8 @@ def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
         for lag, group in sorted(lags.items())
     )
     sentences = [
-        f"Each value of the filter stands at the moment that it is about; it is known: {when}."
+        "Estimates are drawn at the time to which they refer; the filters give them then, or later:"
+        f" {when}."
     ]
     if 0.0 in lags:
         sentences.append(

@@ -190,7 +190,9 @@ def _explain(session: Session, quantity: str, shown: Traces, advised: str | None
             x, y = session.record.origin
             sentences.append(f"The mean position ({x:.3g}, {y:.3g}) m is taken off.")
     if quantity in ("acceleration", "bias"):
-        sentences.append("Each value of the filter stands at the moment that it is about.")
+        sentences.append(
+            "Estimates are drawn at the time to which they refer, not when the filter gives them."
+        )
     if quantity == "bias" and session.record.steps > POINTS:
         every = 2.0 * session.record.steps / POINTS * session.record.step
         sentences.append(f"Drawn are the least and the greatest value of every {every:.3g} s.")

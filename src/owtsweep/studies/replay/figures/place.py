@@ -63,8 +63,8 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             title=f"Place of {name_file(str(record['file']))} in the map of the best scheme\n"
             f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}",
             origin="Bars of the star: 95 % intervals. That of the period comes from the fit of Eq."
-            " (1); that of the amplitude says how far the rms of another record of this length may"
-            " lie from this one's. The map: motions of the spectrum translated (bandwidth"
+            " (1), that of the amplitude from how far the rms of records of this length scatters in"
+            " one sea state. The map: motions of the spectrum translated (bandwidth"
             f" {config.spectrum.bandwidth:g} s⁻²) in"
             f" band [{band[0]:g}, {band[1]:g}] Hz, with this record's ratio of the largest to the"
             f" rms displacement in the band, {ratio:.2f}.",
