@@ -26,6 +26,28 @@ def _elsewhere(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "tests"))
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["seed=range(1,1000000)"], "ask for 999999 runs, and a multirun has at most 10000; give "),
+        (["seed=range(999999)", "record.duration=range(25,30,0.001)"], "ask for 5e+09 runs"),
+        (["seed=range(1,inf)"], "ask for inf runs"),
+        (["seed=range(1,5,0)"], "ask for inf runs"),
+        (["seed=" + "1," * 100 + "1", "tuning=" + "paper," * 100 + "paper"],
+         "ask for 10201 runs"),
+        (["seed=" + "9" * 100_000], "9999: a number has at most 4000 digits"),
+        ([""], "'': this is no override; use key=value"),
+        (["="], "'=': this is no override; use key=value"),
+    ],
+)  # fmt: skip
+def test_what_is_no_multirun_is_one_line(words, says, capsys, tmp_path):
+    assert main(["sweep", "-m", *SMALL, *words]) == 2
+    err = capsys.readouterr().err
+    assert says in err
+    assert err.count("\n") == 1
+    assert not any(tmp_path.iterdir())
+
+
 def record():
     (path,) = Path("results").glob("multirun-*/multirun.json")
     return path.parent, json.loads(path.read_text())

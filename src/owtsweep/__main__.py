@@ -51,10 +51,10 @@ def run() -> NoReturn:
 
 
 def _open_missing_streams() -> None:
-    """Open the null device for each standard stream that is closed, e.g. by `>&-`.
+    """Open the null device for each standard stream that is closed, e.g. by `>&-` in a shell.
 
-    Otherwise the next opened file would get the stream's number, and thus all that libraries and
-    other processes print.
+    Otherwise the next file that is opened would get the number of the closed stream. Everything
+    that libraries and child processes print would then go into this file.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
@@ -73,9 +73,10 @@ def _flush() -> None:
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
-    """Handle a signal: stop the command by `KeyboardInterrupt`, so that it says what is stored.
+    """Handle a signal: raise `KeyboardInterrupt`, so that the command says what is stored and ends.
 
-    At the second call, end the process at once.
+    At a second signal, or if the command has not ended after `GRACE` seconds, end the process at
+    once. `number` is the signal's number; `frame` is not used.
     """
     global _stopped_by
     if _stopped_by:
@@ -89,7 +90,10 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 
 def _end_late(code: int) -> None:
-    """End the process after `GRACE` seconds; the interpreter might wait for a thread for ever."""
+    """End the process with the exit code `code`, after `GRACE` seconds.
+
+    Python's interpreter alone might wait for ever for a thread that does not end.
+    """
     time.sleep(GRACE)
     _say("a thread or process that was started here does not end, and is ended")
     _end(code)
@@ -101,7 +105,11 @@ def _say(text: str) -> None:
 
 
 def _end(code: int) -> NoReturn:
-    """End this process at once, and also the processes of a pool with their children."""
+    """End this process at once with the exit code `code`.
+
+    Before that, end the worker processes of joblib, and all processes that the workers have
+    started.
+    """
     _flush()
     if "joblib" in sys.modules:
         from multiprocessing import active_children

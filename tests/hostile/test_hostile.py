@@ -167,6 +167,8 @@ WORDS = {
     "seed": ["seed=-1"], "huge_seed": ["seed=" + "9" * 40], "nan": ["sensors.gnss.sigma=nan"],
     "band": ["band=[0.3,0.3000001]"], "horizon": ["hme.mhe.horizon=1000000000"],
     "bomb": ["+x=" + BOMB.replace("\n", " ")], "many": [f"+k{n}=1" for n in range(300)],
+    "digits": ["seed=" + "9" * 100_000], "range": ["record.duration=range(1,1000000)"],
+    "endless_range": ["record.duration=range(1,2,0)"],
 }  # fmt: skip
 
 

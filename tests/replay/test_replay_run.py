@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from replay_tools import motion_file, sensor_file
 import owtsweep
 from owtsweep.cli import main
 from owtsweep.studies.replay.running import configure, execute, expand
+from owtsweep.sweep.runs import Run
 
 QUICK = ["schemes=[MKF,HME1]", "replay.replicates=2", "measures.settling_time=5", "tuning=matched"]
 
@@ -205,3 +207,34 @@ def test_files_and_patterns():
         Path(name).write_text("x")
     found = [Path(file).name for file in expand(["b.csv", "*.csv", "a[1].csv"])]
     assert found == ["b.csv", "a.csv", "a[1].csv"]
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("estimates", "file"), ("estimates", "pipe"), ("estimates", "link"),
+        ("estimates.parquet", "folder"), ("estimates/MKF.csv", "folder"), ("report.md", "folder"),
+        pytest.param("figures", "file", marks=pytest.mark.faults),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_written_is_told_and_no_case_is_lost(name, content, capsys, monkeypatch):
+    if name != "figures":  # drawing takes most of the time
+        monkeypatch.setattr(Run, "draw", lambda *args, **options: [])
+    motion_file(Path("a.csv"), duration=25.0)
+    path = Path("results/r", name)
+    path.parent.mkdir(parents=True)
+    {
+        "file": path.touch, "folder": path.mkdir, "pipe": lambda: os.mkfifo(path),
+        "link": lambda: path.symlink_to("nowhere"),
+    }[content]()  # fmt: skip
+    words = ["replay", "a.csv", *QUICK[1:], "schemes=[MKF]", "replay.replicates=1", "name=r"]
+    assert main(words) == 1
+    out, err = capsys.readouterr()
+    (line,) = [line for line in err.splitlines() if line.startswith("failed: ")]
+    assert f"results/r/{name}: cannot be written (" in line
+    assert "tmp" not in line
+    assert "cases computed" in out
+    (path.rmdir if content == "folder" else path.unlink)()
+    assert main(words) == 0
+    assert "0 cases computed" in capsys.readouterr().out
+    assert not list(Path("results/r").rglob("*.tmp"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -64,6 +65,17 @@ def test_a_summary_has_a_row_per_item_and_their_ratio():
     assert median["why"] == "over 2 of 2 numbers, a factor of 1.23; agreement: at most 0.35"
     incomplete = next(iter(distance_rows(numbers, {("A", "B"): 0.35})))
     assert incomplete.agrees == "missing"
+
+
+def test_an_infinite_distance_leaves_blanks_and_does_not_agree():
+    """A perfect scheme has it; warnings are errors in tests."""
+    numbers = pd.DataFrame({"scheme": ["A"] * 3, "log2": [-float("inf")] * 2 + [0.1]})
+    median, percentile = distance_rows(numbers, {("A",): 0.35})
+    assert not np.isfinite([median.reproduced, percentile.reproduced]).any()
+    assert (median.agrees, percentile.agrees) == ("no", "")
+    assert median.why == "over 3 of 3 numbers; agreement: at most 0.35"
+    far = pd.DataFrame({"scheme": ["A"], "log2": [-1053.0]})
+    assert "a factor of inf" in next(iter(distance_rows(far, {("A",): 0.35}))).why
 
 
 def test_sections_without_anything_to_tell_are_left_out():

@@ -1,4 +1,4 @@
-"""`fidelity`: compare a run with the published results."""
+"""The command `fidelity`: compare a run with the published results of its study."""
 
 from __future__ import annotations
 
@@ -11,12 +11,16 @@ from owtsweep.errors import InputError, printable
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Write tables, figures and the report into the run's folder fidelity/, and return 0.
+    """Compare the run `options.run` with published results; write a report, and return 0.
+
+    Tables, figures and the report are written into the subfolder fidelity/ of the run's folder.
+    `options` are the parsed arguments of the command; `argv` is not used.
 
     Raises
     ------
     InputError
-        If the run's study has no published results, or the run has no records or no succeeded case.
+        If the run's study has no published results, the run holds expected values instead of
+        records, or no case of the run has succeeded.
     """
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line
@@ -27,11 +31,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if not isinstance(study, Judged):
         raise InputError(
             f"{opened.folder}: this is a run of study {study.name!r}, which has no published "
-            "results; name a run of a study that has"
+            "results; name a run of a study with published results"
         )
     require(
         opened.engine.samples,
-        f"{opened.folder}: this run has no records, so nothing has an interval to be judged by; "
+        f"{opened.folder}: this run has no records, so its results have no intervals; "
         "name a run with engine=batch",
     )
     rows = opened.cases()

@@ -1,4 +1,4 @@
-"""`figures`: draw all figures of a run."""
+"""The command `figures`: draw all figures of a run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from owtsweep.cli.program import DONE
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Draw all figures of a run into the run's folder figures/, and return 0."""
+    """Draw all figures of the run `options.run` into its subfolder figures/, and return 0.
+
+    `options` are the parsed arguments of the command; `argv` is not used.
+    """
     from owtsweep.api import load
     from owtsweep.errors import printable
     from owtsweep.io.files import refuse_in_one_line

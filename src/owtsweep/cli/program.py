@@ -1,6 +1,7 @@
-"""Parse the command line and run a subcommand, whose module is imported on demand.
+"""Parse the command line and run the subcommand that it names.
 
-Exit codes: 0 done, 1 some cases failed, 2 bad input, 130 interrupted.
+Only the module of this subcommand is imported. Exit codes: 0 done, 1 some cases failed, 2 bad
+input, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -30,12 +31,19 @@ best where. Reproduces the sensitivity study of Ren et al. (2019)."""
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line; `commands` holds its subcommands' parsers."""
+    """An argument parser that raises `InputError` with one line, instead of exiting.
+
+    Attributes
+    ----------
+    commands
+        Name of a subcommand -> its parser. Only the parser of the whole command line has this
+        attribute.
+    """
 
     commands: Mapping[str, Parser]
 
     def error(self, message: str) -> NoReturn:
-        """Raise `InputError` with a message of argparse, instead of printing and exiting."""
+        """Raise `InputError` with the message of argparse, followed by a hint to `--help`."""
         raise InputError(f"{message}; see `{self.prog} --help`")
 
 
@@ -135,7 +143,7 @@ COMMANDS = {
 
 
 def make_parser() -> Parser:
-    """Return the parser of the whole command line."""
+    """Return the parser of the whole command line, with a parser for each subcommand."""
     parser = Parser(prog=PROGRAM, description=DESCRIPTION)
     parser.add_argument(
         "--version", action="version", version=__version__, help="print the version and stop"
@@ -151,7 +159,10 @@ def make_parser() -> Parser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command line, `sys.argv` if none is given, and return its exit code."""
+    """Run a command line and return the exit code; errors are printed to stderr.
+
+    `argv` holds the words after the program's name; None means those of `sys.argv`.
+    """
     arguments = list(sys.argv[1:] if argv is None else argv)
     _warnings_to_stderr()
     try:
@@ -179,13 +190,20 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def same_command(arguments: Sequence[str]) -> str:
-    """Return the command line that continues a stopped command, quoted for a shell."""
+    """Return the command line that continues a stopped command, quoted for a shell.
+
+    `arguments` are the words of the stopped command. `--fresh` and `--yes` are left out, because
+    they would delete the stored cases.
+    """
     words = [word for word in arguments if word not in ("--fresh", "--yes")]
     return f"{PROGRAM} {shlex.join(words)}"
 
 
 def _warnings_to_stderr() -> None:
-    """Print warnings (e.g. a damaged shard, a missing block) to stderr in addition to run.log."""
+    """Print logged warnings to stderr too, except those that begin with "failed: ".
+
+    A warning says, for example, that a file of stored cases is damaged.
+    """
     logger = logging.getLogger("owtsweep")
     if not logger.handlers:
         handler = logging.StreamHandler()
@@ -216,9 +234,10 @@ def _run(arguments: list[str]) -> int:
 
 
 def raise_interrupt(error: BaseException) -> None:
-    """Raise `KeyboardInterrupt` if an interrupt led to this error; otherwise return.
+    """Raise `KeyboardInterrupt` if `error` was raised while an interrupt was handled.
 
-    A library that is interrupted may raise an error of its own while it handles the interrupt.
+    Otherwise return. A library that is interrupted may raise an error of its own, which would
+    hide the interrupt.
     """
     earlier = error.__context__
     while earlier is not None and not isinstance(earlier, KeyboardInterrupt):
@@ -235,6 +254,9 @@ def _here_exists() -> bool:
 
 
 def _without_cfg_kind(arguments: list[str]) -> list[str]:
-    """Return the arguments after the subcommand, with `--cfg job` (Hydra's form) as `--cfg`."""
+    """Return the arguments without the first, the subcommand's name.
+
+    The word "job" after `--cfg` is left out too: `--cfg job` is Hydra's form of `--cfg`.
+    """
     pairs = pairwise(arguments)
     return [word for before, word in pairs if (before, word) != ("--cfg", "job")]

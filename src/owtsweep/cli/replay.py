@@ -1,4 +1,4 @@
-"""`replay`: run all schemes on recorded motion or recorded sensors."""
+"""The command `replay`: run all schemes on recorded motion or on recorded sensor signals."""
 
 from __future__ import annotations
 
@@ -6,15 +6,31 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from owtsweep.cli.program import BAD_INPUT, DONE
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED
 from owtsweep.cli.running import may_start, print_answer, tell_end, written_tables
 from owtsweep.config import dump, require
+from owtsweep.errors import InputError
+from owtsweep.io.files import refuse_in_one_line
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Describe or replay record files, and return the exit code.
+    """Replay record files, or only describe their channels, and return the exit code.
 
-    A replay writes tables, estimates, figures and a report.
+    A replay runs all schemes on the records, and writes tables, estimates, figures and a report.
+
+    Parameters
+    ----------
+    options
+        The parsed arguments of the command. `options.words` are the files and the overrides. With
+        `options.describe` the files are described; with `options.cfg` the configuration is
+        printed. In both cases nothing is run.
+    argv
+        The words of the command line.
+
+    Raises
+    ------
+    InputError
+        If a file or an override is refused.
     """
     files = [word for word in options.words if "=" not in word]
     overrides = [word for word in options.words if "=" in word]
@@ -42,10 +58,18 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     for note in list_spectrum_notes(config):
         print(f"note: {note}", file=sys.stderr)
     replayed, tables = outcome.run, written_tables(outcome)
+    written = True
     if tables:
-        report.write(config, tables, replayed.draw(results=outcome.results), replayed.folder)
-        print_answer(replayed, tables, width=None if sys.stdout.isatty() else 120)
-    return tell_end(outcome, argv, f"{replayed.folder}/report.md")
+        try:
+            with refuse_in_one_line(replayed.folder):
+                figures = replayed.draw(results=outcome.results)
+                report.write(config, tables, figures, replayed.folder)
+        except InputError as error:  # what was computed is stored
+            print(f"failed: the report could not be written: {error}", file=sys.stderr)
+            written = False
+        written &= print_answer(replayed, tables, width=None if sys.stdout.isatty() else 120)
+    code = tell_end(outcome, argv, f"{replayed.folder}/report.md")
+    return code if written else FAILED
 
 
 def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | None) -> int:

@@ -1,4 +1,4 @@
-"""`show`: print how a run was made and what its folder holds."""
+"""The command `show`: print how a run was made and what the run's folder holds."""
 
 from __future__ import annotations
 
@@ -18,7 +18,16 @@ DEEPEST, WIDEST = 20, 60
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Print a run's manifest and what the run's folder holds now, and return 0."""
+    """Print how the run `options.run` was made and what the run's folder holds, and return 0.
+
+    How the run was made is read from the manifest in the run's folder. `options` are the parsed
+    arguments of the command; `argv` is not used.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no run, or the manifest cannot be read.
+    """
     from owtsweep.api import load
     from owtsweep.sweep.provenance import read_manifest
 
@@ -29,7 +38,10 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
 
 def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
-    """Return the manifest without the configuration and without the list of blocks."""
+    """Return a run's manifest without the list of blocks, and with less on the configuration.
+
+    In place of the configuration stands the path of config.yaml. `opened` is the run.
+    """
     shown = dict(manifest)
     if shown.get("state") == "running":
         shown["state"] = "running, or killed: its end is not written"
@@ -41,7 +53,10 @@ def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
 
 
 def _describe_folder(opened: Run) -> dict[str, Any]:
-    """Return the case counts, the tables and the figures of the run folder; reads all shards."""
+    """Return how many cases, tables and figures a run's folder holds, as entries to print.
+
+    All stored cases of the run are read, which may take some time.
+    """
     figures = opened.folder / "figures"
     drawn = len(list(figures.glob("*.png"))) if figures.is_dir() else 0
     return {

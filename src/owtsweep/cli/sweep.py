@@ -1,4 +1,4 @@
-"""`sweep`: run a study and draw its map."""
+"""The command `sweep`: run a study and draw its map of the best schemes."""
 
 from __future__ import annotations
 
@@ -10,9 +10,21 @@ from owtsweep.cli.running import may_start, run_one
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Run one study, or all runs of a multirun, and return the exit code.
+    """Make one run of a study, or with `--multirun` several runs, and return the exit code.
 
-    With `--cfg`, print the configuration instead.
+    With `--cfg`, print the configuration and run nothing.
+
+    Parameters
+    ----------
+    options
+        The parsed arguments of the command.
+    argv
+        The words of the command line.
+
+    Raises
+    ------
+    InputError
+        If the configuration is refused.
     """
     if options.multirun:
         from owtsweep.cli.multirun import run_all

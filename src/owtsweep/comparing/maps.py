@@ -1,4 +1,7 @@
-"""Draw the best-scheme maps of several runs side by side, with the boundary of two schemes."""
+"""Draw maps of the best scheme of several runs side by side, with a boundary of two schemes.
+
+The boundary is the value of a condition above which the second of two schemes is better.
+"""
 
 from __future__ import annotations
 
@@ -34,11 +37,18 @@ Panels = list[list[int | None]]
 
 
 def arrange(comparison: Comparison) -> Panels | None:
-    """Assign a panel to every run.
+    """Assign a panel of a figure to every run of a comparison.
 
-    With two swept keys, the first key's values run across and the second's downwards. With one key,
-    the runs fill rows of `WRAP` panels. Returns None if the runs differ in more than two keys, or
-    if there would be more than `MOST_PANELS` panels.
+    If the runs differ in two keys, each value of the first key has a column of panels, and each
+    value of the second key has a row. If the runs differ in one key, they fill rows of `WRAP`
+    panels.
+
+    Returns
+    -------
+    list of list, or None
+        Row by row, the index of the run in each panel; None for an empty panel. Instead of the
+        list, None if the runs differ in more than two keys, or if there would be more than
+        `MOST_PANELS` panels.
     """
     keys, count = comparison.keys, len(comparison.runs)
     if len(keys) > 2 or count > MOST_PANELS:
@@ -65,16 +75,19 @@ def draw(
     *,
     subtitle: str,
 ) -> Figure:
-    """Draw one best-scheme map per run, with the boundary of the two schemes where there is one.
+    """Draw a map of the best scheme for each run, one run per panel.
+
+    If the study names two schemes for a boundary, the maps also show this boundary where it
+    exists: the value of the last condition above which the second scheme is better.
 
     Parameters
     ----------
     panels
-        The place of each run's panel, as `arrange` returns it.
+        Row by row, the index in `runs` of the run in each panel; None for an empty panel.
     runs
-        The runs, which differ in one or two keys.
+        The results of the runs, which differ in one or two keys.
     shared
-        What the runs have in common.
+        The conditions, values and schemes that all runs have.
     plane
         The axes of each map.
     subtitle
@@ -127,9 +140,11 @@ def draw(
 
 
 def _draw_boundary(axes: Axes, boundaries: pd.DataFrame | None, plane: Plane) -> bool:
-    """Draw the boundary if its condition is the map's vertical axis; return whether it was drawn.
+    """Draw the boundary of two schemes into a map; return whether anything was drawn.
 
-    Without a boundary in any cell, nothing is drawn.
+    The boundary is drawn only if the vertical axis of the map is the condition in which the
+    boundary is measured. Nothing is drawn if the table `boundaries` is None or holds no boundary.
+    `plane` is the map's axes.
     """
     if boundaries is None or plane.upwards is None or not plane.upwards.expands:
         return False

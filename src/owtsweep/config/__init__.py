@@ -1,7 +1,9 @@
-"""The configuration: Hydra composes plain data, a study's model types them, and checks follow.
+"""Make the configuration of a run from YAML files and overrides, in three steps.
 
-This package knows no study. `owtsweep.studies` finds the tree of YAML files and the pydantic model
-of a study, and calls the three steps in order. After these steps no OmegaConf objects are used.
+Hydra composes plain data (dicts, lists and scalars). A study's pydantic model turns the plain data
+into a frozen object and checks every key by itself. Then conditions on several keys are checked.
+This package knows no study: `owtsweep.studies` finds the YAML files and the model of a study, and
+calls the three steps in order. After the first step no OmegaConf objects are used.
 """
 
 from owtsweep.config.axes import Axis

@@ -1,4 +1,4 @@
-"""Compose overrides and a tree of YAML files to plain data, with Hydra."""
+"""Compose a configuration from a folder of YAML files and overrides, with Hydra."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from owtsweep.config.common import Config
-from owtsweep.config.given_files import check_chosen_files
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
 from owtsweep.config.stored import DEEPEST, read, resolved
@@ -17,6 +16,8 @@ from owtsweep.errors import InputError, require, shorten
 
 #: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
 TREES = "studies"
+#: Most digits of a number in an override: Python makes no number of more than 4300.
+MOST_DIGITS = 4000
 
 
 @dataclass(frozen=True)
@@ -26,11 +27,11 @@ class Tree:
     Attributes
     ----------
     folder
-        The folder.
+        The path of the folder.
     primary
-        The name of its primary file, without .yaml.
+        The name, without .yaml, of the file in `folder` with which Hydra begins.
     model
-        The model of the configuration; error messages take the names of keys from it.
+        The pydantic model of the configuration, from which error messages take the names of keys.
     """
 
     folder: Path
@@ -38,19 +39,19 @@ class Tree:
     model: type[Config]
 
     def groups(self) -> list[str]:
-        """Return the sorted names of the tree's config groups, i.e. of its subfolders."""
+        """Return the sorted names of the config groups, i.e. of the subfolders of `folder`."""
         folders = (path.name for path in self.folder.iterdir() if path.is_dir())
         return sorted(name for name in folders if name != TREES)
 
     def options(self, group: str) -> list[str]:
-        """Return the sorted names of a config group's files, without .yaml."""
+        """Return the options of a config group: the sorted names of its files, without .yaml."""
         return sorted(path.stem for path in (self.folder / group).glob("*.yaml"))
 
     def admit(self, overrides: Sequence[str]) -> list[str]:
-        """Return the overrides, with `++` before each key whose default is only in the model.
+        """Return the overrides, with `++` before each one whose key is not in the primary file.
 
-        Hydra refuses to set a key that the YAML files do not list, unless the override begins with
-        `++`.
+        Without `++`, Hydra refuses to set a key that is not in the YAML files. Overrides of config
+        groups, and of keys without a default in the model, are returned unchanged.
         """
         listed = read(self.folder / f"{self.primary}.yaml", resolve=False)
         groups = self.groups()
@@ -65,15 +66,35 @@ class Tree:
 
 
 def quote_home(override: str) -> str:
-    """Return `results=~/x` as `results='~/x'`, and any other override unchanged.
+    """Put quotes around a results folder that begins with `~`: `results=~/x` to `results='~/x'`.
 
-    Hydra reads `~` only in quotes. Most shells do not expand `~` behind the equals sign.
+    Return any other override unchanged. Hydra accepts `~` in a value only if the value is quoted,
+    and most shells do not replace `~` after an equals sign.
     """
     return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
 
 
+def require_readable(overrides: Sequence[str]) -> None:
+    """Check what Hydra would answer with an error of several lines or of another kind.
+
+    Raises
+    ------
+    InputError
+        If an override has no key, or holds a number of more than `MOST_DIGITS` digits.
+    """
+    for override in overrides:
+        require(
+            override.partition("=")[0].strip("+~") != "",
+            f"{override!r}: this is no override; use key=value",
+        )
+        require(
+            re.search(rf"[\d_]{{{MOST_DIGITS + 1}}}", override) is None,
+            f"{shorten(override, 60)}: a number has at most {MOST_DIGITS} digits",
+        )
+
+
 def _holds(mapping: Any, path: Sequence[str]) -> bool:
-    """Return whether nested mappings contain a key; `path` is the key, split at its dots."""
+    """Return whether `mapping`, nested dicts, contains a key; `path` is the key, split at dots."""
     for part in path:
         if not isinstance(mapping, dict) or part not in mapping:
             return False
@@ -82,12 +103,14 @@ def _holds(mapping: Any, path: Sequence[str]) -> bool:
 
 
 def conf_directory() -> Path:
-    """Return the folder `conf`: inside the installed package, or beside src in a checkout.
+    """Return the folder `conf` of owtsweep's own YAML files.
+
+    The folder is inside the installed package, or beside the folder src in a checkout.
 
     Raises
     ------
     InputError
-        If neither folder holds a sweep.yaml.
+        If neither place has a folder `conf` with the file sweep.yaml.
     """
     package = Path(__file__).resolve().parents[1]
     for candidate in (package / "conf", package.parents[1] / "conf"):
@@ -97,14 +120,14 @@ def conf_directory() -> Path:
 
 
 def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> Any:
-    """Return the OmegaConf object that Hydra composes from a tree and overrides.
+    """Return the OmegaConf object that Hydra composes from YAML files and overrides.
 
-    With `settings`, the object also holds Hydra's own settings.
+    `tree` is the folder of YAML files. With `settings`, the object also holds Hydra's own settings.
 
     Raises
     ------
     InputError
-        For errors of Hydra and OmegaConf; the message is one line.
+        If Hydra or OmegaConf refuses a file or an override; the message is one line.
     """
     from hydra import compose, initialize_config_dir
 
@@ -115,12 +138,12 @@ def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = Fals
 def compose_plain(
     tree: Tree, overrides: Sequence[str], config_dir: str | None = None
 ) -> dict[str, Any]:
-    """Compose a tree and overrides to plain data: dicts, lists and scalars.
+    """Compose YAML files and overrides to plain data: dicts, lists and scalars.
 
     Parameters
     ----------
     tree
-        The YAML files.
+        The folder of YAML files.
     overrides
         Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`.
     config_dir
@@ -130,23 +153,19 @@ def compose_plain(
     ------
     InputError
         If Hydra refuses an override or a file, `config_dir` is no folder, or a value could not be
-        stored; the message is one line.
+        read again from config.yaml; the message is one line.
     """
+    require_readable(overrides)
     for override in overrides:
-        require(
-            override.partition("=")[0].strip("+~") != "",
-            f"{override!r}: this is no override; use key=value",
-        )
         require(
             not override.lstrip("+~").startswith("hydra"),
             f"{override}: Hydra's own settings work with --multirun only",
         )
     search = []
     if config_dir is not None:
-        directory = _find_folder(config_dir)
-        check_chosen_files(directory, overrides)
-        quoted = str(directory).replace("\\", "\\\\").replace("'", "\\'")
-        search = [f"hydra.searchpath=['file://{quoted}']"]
+        from owtsweep.config.given_files import search_path_of
+
+        search = [search_path_of(_find_folder(config_dir))]
     try:
         plain = resolved(compose_hydra(tree, [*search, *overrides]))
     except InputError:
@@ -175,7 +194,16 @@ def _find_folder(config_dir: str) -> Path:
 
 
 def _require_storable(key: str, value: Any, depth: int = 2) -> None:
-    """Raise `InputError` for a value that `config.stored` could not read from a run's folder."""
+    """Check that a value, once stored in a run's config.yaml, could be read again.
+
+    `key` is the key of the value, for the error message. `depth` is the number of lists and
+    mappings in which the value lies, including the value itself.
+
+    Raises
+    ------
+    InputError
+        If a text in the value contains "${", or lists and mappings lie more than `DEEPEST` deep.
+    """
     if isinstance(value, str):
         require("${" not in value, f"{key}: {value!r} holds ${{, which cannot be stored")
     if isinstance(value, dict | list):

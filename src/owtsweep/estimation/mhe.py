@@ -1,13 +1,15 @@
 """Moving horizon estimation, Eq. (11) of Ren et al. (2019).
 
-The estimator fits the states of a window to position fixes (of GNSS) and to inputs that are
-integrated from each fix to the next. Eq. (11) is read as follows (PAPER.md, section 4;
-REPRODUCTION.md, row "Eq. (11)"): norms are squared, nodes are the times of the fixes, every link
-between neighbouring nodes is weighted once, and there is a last node at the present delayed time,
-t_f after the last fix. Without constraints the last link is met exactly, because the last node has
-no measurement. The estimate is then the least-squares state at the last fix, predicted by the
-inputs. The estimate at the last fix is a linear function of fixes, inputs and arrival state, with
-constant coefficients; `window_map` computes the matrix of coefficients.
+The estimator fits the states at the times of several position fixes (of GNSS), a window, to these
+fixes and to the inputs, which are integrated from each fix to the next. Eq. (11) is read as follows
+(PAPER.md, section 4; REPRODUCTION.md, row "Eq. (11)"). Norms are squared. The nodes of the window
+are the times of its fixes, and a last node at the present delayed time, t_f after the last fix.
+A link joins two neighbouring nodes, and every link is weighted once.
+
+Without constraints the last link is met exactly, because the last node has no measurement. The
+estimate is then the least-squares state at the last fix, predicted over t_f by the inputs. The
+least-squares state is a linear function of fixes, inputs and arrival state (the state assumed at
+the oldest node), with constant coefficients. `window_map` computes the matrix of coefficients.
 """
 
 from __future__ import annotations
@@ -27,17 +29,20 @@ FEASIBILITY = 1e-8
 
 @dataclass(frozen=True)
 class WindowWeights:
-    """The weights of the terms of Eq. (11a) of Ren et al. (2019), for one axis.
+    """The weights in the cost of moving horizon estimation, Eq. (11a) of Ren et al. (2019).
+
+    The weights are for one axis of the motion.
 
     Attributes
     ----------
     transition
-        Shape (states, states): A from one position fix to the next.
+        Transition matrix (states, states) from one position fix to the next.
     link_covariance
-        Shape (states, states): covariance of the process noise from one fix to the next; the
-        inverse of the paper's weight Q.
+        Covariance (states, states) of the process noise from one fix to the next; the inverse of
+        the paper's weight Q.
     fix_variance
-        Variance of a fix, the inverse of the paper's weight R. A fix measures the first state.
+        Variance of a fix, in m^2; the inverse of the paper's weight R. A fix measures the first
+        state.
     """
 
     transition: Array
@@ -46,7 +51,13 @@ class WindowWeights:
 
 
 def square_root_information(covariance: Array) -> Array:
-    """Compute a matrix U with U' U = covariance^-1."""
+    """Compute a lower triangular matrix U with U' U = covariance^-1.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If `covariance` is not positive definite.
+    """
     lower = np.linalg.cholesky(covariance)
     return np.linalg.solve(lower, np.eye(len(covariance)))
 
@@ -59,30 +70,36 @@ def window_map(
     fixed_arrival: bool = False,
     use_first_fix: bool = True,
 ) -> Array:
-    """Compute the matrix that turns a window's data into the state of the window's last fix.
+    """Compute the matrix that turns the data of a window into the state at its last fix.
+
+    A window is a sequence of position fixes, with the inputs between them. The state is the
+    solution of Eq. (11) of Ren et al. (2019) without constraints, for one axis of the motion.
 
     Parameters
     ----------
+    weights
+        The weights of fixes and inputs.
     intervals
-        Number of links between neighbouring fixes. The window has one fix more.
+        Number of intervals between neighbouring fixes, i.e. the number of fixes minus one.
     arrival_covariance
-        Covariance (states, states) of the arrival state; None if there is no arrival term.
+        Covariance (states, states) of the arrival state, the state assumed at the oldest fix; None
+        if the cost has no term for the arrival state.
     fixed_arrival
-        If true, the oldest node's state equals the arrival state.
+        Whether the state at the oldest fix must equal the arrival state.
     use_first_fix
-        False if the arrival state already includes the oldest fix.
+        Whether the oldest fix is used; false if the arrival state already includes this fix.
 
     Returns
     -------
     array
-        Shape (states, intervals + 1 + states * intervals + states): columns for the fixes, oldest
-        first, then for the inputs' effect on the state over each interval, then for the arrival
-        state. Data that is not used has zero columns.
+        Shape (states, intervals + 1 + states * intervals + states). The columns belong to the
+        fixes, oldest first, then to the effects of the inputs on the state over each interval, then
+        to the arrival state. The columns of data that is not used are zero.
 
     Raises
     ------
     ValueError
-        If the window's data do not determine its states.
+        If the data of the window do not determine the states.
     """
     n = len(weights.transition)
     nodes = intervals + 1
@@ -121,34 +138,40 @@ def window_map(
 
 
 class CasadiWindow:
-    """The optimisation problem of a window, Eq. (11) of Ren et al. (2019), solved by CasADi.
+    """The optimisation problem of moving horizon estimation, solved by CasADi.
 
-    Without constraints, `window_map` solves this problem in closed form; the class tests that
-    function. Only the class can solve a window with constraints. The hub study solves two axes at
-    once: the states are x, y, v_x, v_y, b_x, b_y (position, velocity and bias). Variables are
-    scaled by the sizes of the states that the caller gives.
+    The problem is Eq. (11) of Ren et al. (2019) for one window, a sequence of position fixes with
+    the inputs between them. A node is a time at which a state is estimated: the time of a fix, or
+    the present. Only this class can solve a window with constraints. Without constraints,
+    `window_map` solves the problem in closed form, and the class serves to test that function. The
+    hub study solves two axes at once: the states are x, y, v_x, v_y, b_x, b_y (position, velocity
+    and bias of the accelerometer).
 
     Parameters
     ----------
     intervals
-        Number of links between neighbouring fixes.
+        Number of intervals between neighbouring fixes, i.e. the number of fixes minus one.
     states, outputs
-        Numbers of components of a state and of a fix.
+        Number of components of a state, and of a fix.
     last_node
-        Whether the window has a further node, the present, t_f after the last fix.
+        Whether there is a node at the present time, t_f after the last fix.
     arrival
-        Whether the arrival state is an uncertain prior of the oldest node's state.
-    fixed_arrival, use_first_fix
-        As in `window_map`.
+        Whether the cost has a term for the difference between the state at the oldest fix and the
+        arrival state, a state that is assumed there.
+    fixed_arrival
+        Whether the state at the oldest fix must equal the arrival state.
+    use_first_fix
+        Whether the oldest fix is used; false if the arrival state already includes this fix.
     solver
         "qrqp" (an active-set QP solver; equal to the closed form up to rounding) or "ipopt".
     constraints
-        Number of constraints on the state of each free node.
+        Number of constraints on the state of each node. With `fixed_arrival`, the oldest node has
+        no constraints.
 
     Raises
     ------
     ValueError
-        If `solver` is neither of the two.
+        If `solver` is neither "qrqp" nor "ipopt".
     """
 
     def __init__(
@@ -244,36 +267,47 @@ class CasadiWindow:
         lower: Array,
         upper: Array,
     ) -> Array:
-        """Compute the states of all nodes, one column per node, shape (states, nodes).
+        """Solve the window; return the states of all nodes, shape (states, nodes).
 
-        The solution is refined once: the same problem is solved for the residuals. A solver alone
-        has errors of up to 1e-10 of the states where the weights differ by many decades.
+        A node is the time of a fix, or the present. The solution is refined once: the problem is
+        solved again for the residuals of the first solution. Without refinement, the errors reach
+        1e-10 of the states if the weights differ by many decades.
 
         Parameters
         ----------
         scale
-            Typical sizes of the states, as the weights imply them, shape (states,).
-        z, inputs
-            Position fixes (outputs, fixes), and the inputs' effects on the state (states, links).
-        A, A_f
-            Transition matrices (states, states) from fix to fix, and over the time t_f from the
-            last fix to the last node.
-        link, fix, prior
-            Square roots of information matrices (inverse covariances) of a link (states, states),
-            of a fix (one number, or one per fix, zero for a missing fix), and of the arrival state
-            (states, states).
+            Typical sizes of the states, shape (states,), by which the solver's variables are
+            scaled.
+        z
+            Position fixes, oldest first, shape (outputs, fixes).
+        inputs
+            Effects of the inputs on the state from node to node, shape (states, nodes - 1).
+        A
+            Transition matrix (states, states) from one fix to the next.
+        A_f
+            Transition matrix (states, states) over the time t_f from the last fix to the present.
+        link
+            Square root U of an information matrix, U' U = Q^-1, for the covariance Q of the process
+            noise from one node to the next; shape (states, states).
+        fix
+            Inverse standard deviation of a fix: one number, or one number per fix, zero for a
+            missing fix.
         x0
-            Arrival state (states,).
+            Arrival state, the state assumed at the oldest fix; shape (states,).
+        prior
+            Square root U of an information matrix, U' U = P^-1, for the covariance P of the arrival
+            state; shape (states, states).
         rows, lower, upper
-            The constraints lower <= rows x <= upper on the state x of every free node; shapes
-            (constraints, states), (constraints,), (constraints,).
+            The constraints lower <= rows x <= upper on the state x of each node, except the oldest
+            node if its state is fixed. Shapes (constraints, states), (constraints,) and
+            (constraints,).
 
         Raises
         ------
         ArithmeticError
             If the solution does not meet the conditions of optimality: the gradient of the
             Lagrangian is not small, a constraint is violated, or a constraint that is not active
-            has a multiplier. (The solvers' own flags of success are not reliable.)
+            has a multiplier. (The solvers' own reports of success are not reliable.)
         """
         nodes = z.shape[1]
         fix = np.broadcast_to(fix, nodes)
@@ -288,9 +322,21 @@ class CasadiWindow:
         return states + self._minimum(limits, scale, rows, *left, *data, x0 - states[:, 0], prior)
 
     def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
-        """Return the states from the first solver whose answer is a minimum within `limits`.
+        """Solve the problem once; return the states of all nodes, shape (states, nodes).
 
-        `limits` has the shape (2, free nodes, constraints): lower limits, then upper limits.
+        The solvers are tried in turn until the answer of one is a minimum within the limits.
+
+        Parameters
+        ----------
+        limits
+            Limits of the constraints, shape (2, constrained nodes, constraints): lower limits, then
+            upper limits.
+        scale
+            Typical sizes of the states, shape (states,).
+        rows
+            Matrix (constraints, states); rows times a state lies within the limits.
+        *parameters
+            The other parameters of the problem, in the order in which the problem was built.
 
         Raises
         ------
@@ -313,7 +359,11 @@ class CasadiWindow:
         raise ArithmeticError(f"the MHE's solver stopped {fault}")
 
     def _slope_left(self, answer: Array, p: Array, force: Array) -> str:
-        """Describe the fault if the gradient of the Lagrangian is not small; else return ""."""
+        """Return a description of the fault if the gradient of the Lagrangian is not small.
+
+        Return "" if the gradient is small. `answer` holds the scaled states, `p` the parameters of
+        the problem, and `force` the multipliers of the constraints.
+        """
         slope = np.asarray(self._gradient(answer, p)).ravel()
         start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
         if self._limited:
@@ -326,9 +376,21 @@ class CasadiWindow:
         return ""
 
     def _broken_limit(self, states: Array, rows: Array, limits: Array, force: Array) -> str:
-        """Describe the fault if a limit is violated or an unreached one has a multiplier.
+        """Return a description of the fault if the limits of the constraints are not respected.
 
-        Return "" if there is no fault.
+        A fault is a violated limit, or a limit that is not reached but has a multiplier. Return ""
+        if there is no fault.
+
+        Parameters
+        ----------
+        states
+            States of all nodes, shape (states, nodes).
+        rows
+            Matrix (constraints, states); rows times a state should lie within the limits.
+        limits
+            Limits, shape (2, constrained nodes, constraints): lower limits, then upper limits.
+        force
+            Multipliers of the constraints, shape (constrained nodes * constraints,).
         """
         value = (rows @ states[:, -self._limited :]).T
         width = limits[1] - limits[0]

@@ -1,7 +1,8 @@
-"""Draw the map of the best scheme in every cell of two conditions, as Fig. 18 of Ren et al. (2019).
+"""Draw a map of the best scheme for each combination of values of two conditions.
 
-Unlike Fig. 18, the map hatches cells where the data do not distinguish the best scheme from the
-next best, and it shows by how much the next best is worse: in words, and by the fill.
+The map is like Fig. 18 of Ren et al. (2019). In addition, the map names the next best scheme and by
+how much its MSE is larger, which the fill shows too, and hatches the cells in which the data do not
+show which of the two is better.
 """
 
 from __future__ import annotations
@@ -82,35 +83,40 @@ def draw(
     replicates: int | None = None,
     failures: int = 0,
 ) -> Figure:
-    """Draw the map of the best scheme in every cell, with title, legend and footnote.
+    """Draw a map of the best scheme in every cell, with title, legend and footnote.
+
+    A cell is one value of each condition.
 
     Parameters
     ----------
     best
-        The table best_scheme.csv of a run.
+        A run's table best_scheme.csv, one row per cell, criterion and window.
     schemes
-        All schemes compared, in the order of the legend.
+        Names of all compared schemes, in the order of the legend.
     conditions
         The study's conditions; at most two of them may have several values.
-    criterion, window
-        Measure and window of the rows to draw; both are named in the title.
+    criterion
+        The measure by which schemes are judged, e.g. "position"; the map shows its rows of `best`.
+    window
+        The part of the records over which the criterion is averaged, "full" or "settled"; the map
+        shows its rows of `best`.
     tuning
-        Name of the tuning, for the title.
+        Name of the schemes' tuning, for the title.
     quantity
-        What the title calls the criterion; "<criterion> MSE" if empty.
+        What the title says the schemes are judged by; if empty, "<criterion> MSE".
     coinciding
-        Groups of schemes with equal results (`results.best_scheme.find_coinciding`). The map shows
-        each group under the last of its names.
+        Groups of names of schemes with equal results. The map shows each group under the last of
+        its names.
     replicates
         Planned number of records per cell, for the title; None leaves the number out.
     failures
-        Number of failed cases. If it is not 0, title and footnote say that cells may have fewer
-        records.
+        Number of failed cases; a case is one scheme on one record. If the number is not 0, title
+        and footnote say that cells may have fewer records.
 
     Raises
     ------
     InputError
-        If no row has that criterion and window, or more than two conditions vary.
+        If no row has that criterion and window, or more than two conditions have several values.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -149,19 +155,22 @@ def draw_cells(
     labels: str,
     crossing: Crossing | None = None,
 ) -> None:
-    """Draw the cells of a map.
+    """Draw the cells of a map of best schemes, and label the axes.
 
     Parameters
     ----------
+    axes
+        The matplotlib axes to draw into.
     rows
-        Rows of best_scheme.csv with one criterion and one window.
+        The cells: rows of a run's table best_scheme.csv with one criterion and one window.
     schemes
-        All schemes compared.
+        Names of all compared schemes, which determine the colours.
     plane
-        The axes of the map.
+        The conditions and values on the axes of the map.
     labels
-        The text in a cell. "two lines" and "one line": the best scheme and the next best. "best":
-        the best scheme only. "none": no text, and the cells are drawn as pixels.
+        The text in a cell. "two lines" and "one line": the best and the next best scheme, on two
+        lines or on one. "best": the best scheme only. "none": no text, and the cells are drawn as
+        pixels.
     crossing
         A line that will be drawn across the map. With labels "best", labels in its way move aside.
     """
@@ -211,7 +220,21 @@ def _style_text(fill: str) -> dict[str, Any]:
 def _label(
     axes: Axes, fill: str, place: tuple[int, int], names: tuple[str, str], *, tall: bool
 ) -> None:
-    """Write two texts into a cell: the best scheme and the next best, which may be ""."""
+    """Write the names of the best and of the next best scheme into a cell of a map.
+
+    Parameters
+    ----------
+    axes
+        The matplotlib axes to draw into.
+    fill
+        The colour of the cell, which gives the colour of the text.
+    place
+        Column and line of the cell, from 0.
+    names
+        Texts for the best and for the next best scheme; the second may be "".
+    tall
+        Whether the cell has room for two lines of text.
+    """
     column, line = place
     best, runner_up = names
     text = _style_text(fill)
@@ -225,9 +248,10 @@ def _label(
 
 
 def _describe_runner_up(row: dict[Any, Any]) -> str:
-    """Name the next best scheme of a cell, and by how much its MSE is larger, e.g. "HME1 +12 %".
+    """Return the next best scheme of a cell and by how much its MSE is larger, e.g. "HME1 +12 %".
 
-    Returns "" if there is no next best scheme, or if the best scheme's MSE is not positive.
+    `row` is the row of the cell in best_scheme.csv. Return "" if there is no next best scheme, or
+    if the MSE of the best scheme is not positive.
     """
     if not row["runner_up"] or not row["mse_best"] > 0:
         return ""
@@ -264,7 +288,11 @@ def _make_legend(
 
 
 def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
-    """Make the legend's entries for hatched cells and for cells without a result, where present."""
+    """Return entries of a map's legend for hatched cells and for cells without a result.
+
+    `hatched` and `holes` say whether the map has hatched cells, and cells without a result; if it
+    has none of a kind, the entry for this kind is left out.
+    """
     marks = []
     if hatched:
         look: dict[str, Any] = {"facecolor": "0.9", "edgecolor": "0.5", "hatch": HATCH}

@@ -1,4 +1,4 @@
-"""The look of each scheme: colour, marker and line style, the same in all figures and tables.
+"""The look of each scheme, i.e. colour, marker and line style, equal in all figures and tables.
 
 Colours are those of Okabe and Ito (2008), which colour-blind readers can distinguish. A marker and
 a line style distinguish schemes in black and white.
@@ -34,7 +34,7 @@ class SchemeStyle:
 
     @property
     def text_color(self) -> str:
-        """The colour of text on `color`."""
+        """The colour of text on a background of `color`: "#000000" (black) or "#ffffff" (white)."""
         return text_color_on(self.color)
 
 
@@ -52,9 +52,10 @@ SPARE_LINES: tuple[LineStyle, ...] = (
 
 
 def reserve(looks: Mapping[str, SchemeStyle]) -> None:
-    """Reserve looks for schemes by name; a study calls this once, where the study is defined.
+    """Reserve looks for schemes; a study calls this function once, where the study is defined.
 
-    A name that already has a look keeps it, so a scheme looks the same in all studies.
+    `looks` maps the name of a scheme to its look. If a look is already reserved for a name, the new
+    look is ignored, so that a scheme has one look in all studies.
     """
     for name, look in looks.items():
         _reserved.setdefault(name, look)
@@ -63,8 +64,8 @@ def reserve(looks: Mapping[str, SchemeStyle]) -> None:
 def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
     """Return the look of the scheme `name` in a study whose schemes are `all_names`.
 
-    A scheme with a reserved look always gets this look. The other schemes get the spare looks in
-    the order of `all_names`.
+    If a look is reserved for the scheme, this look is returned. The schemes without a reserved look
+    get further colours, markers and line styles, in the order of `all_names`.
 
     Raises
     ------
@@ -98,7 +99,10 @@ def mix_with_white(color: str, share: float) -> str:
 
 
 def relative_luminance(color: str) -> float:
-    """Compute the relative luminance of "#RRGGBB", from 0 (black) to 1 (white), after WCAG 2."""
+    """Compute the relative luminance of a colour, from 0 (black) to 1 (white), as in WCAG 2.
+
+    `color` is a text "#RRGGBB".
+    """
     channels = channels_of(color)
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]

@@ -1,4 +1,7 @@
-"""Draw a fine map of the best scheme over two conditions, from expected values of the MSE."""
+"""Draw a finely resolved map of the best scheme over two conditions.
+
+The best scheme is the scheme of the least expected mean squared error (MSE).
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,9 @@ LEAST_REGION = 0.008
 
 @dataclass(frozen=True)
 class Field:
-    """The data of a smooth map.
+    """The data of a finely resolved map of the best scheme over two conditions.
+
+    The runner-up is the scheme of the second least expected MSE.
 
     Attributes
     ----------
@@ -36,16 +41,17 @@ class Field:
     columns, lines
         The values of `across` and of `upwards`, increasing, at least two of each.
     values
-        The expected MSE, shape (schemes, columns, lines).
+        The expected MSE of each scheme, shape (schemes, columns, lines).
     best
-        Index of the scheme of least expected MSE, shape (columns, lines).
+        Index of the scheme of the least expected MSE, shape (columns, lines).
     excess
-        By how many per cent the runner-up's MSE is larger, shape (columns, lines); NaN without a
-        runner-up.
+        By how many per cent the runner-up's MSE is larger than that of the best scheme, shape
+        (columns, lines); NaN if there is no runner-up.
     distinguishable
-        Whether best and runner-up differ by more than `resolution`, shape (columns, lines).
+        Whether the MSE of the best scheme and of the runner-up differ by more than `resolution`,
+        shape (columns, lines).
     resolution
-        The relative accuracy of `values`.
+        The relative accuracy of `values`, e.g. 0.01 for 1 %.
     """
 
     across: Condition
@@ -67,20 +73,24 @@ def draw(
     origin: str,
     coinciding: Sequence[Sequence[str]] = (),
 ) -> Figure:
-    """Draw the regions of the best schemes, with lines between them and contours of the margin.
+    """Draw a finely resolved map of the best scheme over two conditions.
+
+    Full lines separate the regions of the best schemes. Dashed contours show by how many per cent
+    the runner-up's MSE is larger than that of the best scheme.
 
     Parameters
     ----------
     field
-        The data.
+        The data of the map.
     schemes
-        Names of the schemes, in the order of `field.values`.
+        Names of the schemes, in the order of the first axis of `field.values`.
     title
         Title of the figure.
     origin
-        A sentence for the footnote that says where the values come from.
+        A sentence for the footnote that says where the data come from.
     coinciding
-        Groups of schemes with equal values. The map shows each group under the last of its names.
+        Groups of names of schemes with equal values. The map shows each group under the last of its
+        names.
     """
     figure = style.new_figure(7.6, 5.8)
     axes = figure.add_subplot()
@@ -122,10 +132,10 @@ def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
 
 
 def _draw_boundaries(axes: Axes, field: Field) -> None:
-    """Draw for each scheme the line where the scheme's MSE equals the least MSE of the others.
+    """Draw, for each scheme, the line where the scheme's MSE equals the least MSE of the others.
 
-    The others are those whose MSE differs, somewhere on the map, by more than the field's
-    resolution.
+    Two schemes whose MSE agrees everywhere on the map, up to `field.resolution`, are not compared
+    with each other.
     """
     look: dict[str, Any] = {"levels": [0.0], "colors": "black", "linewidths": 1.4}
     for number, values in enumerate(field.values):
@@ -138,7 +148,11 @@ def _draw_boundaries(axes: Axes, field: Field) -> None:
 
 
 def _draw_margins(axes: Axes, field: Field) -> None:
-    """Draw contours of how many per cent larger the runner-up's MSE is than the best scheme's."""
+    """Draw contours of `field.excess` at the levels `MARGINS`.
+
+    The excess is by how many per cent the runner-up's MSE is larger than that of the best scheme.
+    If it is not finite everywhere, nothing is drawn.
+    """
     excess = field.excess
     if not np.all(np.isfinite(excess)):
         return
@@ -152,9 +166,9 @@ def _draw_margins(axes: Axes, field: Field) -> None:
 
 
 def _find_middle(region: Array) -> tuple[int, int]:
-    """Return column and line of the cell of a region that is farthest from the region's edge.
+    """Return the column and the line of the point in a region that is farthest from its edge.
 
-    `region` is a mask of shape (columns, lines).
+    `region`, shape (columns, lines), is true at the points of the region.
     """
     from scipy.ndimage import distance_transform_edt
 

@@ -1,4 +1,4 @@
-"""Set the style of figures and save them; figures drawn alike are saved as equal bytes."""
+"""Set the style of figures, and save figures so that equal figures give equal bytes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,10 @@ WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 @contextmanager
 def context() -> Iterator[None]:
-    """Set matplotlib to the package's settings inside a `with` block, then restore the user's."""
+    """Set matplotlib to this package's settings inside a `with` block.
+
+    After the block the user's settings are restored.
+    """
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(RC)
@@ -53,18 +56,25 @@ def context() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Make an empty figure of a width and height in inches, outside pyplot, so no window opens."""
+    """Make an empty figure; `width` and `height` are in inches.
+
+    The figure is made without pyplot, so no window opens.
+    """
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def footnote(figure: Figure, text: str) -> None:
-    """Write a paragraph below everything else, with lines broken to the width of the figure."""
+    """Write a paragraph at the bottom of a figure; lines are broken to the figure's width."""
     letters = int(13 * figure.get_figwidth())
     figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
 
 
 def label_of(name: str) -> str:
-    """The label of a line that stands for somebody's name, so that it is in the legend."""
+    """Return the label for a scheme or another thing called `name`, so that the legend shows it.
+
+    matplotlib leaves labels that begin with "_" out of legends. A character without width is put
+    before such a name; any other name is returned unchanged.
+    """
     return JOINER + name if name.startswith("_") else name
 
 
@@ -75,9 +85,10 @@ def add_legend_above(
     columns: int,
     handlers: Mapping[Any, Any] | None = None,
 ) -> None:
-    """Put a legend above everything else; the legend's `title` serves as the figure's title.
+    """Put a legend with a title at the top of a figure; `title` serves as the figure's title.
 
-    `handlers` draw special handles: kind of handle -> handler, as matplotlib's `handler_map`.
+    `handles` are the entries of the legend, which are arranged in `columns` columns. `handlers`
+    draw special entries: kind of entry -> handler, as matplotlib's `handler_map`.
     """
     figure.legend(
         handles=handles,
@@ -92,7 +103,10 @@ def add_legend_above(
 
 
 def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
-    """Write a sentence on each group of schemes that a map shows under the last of its names."""
+    """Return a sentence about each group of schemes with equal results, for a map's footnote.
+
+    Each of the `groups` holds names of schemes; the map shows the group under the last name.
+    """
     return [
         f"{' and '.join(group)} give the same numbers and are shown as {group[-1]}."
         for group in groups
@@ -100,7 +114,10 @@ def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
 
 
 def describe_window(window: str) -> str:
-    """Describe a window in words, e.g. "full record"; an unknown window is named as it is."""
+    """Return a window in words, e.g. "full record" for "full"; return an unknown name unchanged.
+
+    A window is the part of each record over which errors are averaged.
+    """
     return WINDOWS.get(window, window)
 
 
@@ -112,24 +129,24 @@ def save(
     Parameters
     ----------
     figure
-        Drawn under `context`.
+        The figure, drawn inside `with context():`.
     folder
-        Made if it does not exist.
+        The folder for the files, which is made if it does not exist.
     stem
-        File name without suffix.
+        The name of the files without suffix.
     metadata
-        What to store inside both files, e.g. the run's hash: text chunks of the PNG, the
-        description (as JSON) of the SVG. No date is stored.
+        Name -> text, e.g. the run's hash; stored in both files, as text chunks of the PNG and as
+        the description (in JSON) of the SVG. No date is stored.
 
     Returns
     -------
     list of Path
-        The PNG and the SVG.
+        The paths of the PNG and of the SVG.
 
     Raises
     ------
     OSError
-        If the file system refuses; older files stay as they were.
+        If a file cannot be written. Files of these names that existed before are not changed.
     """
     notes = dict(metadata or {})
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Show the best-scheme map in the terminal, at the end of the command `sweep`.
+"""Make the map of best schemes that the command `sweep` prints in the terminal at its end.
 
 The map is understood without colours: a name or a letter stands in each cell, and a sign after it
 marks what the data do not distinguish.
@@ -44,20 +44,25 @@ def grid(
     criterion: str,
     window: str,
 ) -> RenderableType:
-    """Make the map as a grid of names: first condition horizontal, second vertical.
+    """Make a map of the best schemes for the terminal, as tables of names with a legend.
+
+    A cell of the map is one value of each condition. The first condition runs from left to right,
+    the second from bottom to top. There is one map for each combination of values of the third and
+    further conditions. If no row of `best` has the criterion and the window, return a sentence that
+    says so.
 
     Parameters
     ----------
     best
-        The table best_scheme.csv of a run.
+        A run's table best_scheme.csv, one row per cell, criterion and window.
     schemes
-        All schemes compared.
+        Names of all compared schemes, which determine the colours.
     conditions
-        The study's conditions. There is one grid for each combination of values of the third and
-        any further condition.
-    criterion, window
-        Measure and window of the rows to show. If there are no such rows, a sentence that says so
-        is returned.
+        The study's conditions.
+    criterion
+        The measure by which schemes are judged, e.g. "position".
+    window
+        The part of the records over which the criterion is averaged: "full" or "settled".
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:

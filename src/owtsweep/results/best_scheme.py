@@ -1,7 +1,7 @@
 """Makes the table best_scheme.csv: the best scheme of every cell, and whether the data show it.
 
 A cell is one combination of values of the conditions. Schemes are compared replicate by replicate,
-because in each replicate all schemes saw the same motion and the same noise.
+because in each replicate all schemes get the same motion and the same noise.
 """
 
 from __future__ import annotations
@@ -28,18 +28,19 @@ VERDICT_COLUMNS = (
 
 
 def name_columns(conditions: Sequence[str]) -> list[str]:
-    """Return the columns of a best-scheme table, given the names of the conditions."""
+    """Return the names of the columns of a best-scheme table, given the names of the conditions."""
     return [*conditions, *VERDICT_COLUMNS]
 
 
 def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.DataFrame:
-    """Find the scheme of least mean in every cell, and whether the next scheme is distinguishable.
+    """Find the scheme of least mean in every cell, and whether the runner-up is distinguishable.
 
-    A cell is one combination of conditions. Means are over the replicates that all schemes of the
-    cell finished. A scheme that finished no replicate of a cell takes no part there. A cell without
-    a common replicate has no row. Schemes that agree to `statistics.contest.COINCIDENCE` in every
-    replicate count as one scheme; of their names, the last in `cube.schemes` is used. The runner-up
-    is the best scheme that does not coincide with the best one.
+    A cell is one combination of conditions. A scheme that finished no replicate in a cell takes no
+    part in that cell. Means are over the replicates that all schemes taking part in the cell have
+    finished; a cell without such a replicate has no row. Schemes whose values agree to
+    `statistics.contest.COINCIDENCE` in each of these replicates count as one scheme, under the name
+    that comes last in `cube.schemes`. The runner-up is the best of the other schemes; if all
+    schemes of a cell agree, the runner-up is another of these schemes.
 
     Parameters
     ----------
@@ -48,17 +49,19 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
     window
         The part of the records to judge, e.g. "full" or "settled".
     criteria
-        Measures to judge by, each on its own.
+        Names of the measures to judge by. Each measure gives rows of its own.
 
     Returns
     -------
     DataFrame
-        The columns of `name_columns`, sorted by conditions and criterion. `ci_low` and `ci_high`
-        are the 95 % confidence interval of `difference` by the paired t-test in that cell alone.
-        `distinguishable` applies Holm's step-down correction at 5 % to all cells of the criterion.
-        With one scheme, `runner_up` is empty and the numbers that need a runner-up are NaN. With
-        one replicate, the interval is NaN. In both cases `distinguishable` is false. If a scheme
-        was unable to work in any cell, there are also `status` and `reason`.
+        The columns of `name_columns`, sorted by conditions, then in the order of `criteria`.
+        `difference` is the runner-up's mean minus the best scheme's. `ci_low` and `ci_high` are the
+        ends of the 95 % confidence interval of `difference` by the paired t-test in that cell
+        alone. `distinguishable` applies Holm's step-down correction at 5 % to all cells of the
+        criterion. In a cell with one scheme, `runner_up` is empty and the numbers that need a
+        runner-up are NaN. In a cell with one replicate, the interval is NaN. In both cases
+        `distinguishable` is false. If a scheme was unable to work in any cell, there are also the
+        columns `status` and `reason`.
 
     Raises
     ------
@@ -95,13 +98,19 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
 def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]]:
     """Find groups of schemes that coincide by all criteria in every cell and replicate.
 
-    The members of a group are in the order of `cube.schemes`. The last member is the name that
-    `find_best_schemes` uses for the group.
+    Two schemes coincide if their values are equal up to rounding. A cell is one combination of
+    conditions. `criteria` are names of measures. The members of a group are in the order of
+    `cube.schemes`. The last member is the name that `find_best_schemes` uses for the group. Without
+    coinciding schemes, the list is empty.
     """
     judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
 
     def coincide(i: int, j: int) -> bool:
-        """Return whether some cell holds values of both schemes, all such pairs being equal."""
+        """Return whether the schemes with the indices i and j coincide.
+
+        Two schemes coincide if their values agree wherever both schemes have a value, and if there
+        is at least one value that both have.
+        """
         compared = False
         for place in cube.outer_places():
             one, other = cube.values(i, place, judged), cube.values(j, place, judged)

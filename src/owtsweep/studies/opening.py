@@ -1,6 +1,6 @@
-"""Open a run for reading.
+"""Open a stored run for reading.
 
-The run's folder may be another person's, so no code that the folder names is executed.
+The run's folder may come from another person, so no code that its files name is executed.
 """
 
 from __future__ import annotations
@@ -19,18 +19,19 @@ from owtsweep.sweep.stored_plan import read_blocks, read_stored_plan
 
 
 def open_run(folder: Path) -> Run:
-    """Open the run in a folder.
+    """Open the run that is stored in a folder.
 
     Raises
     ------
     InputError
-        If the folder holds no run, this version cannot read the run, or the run's study is not
-        installed.
+        If the folder holds no run, the run cannot be read by this version of the program, or the
+        run's study is not installed.
     """
     path = folder / "config.yaml"
     require_folder(folder)
     require(
-        os.path.lexists(path), f"{folder}: there is no config.yaml in it; name the folder of a run"
+        os.path.lexists(path),
+        f"{folder}: the folder holds no config.yaml; name the folder of a run",
     )
     plain, text = read_stored(path)
     stored = read_stored_plan(folder, text)
@@ -40,7 +41,7 @@ def open_run(folder: Path) -> Run:
 
 
 def load_config(path: Path) -> Config:
-    """Read a config.yaml without the other files of its run.
+    """Read the configuration in a run's config.yaml, without reading other files of the run.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Write docs/configuration.md: `python -m owtsweep.studies.reference docs/configuration.md`.
 
-The page is made from the models of all studies. It lists the type, unit, default, bounds and
-meaning of each key.
+The page is made from the pydantic models of all studies' configurations. It lists the type, unit,
+default, bounds and meaning of each key.
 """
 
 from __future__ import annotations
@@ -52,9 +52,10 @@ LONGEST = 72
 
 
 def reference() -> str:
-    """Return the page as Markdown.
+    """Return the page on all configuration keys, as Markdown.
 
-    The keys that all studies have come first, then those that each built-in study adds or changes.
+    The keys that all studies share come first. Then come, for each built-in study, the keys that
+    this study adds or changes.
     """
     seen = dict.fromkeys(_describe(Config, as_plain(Config(study="")))[1:])
     sentence = "`study=NAME` says which; without it the study is `hub`."
@@ -69,15 +70,15 @@ def reference() -> str:
 
 
 def _describe(model: Any, defaults: Mapping[str, Any], prefix: str = "") -> list[Row]:
-    """Return one row of a table for each key of a model, including the keys of its sections.
+    """Return a row of the page's tables for each key of a model, including keys of its sections.
 
     Parameters
     ----------
     model
-        The model of a configuration or of a section.
+        The pydantic model of a configuration or of a section.
     defaults
-        Key -> value in a configuration without overrides; a key that is missing here gets an empty
-        default in its row.
+        Key -> value in a configuration without overrides. The row of a key that is missing here
+        shows no default.
     prefix
         The text before each key, e.g. "compute." for the keys of that section.
     """
@@ -106,7 +107,7 @@ def _type(field: FieldInfo) -> str:
 
 
 def _bounds(field: FieldInfo) -> Iterator[str]:
-    """Yield the bounds of a field's value in words, e.g. "≥ 0", "not empty", or each option."""
+    """Yield the bounds of a field's value as texts, e.g. "≥ 0"; for a choice, yield each option."""
     kind = bare_type(field.annotation)
     if get_origin(kind) is Literal:
         yield from (f"`{option}`" for option in get_args(kind))
@@ -121,7 +122,13 @@ def _bounds(field: FieldInfo) -> Iterator[str]:
 
 
 def _nested(annotation: Any) -> Iterator[Any]:
-    """Yield pydantic's bounds inside a type: of a list's items, or of a type that allows null."""
+    """Yield pydantic's bounds that stand inside a type, e.g. the bounds of a list's items.
+
+    Parameters
+    ----------
+    annotation
+        The type annotation of a field, e.g. for a list of positive floats.
+    """
     for argument in get_args(annotation):
         yield from argument.metadata if isinstance(argument, FieldInfo) else _nested(argument)
     if get_origin(annotation) is Annotated:
@@ -129,7 +136,10 @@ def _nested(annotation: Any) -> Iterator[Any]:
 
 
 def _shown(value: Any) -> str:
-    """Return a default value as a user would write it; a hint at `--cfg` if it is too long."""
+    """Return a default value between backticks, in the form in which a user would write the value.
+
+    If the text is empty or longer than `LONGEST` characters, return a hint at `--cfg` instead.
+    """
     if value is None:
         text = "null"
     elif isinstance(value, bool):

@@ -1,4 +1,4 @@
-"""Computes names from hashes: the key of a block, the hash of a run, the folder of a run."""
+"""Computes names from hashes: the key of a block (unit of work), a run's hash, a run's folder."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ NOT_IDENTIFYING = frozenset({"grid", "schemes", "compute", "results", "name"})
 
 
 def block_key(study: Study, block: Block) -> str:
-    """Return the key of a block, which names its shard: 32 hexadecimal digits.
+    """Return the key of a block (unit of work): 32 hexadecimal digits.
 
-    The key depends only on the study's name, `schema_version` and `numerics_version`, and on the
-    block's content. So the content must hold everything that the rows depend on, including the
-    seed.
+    The key names the file that stores the block's rows. The key depends only on the study's name,
+    `schema_version` and `numerics_version`, and on the block's content. So the content must hold
+    everything on which the rows depend, including the seed.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def run_hash(config: Config) -> str:
 def run_folder(config: Config) -> Path:
     """Return the folder of a run: `<results>/<name>`, or `<results>/<experiment>-<hash>`.
 
-    The second form is used if the key `name` is null.
+    The form with the hash is used if the key `name` of the configuration is null.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Plans the work of a sweep: the blocks of its configuration by key, grouped into tasks."""
+"""Plans the work of a sweep: the blocks (units of work) by key, grouped into tasks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ Plan = dict[str, Block]
 
 
 def make_plan(study: Study, config: Config) -> Plan:
-    """Return all blocks of a configuration by key; of blocks with equal content, keep the first.
+    """Return the plan of a configuration: key -> block, in the study's order.
+
+    A block is the unit of work and storage. Of blocks with equal content, the first is kept.
 
     Raises
     ------
@@ -23,14 +25,15 @@ def make_plan(study: Study, config: Config) -> Plan:
     plan: Plan = {}
     for block in study.engine(config).plan(config):
         plan.setdefault(block_key(study, block), block)
-    require(len(plan) > 0, "grid: it holds no case; give every list a value")
+    require(len(plan) > 0, "grid: it holds no case; give every list of the grid a value")
     return plan
 
 
 def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
-    """Group the blocks of a plan into tasks: one task per `Block.group`, as key -> block.
+    """Group the blocks (units of work) of a plan into tasks; a task is key -> block.
 
-    Blocks of one group share expensive inputs, so they should run together.
+    There is one task per `Block.group`. Blocks of one group share expensive inputs, so the blocks
+    should run together.
     """
     groups: dict[str, Plan] = {}
     for key, block in plan.items():
@@ -39,5 +42,5 @@ def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
 
 
 def count_cases(plan: Mapping[str, Block]) -> int:
-    """Return the number of cases that the blocks of a plan hold."""
+    """Return the number of cases in all blocks (units of work) of a plan."""
     return sum(block.cases for block in plan.values())

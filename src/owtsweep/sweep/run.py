@@ -1,4 +1,4 @@
-"""Runs a sweep: computes the blocks of the plan that are not stored, then writes the tables."""
+"""Runs a sweep: computes the blocks (units of work) that are not stored, then writes the tables."""
 
 from __future__ import annotations
 
@@ -47,17 +47,17 @@ class Outcome:
     run
         The run to which the sweep belongs.
     computed, reused
-        Number of cases that this sweep computed, and of cases that were stored before. Together
-        with the cases of `failed` they are the whole plan.
+        Number of cases that this sweep computed, and number of cases that were stored before.
+        Together with the cases in `failed` these are all cases of the plan.
     failed
-        Cases that failed in this sweep; the next sweep tries them again.
+        Cases that failed in this sweep; the next sweep computes them again.
     seconds
         Wall time, s.
     results
         The rows and tables of the run; None if no case has succeeded or no tables could be made.
     unable
-        Cases, computed or stored before, that have no number because their scheme cannot compute
-        them.
+        Cases that have no number because the scheme cannot compute them. These cases are counted in
+        `computed` or `reused` too.
     """
 
     run: Run
@@ -70,7 +70,7 @@ class Outcome:
 
 
 class Interrupted(KeyboardInterrupt):
-    """The exception after Ctrl-C; its message has the numbers of stored cases and of all cases."""
+    """The exception after Ctrl-C; its message says how many of all cases are stored."""
 
 
 def sweep(
@@ -86,13 +86,14 @@ def sweep(
     Parameters
     ----------
     study, config
-        The study and its configuration, which must be checked already.
+        The study and its configuration. `config.check` must have been called already.
     fresh
         If True, the stored cases of this run are deleted first.
     progress
         Receives the progress of the sweep; by default nothing is shown.
     argv
-        The arguments of the command line, for the manifest; None if started from Python.
+        The arguments of the command line, for the manifest; None if the sweep was started from
+        Python.
 
     Returns
     -------
@@ -102,11 +103,11 @@ def sweep(
     Raises
     ------
     InputError
-        Before anything is computed, if the plan is empty, the folder cannot be written or holds
+        Before any case is computed, if the plan is empty, the run folder cannot be written or holds
         another run, or the backend cannot be used.
     Interrupted
-        After Ctrl-C, once the workers have stopped; this is a `KeyboardInterrupt`. Stored blocks
-        stay, and the next sweep reuses them.
+        After Ctrl-C, once the workers have stopped; this exception is a `KeyboardInterrupt`. Stored
+        cases stay, and the next sweep reuses them.
     """
     plan = make_plan(study, config)
     run = Run(run_folder(config), config, study, plan)
@@ -120,8 +121,9 @@ def sweep(
 def _prepare(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
     for folder in (run.folder, run.store.cases):
         check_writable(folder)
-    for name in (*texts, "manifest.json", "run.log"):
-        path = run.folder / name
+    names = (*texts, "manifest.json", "run.log")
+    # The tables of the study have no names yet, but every CSV file of a run is a table.
+    for path in (*(run.folder / name for name in names), *run.folder.glob("*.csv")):
         kind = "folder" if path.is_dir() else "pipe or a device"
         require(
             path.is_file() or not path.exists(),
@@ -141,9 +143,9 @@ def _prepare(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
 
 
 def _require_same_run(run: Run) -> None:
-    """Raise InputError if a folder that the user named holds another run.
+    """Raise InputError if the run's folder holds a run with other settings.
 
-    The tables of two runs must not be mixed.
+    This can happen if the user has named the folder. The tables of two runs must not be mixed.
     """
     path = run.folder / "config.yaml"
     if path.is_file():
@@ -160,7 +162,7 @@ def _require_same_run(run: Run) -> None:
 
 @dataclass
 class _Sweep:
-    """A sweep that is under way, with what it has counted so far."""
+    """A sweep that is under way, and its counts of cases up to now."""
 
     run: Run
     plan: Plan
@@ -227,7 +229,10 @@ class _Sweep:
                 self._take(result)
 
     def _drop_doubtful(self) -> None:
-        """Delete the stored blocks that must be computed anew, and log why."""
+        """Delete stored blocks (units of work) that must be computed anew, and log why.
+
+        The attribute `anew` of such a block gives the reason.
+        """
         store = self.run.store
         reasons: dict[str, int] = {}
         for key, block in self.plan.items():
@@ -256,7 +261,10 @@ class _Sweep:
             self.progress.fail(failure.label, failure.reason, failure.cases)
 
     def _count_stored(self) -> int:
-        """Return the number of cases that are stored, also by tasks that did not report."""
+        """Return the number of the plan's cases that are stored and have not failed.
+
+        Cases that were stored by tasks whose workers did not report count too.
+        """
         store = self.run.store
         present = {path.name for path in store.cases.glob("part-*.parquet")}
         there = [block for key, block in self.plan.items() if store.path(key).name in present]
@@ -265,9 +273,11 @@ class _Sweep:
         return sum(block.cases for block in there) - failed
 
     def _aggregate(self) -> Results | None:
-        """Write the study's tables; return the rows and the tables.
+        """Make and write the tables of all stored cases; return the rows and the tables.
 
-        Return None, and write nothing, if no case has succeeded or if the tables cannot be made.
+        Return None, and write no table, if no case has succeeded or the study cannot make the
+        tables. If the tables cannot be written, a failure is added to `self.failed`, and rows and
+        tables are returned.
         """
         run = self.run
         rows, _ = run.stored()

@@ -47,7 +47,8 @@ class Run:
     study
         The study to which the configuration belongs.
     stored_plan
-        The run's plan, if it has been made or read already; None if the folder holds no plan.
+        The run's plan (key -> block) as read from the folder or made before. If None, `plan` makes
+        a new plan.
     """
 
     folder: Path
@@ -57,22 +58,27 @@ class Run:
 
     @property
     def hash(self) -> str:
-        """The hash of the configuration without grid, schemes, compute, results and name."""
+        """The hash that identifies the run: 10 hexadecimal digits.
+
+        It is a hash of the configuration without grid, schemes, compute, results and name.
+        """
         return run_hash(self.config)
 
     @property
     def store(self) -> Store:
-        """The store of the run's shards."""
+        """The store of the run's rows, in the run folder."""
         with blame(self.study):
             return Store(self.folder, needed_columns(self.study, self.config))
 
     @property
     def engine(self) -> Engine:
-        """The engine that plans, runs and draws this configuration."""
+        """The engine of the study that plans, runs and draws the run's configuration."""
         return self.study.engine(self.config)
 
     def plan(self) -> Plan:
-        """Return the blocks of the run by key: `stored_plan`, or a new plan if that is None.
+        """Return the run's plan, key -> block: `stored_plan`, or a new plan if that is None.
+
+        A block is the unit of work and storage.
 
         Raises
         ------
@@ -85,9 +91,9 @@ class Run:
         return self.stored_plan
 
     def cases(self) -> pd.DataFrame:
-        """Return the rows of all stored cases of the plan, including failed cases, sorted by case.
+        """Return the rows of all stored cases of the run, including failed cases, sorted by case.
 
-        Blocks that are missing are left out with a logged warning.
+        If some blocks (units of work) are not stored, a warning is logged.
 
         Raises
         ------
@@ -111,11 +117,12 @@ class Run:
         return rows
 
     def stored(self) -> tuple[pd.DataFrame | None, int]:
-        """Return the rows of all stored cases, and the number of blocks that are missing.
+        """Return the rows of all stored cases, and the number of blocks that are not stored.
 
-        The rows are None if no case is stored. Only the shards of the plan are read, no other files
-        in the folder. The rows are sorted, so that sums of rows do not depend on the order of the
-        grid. Text columns are categorical, so that millions of rows fit into memory.
+        A block is the unit of work; its rows are one file. The rows are None if no case is stored.
+        Only the files of the run's plan are read. The rows are sorted, so that sums of rows do not
+        depend on the order of the grid. Text columns are categorical, so that millions of rows fit
+        into memory.
         """
         rows, missing = self.store.read_all(self.plan())
         if rows is not None:
@@ -125,9 +132,10 @@ class Run:
         return rows, len(missing)
 
     def unable(self) -> list[Setback]:
-        """Return the stored cases that their scheme cannot compute, by block and reason.
+        """Return the stored cases that their scheme cannot compute.
 
-        This reads all shards of the plan.
+        There is one `Setback` for each block (unit of work) and reason. All files of the run's plan
+        are read.
         """
         setbacks = []
         store = self.store
@@ -148,7 +156,15 @@ class Run:
         return read_table(self.folder, name)
 
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Read all tables of the run; return them by name, or {} if no case has succeeded yet."""
+        """Read all tables of the run; return name -> table.
+
+        The result is {} if the run has no tables, e.g. because no case has succeeded yet.
+
+        Raises
+        ------
+        InputError
+            If a file is damaged.
+        """
         return {
             path.stem: read_table(self.folder, path.stem)
             for path in sorted(self.folder.glob("*.csv"))
@@ -162,7 +178,7 @@ class Run:
         only
             The name of the single figure to draw; None draws all figures.
         results
-            The results to draw, if they are in memory. If None, the shards are read.
+            The results to draw, if they are in memory. If None, the stored rows are read.
 
         Returns
         -------
@@ -176,7 +192,7 @@ class Run:
             If no case has succeeded, there is no figure named `only`, or the study comes from
             another package and does not work.
         OSError
-            If the file system refuses a file; figures drawn earlier stay whole.
+            If a file cannot be written; figures that were drawn before stay whole.
         """
         folder = self.folder / "figures"
         rows = results.rows if results else self._finished()
@@ -192,7 +208,7 @@ class Run:
         return draw_each(drawings, folder, only, partial(blame, self.study))
 
     def metadata(self) -> dict[str, str]:
-        """Return what the files of the run's figures store: the hash and the folder's name."""
+        """Return texts to store in the figures' files: the run's hash and the folder's name."""
         return {"run": self.hash, "folder": printable(self.folder.name)}
 
     def summary(self) -> pd.DataFrame:

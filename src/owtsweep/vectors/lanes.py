@@ -1,4 +1,4 @@
-"""The operations on values of eight lanes, in the chosen form. Kernels import them from here."""
+"""The operations on values of eight lanes, for kernels to import: with LLVM vectors or without."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Write the files of a report on published results: tables, figures, Markdown and HTML."""
+"""Write the files of a report on published results: tables, figures, Markdown and HTML pages."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def write_report(
     ----------
     folder
         Where to write; made if it does not exist. The tables, fidelity.md and fidelity.html go
-        into this folder, the figures into its subfolder figures.
+        into this folder, the figures into its subfolder `figures`.
     title
         Title of the HTML file.
     tables
@@ -39,10 +39,10 @@ def write_report(
     figures
         File name without suffix -> function that draws the figure.
     contents
-        Function that makes the blocks of the page. Its argument is a mapping from the name of a
-        figure to the figure's PNG file.
+        Function that makes the page's headings, paragraphs, tables and pictures. Its argument is a
+        mapping from the name of a figure to the PNG file of this figure.
     metadata
-        Texts by name to store inside the figures' files.
+        Name -> text to store inside each file of a figure.
 
     Returns
     -------

@@ -29,12 +29,12 @@ BOUNDARY = ("HME2", "HME1")
 
 
 def get_grid(config: HubConfig) -> Grid:
-    """Return condition -> its values in the configuration."""
+    """Return name of a condition -> list of the values that the configuration gives it."""
     return {"natural_period": config.grid.natural_period, "amplitude": config.grid.amplitude}
 
 
 def make_cube(config: HubConfig, rows: pd.DataFrame) -> Cube:
-    """Make a cube from a run's rows: arrays over schemes, conditions, measures and replicates."""
+    """Arrange a run's rows as arrays over schemes, conditions, measures and replicates (a cube)."""
     from owtsweep.results.cube import Cube
     from owtsweep.studies.hub import scheme_names
 

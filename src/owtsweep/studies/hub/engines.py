@@ -12,6 +12,7 @@ from owtsweep.studies.hub import blocks, criteria, figures, scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS, make_cube
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.sweep.study import Square
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,16 +25,16 @@ logger = logging.getLogger(__name__)
 
 
 class _Engine:
-    """The part that both engines share: the columns that identify a row, and the map as result.
+    """The part that all engines of the study share: the columns of rows, and the main result.
 
-    The map is a picture of the best scheme at each natural period and amplitude.
+    The main result is the map: a picture of the best scheme at each natural period and amplitude.
     """
 
     #: Columns without which no table can be made.
     row_types: ClassVar[Mapping[str, type]] = {
         **dict.fromkeys(("scheme", "measure", "window"), str),
         **dict.fromkeys(("natural_period", "replicate", "amplitude", "n_samples"), float),
-        **dict.fromkeys(("motion", "cross", "noise", "value"), float),
+        **dict.fromkeys(("motion", "cross", "noise", "value"), Square),
     }
 
     def sort_columns(self) -> list[str]:
@@ -41,7 +42,11 @@ class _Engine:
         return ["natural_period", "scheme", "measure", "window", "amplitude", "replicate"]
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """Return the map of the best schemes as a coloured grid for the terminal."""
+        """Return the map as a coloured grid for the terminal.
+
+        The map shows the best scheme at each natural period and amplitude, from the table
+        best_scheme.
+        """
         from owtsweep.figures.terminal import grid
 
         best, measures = tables["best_scheme"], config.measures
@@ -49,12 +54,18 @@ class _Engine:
         return grid(best, schemes, CONDITIONS, measures.criterion, measures.window)
 
     def overview(self, config: HubConfig) -> str:
-        """Return the name of the map of the best schemes (figure 18 of Ren et al. 2019)."""
+        """Return the name of the figure that shows the best scheme at each point of the grid.
+
+        It is figure 18 of Ren et al. (2019).
+        """
         return figures.MAP
 
 
 class RecordsEngine(_Engine):
-    """The engine of `engine: batch` and `engine: reference`: runs schemes on simulated records."""
+    """The engine for the keys engine=batch and engine=reference: runs schemes on records.
+
+    Records are simulated measurements.
+    """
 
     samples = True
     plan = staticmethod(blocks.plan)
@@ -62,9 +73,10 @@ class RecordsEngine(_Engine):
     drawings = staticmethod(figures.drawings)
 
     def backend(self, config: HubConfig) -> str:
-        """Return "threading" if all schemes run by kernels, which release the GIL; else "loky".
+        """Return the joblib backend that suits the schemes: "threading" or "loky" (processes).
 
-        Log a warning for a scheme that has no kernel because of its constraints.
+        It is "threading" if all schemes run by compiled kernels, which release the GIL. With
+        engine=batch, log a warning for each scheme that has no kernel because of its constraints.
         """
         schemes = resolve_all(config.schemes, config)
         for scheme in schemes:
@@ -77,14 +89,20 @@ class RecordsEngine(_Engine):
         return blocks.backend(config, schemes)
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Make the tables summary and best_scheme, with confidence intervals."""
+        """Make the tables `summary` and `best_scheme` from a run's rows; return them by name.
+
+        Both tables have confidence intervals.
+        """
         cube = make_cube(config, rows)
         best = find_best_schemes(cube, config.measures.window, criteria(config))
         return {"summary": summarise(cube), "best_scheme": best}
 
 
 class ExpectedEngine(_Engine):
-    """The engine of `engine: expected`: computes the schemes' expected errors without records."""
+    """The engine for the key engine=expected: computes schemes' expected errors without records.
+
+    Records are simulated measurements; the expected error is the mean over all possible records.
+    """
 
     samples = False
     plan = staticmethod(engine.plan)

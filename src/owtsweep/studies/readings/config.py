@@ -1,4 +1,4 @@
-"""The configuration of the search: the hub study's keys and the section `calibration`."""
+"""The configuration of the study `readings`: the hub study's keys and the section `calibration`."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ class ReadingsConfig(HubConfig):
     calibration: Calibration = key("what to search")
 
     def check(self) -> None:
-        """Check that the values can work together; otherwise raise `InputError`."""
+        """Raise `InputError` if the values cannot work together, e.g. with engine=expected."""
         super().check()
         require(
             self.engine != "expected",
-            "engine: the search judges records; use engine=batch, not expected",
+            "engine: expected simulates no records, but a search needs records; use engine=batch",
         )

@@ -1,4 +1,4 @@
-"""Draws the figures of a study that is run by the expected engine."""
+"""Draws the figures of a study that is run by the expected engine, so without records."""
 
 from __future__ import annotations
 
@@ -33,9 +33,19 @@ def drawings(
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """Return figure name -> function that draws the figure.
+    """Return figure name -> function that draws and saves the figure, for a study without records.
 
-    The figures are the maps of the best schemes, MSE against amplitude, and the error spectra.
+    The figures are the maps of the best schemes, MSE against amplitude, and the error spectra. In
+    grids of more than `MOST_PERIODS` natural periods, MSE against amplitude is left out.
+
+    Parameters
+    ----------
+    tables
+        The run's tables "summary" and "best_scheme".
+    rows
+        The rows that the expected engine has made.
+    metadata
+        Texts by name to store inside the figures' files.
     """
     from owtsweep.studies.hub.figures import error_spectra
 
@@ -57,7 +67,8 @@ def draw_map(
     """Draw the map of the best schemes: amplitude (upwards) against natural period (across).
 
     The map is smooth. If the grid has only one period or amplitude, or the spectrum exists only at
-    some periods, cells are drawn instead.
+    some periods, cells are drawn instead. `tables` are the run's tables, `rows` the rows that the
+    expected engine has made. `criterion` is the measure that is compared, "position" or "velocity".
     """
     from owtsweep.figures import smooth_map, style
 

@@ -1,7 +1,8 @@
-"""Simulate the time histories at the natural period 3.8 s (section 5.2) and measure their errors.
+"""Simulate time histories at the natural period 3.8 s, and measure the errors of HME1 and HME2.
 
-This period is not in the paper's grid, so the histories are simulated for the fidelity report, with
-the run's configuration except for natural period and amplitude.
+Source: section 5.2 of Ren et al. (2019). This period is not in the paper's grid. So the histories
+are simulated for the fidelity report, with the run's configuration except for natural period and
+amplitude.
 """
 
 from __future__ import annotations
@@ -35,13 +36,13 @@ MOST_REPLICATES = 20
 
 @dataclass(frozen=True)
 class HistoryErrors:
-    """Error measures of the time histories; each array has the shape (replicates,).
+    """The errors of HME1 and HME2 in simulated time histories; arrays have the shape (replicates,).
 
     Attributes
     ----------
     inside
-        Scheme -> share (0 to 1) of the settled samples of vx and vy whose absolute error is at most
-        `VELOCITY_BOUND`.
+        Scheme -> share (0 to 1) of the samples of vx and vy whose absolute error is at most
+        `VELOCITY_BOUND`; only samples after the settling time.
     accumulated
         (scheme, quantity) -> absolute error integrated over the whole record and summed over both
         axes. The quantities are position (m s), velocity (m) and bias (m/s).
@@ -52,10 +53,11 @@ class HistoryErrors:
 
 
 def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
-    """Simulate HME1 and HME2 at 3.8 s on the run's replicates, at most 20.
+    """Simulate HME1 and HME2 at a natural period of 3.8 s on the run's first 20 replicates at most.
 
-    Returns None if the run lacks one of the schemes, if one of them has no batch kernel or is code
-    of a stored run's author, which is not run, or if the run's spectrum does not exist at 3.8 s.
+    Return None if the run lacks HME1 or HME2, or if one of them has no kernel for the batch engine.
+    Return None also if one of them is a user's scheme of a stored run (such code is not run), or if
+    the run's spectrum does not exist at 3.8 s.
     """
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     if not all(name in schemes and hasattr(schemes[name], "kernel") for name in SCHEMES):
@@ -87,7 +89,7 @@ def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
 
 
 def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Array]:
-    """Compute |estimate - truth| of one record at every step.
+    """Compute the absolute errors of one scheme at every step of one record, at `AMPLITUDE`.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ PANELS = {
 
 
 def judge_all(evidence: HubEvidence) -> list[JudgedStatement]:
-    """Judge the paper's statements F1 to F11."""
+    """Judge the statements F1 to F11 of Ren et al. (2019) by the results of a run."""
     facts = published.facts()
     return judge(dict(zip(facts["id"], facts["statement"], strict=True)), STATEMENTS, evidence)
 
@@ -43,7 +43,7 @@ def judge_all(evidence: HubEvidence) -> list[JudgedStatement]:
 def write_report(
     config: HubConfig, rows: pd.DataFrame, folder: Path, metadata: Mapping[str, str]
 ) -> list[Path]:
-    """Compare a run with the paper and write the report on it.
+    """Compare a run with Ren et al. (2019) and write the report on this comparison.
 
     Parameters
     ----------
@@ -52,8 +52,9 @@ def write_report(
     rows
         The run's cases, as `Run.cases` returns them.
     folder
-        Where to write; made if it does not exist. The files are fidelity.csv, fidelity_numbers.csv,
-        fidelity_claims.csv, consistency.csv, fidelity.md, fidelity.html and figures/.
+        The folder for the report, which is made if it does not exist. The files are fidelity.csv,
+        fidelity_numbers.csv, fidelity_claims.csv, consistency.csv, fidelity.md, fidelity.html and
+        figures/.
     metadata
         Texts by name to store inside the figures' files. The text "folder" is the run's name in
         the report.

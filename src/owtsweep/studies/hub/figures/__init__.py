@@ -45,7 +45,8 @@ def drawings(
 ) -> dict[str, Drawing]:
     """List all figures of a run with records: name -> function that draws and saves the figure.
 
-    Some figures show the run's results, others are simulated from the run's configuration.
+    Some figures show the run's results. The other figures are simulated from the run's
+    configuration. The Markdown and CSV files "tables_6_to_9" are listed too.
 
     Parameters
     ----------
@@ -54,7 +55,7 @@ def drawings(
     tables
         The run's tables "summary" and "best_scheme".
     rows
-        The run's cases, including failed ones.
+        The run's rows, including those of failed schemes.
     metadata
         Texts by name to store inside the figures' files.
     """
@@ -77,14 +78,17 @@ def drawings(
 def save_each(
     figures: Mapping[str, Draw], metadata: Mapping[str, str] | None
 ) -> dict[str, Drawing]:
-    """Turn functions that draw figures, by name, into functions that draw and save them."""
+    """Turn functions that draw figures, by name, into functions that draw and save the figures.
+
+    `metadata` are texts by name to store inside the figures' files.
+    """
     return {name: save_figure(draw, metadata) for name, draw in figures.items()}
 
 
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
-    """List the two best-scheme maps by name: by the run's criterion and by velocity.
+    """List the two maps of the best scheme by name: judged by the run's criterion, and by velocity.
 
-    `draw_map` draws a map from the name of the criterion.
+    `draw_map` draws a map from the name of a criterion, "position" or "velocity".
     """
     return {
         MAP: partial(draw_map, config.measures.criterion),
@@ -101,16 +105,16 @@ def draw_cells(
     *,
     replicates: int | None = None,
 ) -> Figure:
-    """Draw the best-scheme map with one coloured cell per condition.
+    """Draw the map of the best schemes with one coloured cell per natural period and amplitude.
 
     Parameters
     ----------
     tables
         The run's tables; "best_scheme" is drawn.
     rows
-        The run's cases, of which failed ones are counted.
+        The run's rows, of which failed ones are counted.
     criterion
-        "position" or "velocity".
+        The measure by which schemes are compared, "position" or "velocity".
     coinciding
         Groups of schemes with equal results. The map shows each group under the last of its names.
     replicates
@@ -138,7 +142,10 @@ def over_amplitude(
     periods: Iterable[float],
     coinciding: Sequence[Sequence[str]],
 ) -> dict[str, Draw]:
-    """List the figures of MSE against amplitude by name, one per natural period (s)."""
+    """List the figures of MSE against amplitude by name, one figure per natural period (s).
+
+    `summary` is the run's table "summary". `coinciding` are groups of schemes with equal results.
+    """
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
     draw = partial(
@@ -157,9 +164,10 @@ def over_amplitude(
 
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
-    """List the figures that need the configuration alone, by name.
+    """List the figures that need the configuration alone: name -> function that draws the figure.
 
-    They show a record, the record's spectrum, time histories and error spectra.
+    The figures show a record, the record's spectrum, time histories and error spectra. `coinciding`
+    are groups of schemes with equal results, for a footnote.
     """
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import simulate_histories

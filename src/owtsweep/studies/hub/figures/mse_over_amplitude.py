@@ -1,4 +1,4 @@
-"""Draw the MSE against amplitude at one natural period, as figures 15-17 of Ren et al. (2019)."""
+"""Draws the MSE over amplitude at one natural period, like figures 15-17 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def draw(
     tuning: str,
     coinciding: Sequence[Sequence[str]] = (),
 ) -> Figure:
-    """Draw position and velocity MSE of all schemes against the amplitude, on log-log axes.
+    """Draw position and velocity MSE of schemes against the amplitude, on log-log axes.
 
     Published numbers at this natural period are drawn as hollow marks.
 
@@ -40,7 +40,7 @@ def draw(
     schemes
         Schemes to draw, in the order of the legend.
     window
-        The window of the rows to draw, named in the title.
+        The time window of the rows to draw, "full" or "settled"; also named in the title.
     tuning
         Name of the tuning, for the title.
     coinciding
@@ -81,7 +81,8 @@ def _choose_published(
 ) -> pd.DataFrame:
     """Return the published numbers of the schemes at a natural period (s).
 
-    Only those are returned whose amplitude lies within the range of `amplitudes`.
+    Numbers at amplitudes outside the range of `amplitudes` are left out. The table is empty if the
+    paper has none.
     """
     table = published.mse_tables()
     inside = table["amplitude"].between(amplitudes.min(), amplitudes.max())

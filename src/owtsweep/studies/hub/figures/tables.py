@@ -1,4 +1,4 @@
-"""Write tables 6-9 of Ren et al. (2019), with a run's numbers beside the published ones."""
+"""Writes tables 6-9 of Ren et al. (2019), with a run's numbers beside the published numbers."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ DIGITS = 9
 
 
 def write(summary: pd.DataFrame, window: str, folder: Path, name: str) -> list[Path]:
-    """Write tables 6-9 into a folder, as `<name>.csv` and `<name>.md`; return both files.
+    """Write tables 6-9 of Ren et al. (2019) as `<name>.csv` and `<name>.md`; return both files.
 
-    `summary` is the run's table summary.csv, `window` "full" or "settled".
+    The tables hold published numbers and those of a run. `summary` is the run's table summary.csv.
+    Only its rows of one time window are used: `window` is "full" or "settled".
     """
     table, text = tables_6_to_9(summary, window=window), folder / f"{name}.md"
     write_atomically(text, to_markdown(table))
@@ -36,22 +37,23 @@ def write(summary: pd.DataFrame, window: str, folder: Path, name: str) -> list[P
 
 
 def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
-    """Put the 64 published numbers beside those of the run.
+    """Put the 64 numbers of tables 6-9 of Ren et al. (2019) beside those of a run.
 
     Parameters
     ----------
     summary
         The table summary.csv of a run.
     window
-        The window of the run's numbers, "full" or "settled".
+        The time window of the run's numbers, "full" or "settled".
 
     Returns
     -------
     DataFrame
-        One row per published number; the columns are `COLUMNS`. Published and reproduced MSE of x
-        and y in m^2, of vx and vy in m^2/s^2; `ci_low` and `ci_high`, the 95 % interval of the
-        reproduced mean; `ratio`, reproduced / published. Where the run lacks the condition or the
-        scheme, the run's values are NaN and the note says "not in this run".
+        One row per published number; the columns are `COLUMNS`. `published` and `reproduced` are
+        mean square errors, of x and y in m^2, of vx and vy in m^2/s^2. `ci_low` and `ci_high` are
+        the ends of the 95 % interval of the reproduced mean. `ratio` is reproduced / published.
+        Where the run lacks the scheme or the conditions, the run's values are NaN and the note says
+        "not in this run".
     """
     keys = [*CONDITIONS, "scheme", "measure"]
     run = summary.loc[summary["window"] == window, [*keys, "mean", "ci_low", "ci_high"]]
@@ -67,9 +69,10 @@ def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
 
 
 def to_markdown(table: pd.DataFrame) -> str:
-    """Write the result of `tables_6_to_9` as Markdown: one table per condition, a line per scheme.
+    """Write the result of `tables_6_to_9` as Markdown, one table per natural period and amplitude.
 
-    Each cell of a table reads "published → reproduced (ratio)".
+    Each table has one line per scheme. A cell reads "published → reproduced (ratio)". If the run
+    lacks the number, a dash stands for the reproduced number.
     """
     parts = []
     shown = table.assign(cell=[_cell(row) for row in table.to_dict("records")])
@@ -101,6 +104,6 @@ def _cell(row: dict[Any, Any]) -> str:
 
 
 def _number(value: float) -> str:
-    """Format a number to three significant digits, with the exponent as in the paper: 1.42e-3."""
+    """Format a number with three significant digits and a short exponent, e.g. 1.42e-3."""
     mantissa, exponent = f"{value:.2e}".split("e")
     return f"{mantissa}e{int(exponent)}"

@@ -1,4 +1,4 @@
-"""Draw a record over time and the schemes' errors on it, as figures 9-14 of Ren et al. (2019)."""
+"""Draws a record over time and the schemes' errors, like figures 9-14 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ Limits = tuple[float | None, float | None]
 
 
 def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str) -> Figure:
-    """Draw one quantity over time: a panel for x, one for y, and a panel of errors below.
+    """Draw one quantity over time: a panel for x, a panel for y, and a panel of errors below.
 
     The lowest panel shows the accumulated errors of x and y, or in a zoomed figure the errors of x.
-    Drawn are MKF, HME1 and HME2, or all schemes if the histories have none of these.
+    Drawn are MKF, HME1 and HME2, or all schemes if the histories have none of these three.
 
     Parameters
     ----------
@@ -51,14 +51,16 @@ def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom
-        Whether to show only some seconds (`ZOOM` or `ACCELERATION_ZOOM`), which end at `SPAN` s.
+        Whether to show only a few seconds: `ZOOM` s, or `ACCELERATION_ZOOM` s of acceleration.
+        These seconds end `SPAN` s after the record's start, or at the record's end if that is
+        earlier.
     tuning
         Name of the tuning, for the title.
 
     Raises
     ------
     InputError
-        If no scheme estimates the quantity.
+        If none of the schemes estimates the quantity.
     """
     names = _names(histories, quantity)
     view = _view(histories, quantity, zoom=zoom)
@@ -78,7 +80,10 @@ def _names(histories: Histories, quantity: str) -> list[str]:
     if quantity == "acceleration":
         names = [name for name in names if estimated[name].acceleration is not None]
     if not names:
-        raise InputError(f"schemes: none of this run estimates the {quantity}")
+        wanted = " with the model sigma1" if quantity == "acceleration" else ""
+        raise InputError(
+            f"schemes: none of this run estimates the {quantity}; use MKF, HME1 or HME2{wanted}"
+        )
     return names
 
 
@@ -100,9 +105,11 @@ def _name_part(histories: Histories, view: View) -> str:
 
 
 def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Array]:
-    """Return a scheme's estimates, shape (n, 2), and the times (s) to which they refer.
+    """Return the times (s), shape (n,), and a scheme's estimates at these times, shape (n, 2).
 
-    The times come first and have shape (n,). The columns of the estimates are x and y.
+    The columns of the estimates are x and y. The scheme is called `name`; `quantity` is "position",
+    "velocity", "acceleration" or "bias". A time is the moment to which the estimate refers, which
+    may be earlier than the moment at which the estimate is made.
     """
     estimated = histories.estimated[name]
     values = getattr(estimated, quantity)
@@ -114,7 +121,11 @@ def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Ar
 def _values(
     histories: Histories, quantity: str, axis: int, names: Sequence[str], view: View
 ) -> Panel:
-    """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates."""
+    """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates.
+
+    `quantity` is what is shown over time, e.g. "position". `names` are the schemes to draw. `view`
+    are the first and the last time shown, s.
+    """
 
     def inside(time: Array, values: Array) -> Line:
         return make_line(*clip(time, values[:, axis], view))
@@ -153,15 +164,19 @@ def _drift(
 ) -> tuple[list[Curve], Limits, str]:
     """Make the line of the IMU's integrated acceleration, and a note on the line's drift.
 
+    `quantity` is "position" or "velocity"; `axis` is 0 for x, 1 for y; `view` are the first and the
+    last time shown, s.
+
     Returns
     -------
     marks
-        The line, or nothing if it lies outside the panel during the whole view.
+        List with the line, or an empty list if the line lies outside the panel during the whole
+        view.
     limits
         Limits of the vertical axis; None for both if the line is not drawn.
     note
-        When the line leaves the panel, and whether it is shown at all; "" if it is inside at the
-        end of the view.
+        When the line leaves the panel, and whether it is shown at all; "" if the line is inside at
+        the end of the view.
     """
     time, truth = histories.time, getattr(histories, quantity)[:, axis]
     alone = getattr(histories, f"integrated_{quantity}")[:, axis]
@@ -184,9 +199,10 @@ def _drift(
 
 
 def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
-    """Make the panel of the errors of x in a view.
+    """Make the panel of the errors of x between two times, the `view` (s).
 
     If `view` is None, make the panel of the accumulated errors of x and y over the whole record.
+    `quantity` is what is estimated, e.g. "position"; `names` are the schemes to draw.
     """
     truth = getattr(histories, quantity)
     estimates = {name: _estimate(histories, name, quantity) for name in names}
@@ -231,7 +247,7 @@ def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> 
 
 
 def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
-    """Write sentences on the delay with which each scheme's filter estimates its states."""
+    """Write sentences on how late each scheme's filter knows its states."""
     lags: dict[float, list[str]] = {}
     for name in names:
         lag = histories.estimated[name].lag * float(histories.time[1])

@@ -1,7 +1,8 @@
-"""Draw two tunings side by side: best-scheme maps, the HME1/HME2 boundary, and its cause.
+"""Draws two tunings side by side: best-scheme maps, and why HME1 and HME2 change places.
 
-Below each map, a panel shows each scheme's error from motion against frequency, and its noise
-floor. At the boundary, HME1 and HME2 have equal sums of these two parts.
+Each map shows the boundary at which HME1 and HME2 have equal errors. Below each map, a panel shows
+each scheme's error from motion against frequency, and the scheme's error from sensor noise. At the
+boundary, the sum of these two errors is equal for HME1 and HME2.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ LOWER, UPPER = BOUNDARY
 
 
 def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
-    """Draw the maps of two runs, usually tuning=paper and tuning=matched, and their error spectra.
+    """Draw the best-scheme maps of two runs side by side, and the error spectra below the maps.
+
+    Usually one run has tuning=paper and the other run has tuning=matched.
 
     Parameters
     ----------
@@ -46,8 +49,8 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
     Raises
     ------
     InputError
-        If a run is of another study or has no results for the criterion, or if the criterion is
-        neither "position" nor "velocity".
+        If a run is of another study, has no results for the criterion, or has no scheme with an
+        error spectrum; or if the criterion is neither "position" nor "velocity".
     """
     if criterion not in error_spectra.UNITS:
         usable = " or ".join(error_spectra.UNITS)
@@ -55,7 +58,8 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
     for argument, run in (("paper", paper), ("matched", matched)):
         if run.study.name != "hub":
             raise InputError(
-                f"{argument}: {run.folder} is a run of the study {run.study.name!r}; use one of hub"
+                f"{argument}: {run.folder} is a run of the study {run.study.name!r}; "
+                "use a run of the study hub"
             )
     runs = (paper, matched)
     configs = [cast("HubConfig", run.config) for run in runs]
@@ -92,11 +96,20 @@ _LINE: dict[str, Any] = {
 
 
 def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
-    """Draw one run's map with the boundary; return the sentences for the footnote."""
+    """Draw one run's map with the HME1/HME2 boundary; return the sentences for the footnote.
+
+    Raises
+    ------
+    InputError
+        If the run has no cell that is judged by the criterion.
+    """
     best, window = run.best_scheme(), config.measures.window
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
-        raise InputError(f"criterion: {run.folder} has no cell judged by {criterion} MSE")
+        raise InputError(
+            f"criterion: the run {run.folder} has no {criterion} MSE in the window {window!r}; "
+            "use a run with results"
+        )
     names = scheme_names(config)
     plane, rows = Plane.of(shown, CONDITIONS), run.cases()
     boundaries = _find_boundaries(rows, criterion, window)
@@ -167,7 +180,10 @@ def _explain_absence(boundaries: pd.DataFrame, tuning: str) -> list[str]:
 
 
 def _differences(configs: Sequence[HubConfig]) -> list[str]:
-    """Name the keys, besides the tuning, in which the two runs differ, as footnote sentences."""
+    """Return, in a list, a sentence that names the settings in which two runs differ.
+
+    The tuning is not named. The list is empty if no other setting differs.
+    """
     one, other = configs
     keys = ("seed", "record", "spectrum", "normalise", "band", "wave_direction", "sensors", "grid")
     changed = [key for key in (*keys, "measures") if getattr(one, key) != getattr(other, key)]

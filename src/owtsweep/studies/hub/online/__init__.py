@@ -19,20 +19,20 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     scheme
         EKF, MKF, HME1 or HME2.
     overrides
-        The sensors and the tuning, as on the command line, e.g. `["tuning=matched",
+        Settings of the sensors and the tuning, as on the command line, e.g. `["tuning=matched",
         "sensors.gnss.delay=0.3"]`.
 
     Returns
     -------
     OnlineEstimator
         Has the method `update(specific_force, position=None) -> Estimate`. Position fixes may be
-        missing: gains and covariances follow the fixes that arrived. On a machine, the first
+        missing: gains and covariances follow the fixes that arrived. On each machine, the first
         estimator takes half a minute to compile its kernels.
 
     Raises
     ------
     InputError
-        If the scheme cannot run on board, or the overrides are wrong.
+        If the scheme cannot run on board, or an override is wrong.
     """
     from owtsweep.studies import compose
     from owtsweep.studies.hub.config import HubConfig

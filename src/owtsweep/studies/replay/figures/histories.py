@@ -1,4 +1,4 @@
-"""Draw truth, fixes, estimates and errors over time, as figures 9-14 of Ren et al. (2019)."""
+"""Draw truth, fixes, estimates and errors over time, like figures 9-14 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -36,17 +36,18 @@ def draw(
     zoom: bool,
     advised: str | None,
 ) -> Figure:
-    """Draw one quantity over time: a panel for x, one for y, and one for the errors of x below.
+    """Draw a quantity over time: a panel for x, a panel for y, and a panel for the errors of x.
 
-    Without a truth, the lowest panel shows the innovations of x if the quantity is the position;
-    for other quantities there is no third panel.
+    If the true quantity is unknown, there is no panel of errors. For the position, a panel of the
+    innovations of x takes its place.
 
     Parameters
     ----------
     config, session
         The configuration, and the data of the record.
     states
-        Function that returns the filters' acceleration and bias; called only to draw one of these.
+        Function that returns the filters' acceleration and bias. It is called only if `quantity` is
+        "acceleration" or "bias".
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom
@@ -62,8 +63,10 @@ def draw(
     """
     shown = collect_traces(session, states, quantity, zoom=zoom)
     if not shown.lines:
-        hint = "" if quantity in ("position", "velocity") else "; kernels give one with every fix"
-        raise InputError(f"there is no estimate of {quantity} here{hint}")
+        hint = ""
+        if quantity not in ("position", "velocity"):
+            hint = "; only schemes with kernels do, and only if no position fix is missing"
+        raise InputError(f"no scheme estimates the {quantity} of this record{hint}")
     panels = [_make_values_panel(session, quantity, axis, shown, advised) for axis in range(2)]
     if shown.truth is not None:
         panels.append(_make_errors_panel(session, quantity, shown, advised))
@@ -80,7 +83,7 @@ def draw(
 
 
 def _name_part(session: Session, shown: Traces, *, zoom: bool) -> str:
-    """Describe the part of the record that a figure shows; "" for the whole record."""
+    """Describe, for a title, the part of the record that a figure shows; "" for all of it."""
     length = session.record.steps * session.record.step
     part = shown.view[1] - shown.view[0]
     if part >= 0.99 * length:
@@ -99,7 +102,10 @@ def _format_duration(seconds: float) -> str:
 def _make_values_panel(
     session: Session, quantity: str, axis: int, shown: Traces, advised: str | None
 ) -> Panel:
-    """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates."""
+    """Make the panel of a quantity's x (axis 0) or y (axis 1): truth, measurements and estimates.
+
+    `shown` holds the lines of the figure; those of the scheme `advised` are drawn on top.
+    """
     marks: list[Curve] = []
     if shown.imu is not None:
         marks.append(time_histories.show_measurement(shown.imu[axis]))
@@ -129,7 +135,11 @@ def _widen(low: float, high: float) -> tuple[float, float]:
 def _make_errors_panel(
     session: Session, quantity: str, shown: Traces, advised: str | None
 ) -> Panel:
-    """Make the panel of errors of x, with a band of the advised scheme's standard deviations."""
+    """Make the panel of errors of x, with a band of the advised scheme's ±1.96 standard deviations.
+
+    `shown` holds the lines of the figure. There is no band if `advised` is None or the scheme
+    states no standard deviations.
+    """
     marks: list[Band | Curve | Level] = []
     note = ""
     if advised is not None and advised in shown.deviations:
@@ -152,9 +162,10 @@ def _make_errors_panel(
 
 
 def _make_innovations_panel(session: Session, shown: Traces) -> Panel:
-    """Make the panel of the innovations of x, for a record without a truth.
+    """Make the panel of the innovations of x, for a record whose true position is unknown.
 
-    Each innovation is divided by the standard deviation that the scheme states.
+    Each innovation is divided by the standard deviation that the scheme states for it. `shown`
+    holds the innovations.
     """
     marks: list[Curve | Level] = []
     for name, (time, scaled) in shown.innovations.items():

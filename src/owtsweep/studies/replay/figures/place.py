@@ -1,4 +1,4 @@
-"""Draw the place of a record in the map of the best scheme by expected MSE."""
+"""Draw the place of a record in the map of the best scheme by expected mean squared error."""
 
 from __future__ import annotations
 
@@ -33,21 +33,25 @@ UPWARDS = Condition("amplitude", "amplitude: largest displacement", "m", scale="
 
 
 def draw(config: ReplayConfig, record: Any) -> Figure:
-    """Draw the map of the best scheme by expected settled MSE, and mark the record's place.
+    """Draw a map of the best scheme by expected settled MSE, and mark the place of a record in it.
 
-    The horizontal axis is the natural period (s), the vertical axis the amplitude (m). `record` is
-    the record's row of records.csv.
+    The horizontal axis is the natural period (s), the vertical axis the largest displacement (m).
+    `record` is the record's row of records.csv.
 
     Raises
     ------
     InputError
-        If the record has no fitted natural period inside the band.
+        If the record has no fitted spectrum with a peak inside the band, or if no errors can be
+        computed for one of the schemes.
     """
     from owtsweep.figures import smooth_map
 
     shape, band = find_place(config, record), config.fit_band
     if shape is None:
-        raise InputError("the record's spectrum has no peak inside band, so it has no place there")
+        raise InputError(
+            "no spectrum with a peak inside the band could be fitted to the record, so the "
+            "record has no place in the map"
+        )
     period, amplitude = 1.0 / shape.peak_frequency, float(record["peak"])
     ends = (
         QUANTILE * float(record["natural_period_error"]),

@@ -1,4 +1,4 @@
-"""Draw the best scheme of many records as a map over two of the records' properties."""
+"""Draw the best scheme of many records as a map over two properties of the records."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ MOST_TICKS = 12
 
 
 def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> Figure:
-    """Draw one mark per record, with the best scheme, the runner-up and the margin between them.
+    """Draw one mark per record, which names the best scheme, the runner-up and the margin.
 
-    A mark is hatched if the margin does not matter. The axes are the first two columns of numbers
-    of `replay.table`. Without a table they are the fitted natural period (s) and the largest
-    displacement (m). With a single column of numbers, the vertical axis is the largest
-    displacement.
+    The margin tells by how much the runner-up's error is larger. A mark is hatched if the margin
+    does not matter. The axes are the first two columns of numbers in `replay.table`. If the table
+    has only one column of numbers, the vertical axis is the largest displacement (m). Without a
+    table, the axes are the fitted natural period (s) and the largest displacement.
 
     Parameters
     ----------
     config
         The configuration of the replay.
     records, advised
-        The tables records.csv and advice.csv of the run.
+        The run's tables records.csv and advice.csv.
 
     Raises
     ------
     InputError
-        If no record has both coordinates.
+        If no record has values on both axes.
     """
     from matplotlib.patches import Patch
 
@@ -50,7 +50,10 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     measured = advised[advised["source"] != "map"]
     shown = table.merge(measured, on="file").dropna(subset=[first, second])
     if shown.empty:
-        raise InputError("no record has both coordinates of the map; give replay.table=FILE.csv")
+        raise InputError(
+            "no record has values on both axes of the map; give replay.table=FILE.csv with two "
+            "columns of numbers"
+        )
     names = sorted(set(shown["best"]) | set(shown["runner_up"].dropna()) - {""})
     with style.context():
         figure = style.new_figure(8.0, 6.0)
@@ -111,14 +114,22 @@ def _choose_coordinates(
             return states, (names[0], names[1])
         return records, (names[0], "peak")
     if "natural_period" not in records:
-        raise InputError("no record has a fitted period; give replay.table=FILE.csv")
+        raise InputError(
+            "no record has a fitted natural period, an axis of the map; give replay.table=FILE.csv"
+        )
     return records, ("natural_period", "peak")
 
 
 def _measure_cell(values: pd.Series[Any]) -> float:
-    """Return the width of a mark: the least distance between different values of a coordinate.
+    """Return the width of the marks along one axis of the map, in the unit of the axis.
 
-    It is at least a twelfth of the range of the values; for a single value, a fifth of this value.
+    The width is the least distance between different values, but at least a twelfth of the range of
+    the values. If all values are equal, it is a fifth of their magnitude, but at least 0.001.
+
+    Parameters
+    ----------
+    values
+        The records' values on this axis.
     """
     coordinates = sorted({float(value) for value in values})
     if len(coordinates) < 2:
