@@ -40,7 +40,7 @@ ABLATIONS = {
 TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
 ALL = (
     *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png", "figures/*.csv",
-    "figures/*.md", "fidelity/*.csv", "fidelity/*.md",
+    "figures/*.md", "fidelity/*.csv", "fidelity/*.md", "fidelity/figures/*.png",
 )  # fmt: skip
 KEPT = {
     "readings": ("config.yaml", "manifest.json", "*.csv", "figures/*.png"),
@@ -139,7 +139,14 @@ def run_command(*words: str) -> None:
 
 
 def copy_small(source: Path, target: Path) -> None:
-    """Copy a file; a PNG is reduced to 192 colours, a third of the size and alike to the eye."""
+    """Copy a file into the one folder of a run in results/reference.
+
+    A PNG is reduced to 192 colours, a third of the size and alike to the eye. Links of a report to
+    its pictures lead to the pictures beside it.
+    """
+    if source.suffix == ".md":
+        target.write_text(source.read_text("utf-8").replace("](figures/", "]("), "utf-8")
+        return
     if source.suffix != ".png":
         shutil.copy(source, target)
         return

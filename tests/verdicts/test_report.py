@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from owtsweep.figures import style
 from owtsweep.verdicts.page import Bullets, Heading, Paragraph, Picture, TextTable
 from owtsweep.verdicts.report import write_report
-from owtsweep.verdicts.sections import consistency_section, count_verdicts, missing_section
+from owtsweep.verdicts.sections import (
+    consistency_section,
+    count_verdicts,
+    format_ratio,
+    missing_section,
+)
 from owtsweep.verdicts.summary import Item, distance_rows, make_table
 
 
@@ -92,3 +98,10 @@ def test_consistency_is_told_per_scheme():
     *_, text, grid = consistency_section(table, ["A"], {"nees": 4.0, "nis": 2.0})
     assert text.text.startswith("Mean NEES over 4 and mean NIS over 2 in each cell")
     assert grid.rows == [["A", "0.9 to 1.2", "–", "mixed 2"]]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "text"), [(0.0042, "0.0042"), (0.1, "0.10"), (1.0, "1.00"), (354.749, "354.75")]
+)
+def test_no_ratio_is_shown_as_zero(ratio, text):
+    assert format_ratio(ratio) == text

@@ -12,6 +12,7 @@ import numpy as np
 
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.comparison import Comparison
+from owtsweep.config.section import unit_of
 from owtsweep.figures import style
 from owtsweep.results.conditions import Condition
 
@@ -70,6 +71,7 @@ def draw(
         edges = (min(values) / BEYOND, max(values) * BEYOND)
         ends = np.clip(ends[np.isfinite(ends) & (ends > 0.0)], *edges)
         narrow = bool(ends.max() < 8.0 * ends.min())  # too few round values on a log scale
+        unit = unit_of(type(comparison.runs[0].config), keys[0])
         numeric = all(isinstance(run.values[keys[0]], int | float) for run in comparison.runs)
         for number, axes in enumerate(grid):
             places = {index: across[index] for index, row in enumerate(down) if row == number}
@@ -83,12 +85,12 @@ def draw(
             _say_why_empty(axes, boundaries, places, expanded)
             axes.set_xticks(list(labels), list(labels.values()))
             axes.set_xlim(-0.5, len(labels) - 0.5)
-            axes.set_xlabel(keys[0])
+            axes.set_xlabel(f"{keys[0]} ({unit})" if unit else keys[0])
             if len(keys) == 2:
                 text = comparison.runs[down.index(number)].shown[keys[1]]
                 axes.set_title(f"{keys[1]} = {text}", loc="left", fontsize=9)
-        unit = f" ({expanded.unit})" if expanded.unit else ""
-        grid[0].set_ylabel(f"{expanded.word} of the boundary{unit}")
+        of_boundary = f" ({expanded.unit})" if expanded.unit else ""
+        grid[0].set_ylabel(f"{expanded.word} of the boundary{of_boundary}")
         title = f"{'/'.join(shared.boundary or ())} boundary {subtitle}"
         title += "".join(f"; {condition.label}:" for condition in outer)
         handles, _ = grid[0].get_legend_handles_labels()
@@ -184,7 +186,7 @@ def _explain(boundaries: pd.DataFrame, shared: Aspects, edges: tuple[float, floa
     text = (
         f"Below the boundary {lower} has the smaller mean MSE of the two, above it {upper}; bars:"
         " 95 % interval (bootstrap over the records), left out where an end is infinite. Points of"
-        " one value stand side by side."
+        " one tick are shifted sideways, so that their bars do not hide each other."
     )
     exists = boundaries.loc[boundaries["wins"] == "", "boundary"]
     if not exists.between(*edges).all():

@@ -51,7 +51,7 @@ def compare(
     runs = [judge(run, told, shared) for run, told in zip(comparison.runs, aspects, strict=True)]
     tables = {
         "runs": pd.DataFrame(
-            [{"folder": run.name, "hash": run.hash} | run.shown for run in comparison.runs]
+            [{"folder": run.name, "hash": run.hash} | run.written for run in comparison.runs]
         ),
         "best_schemes": _gather(comparison.runs, [run.best for run in runs]),
         "boundaries": _gather(comparison.runs, [run.boundaries for run in runs]),
@@ -77,7 +77,7 @@ def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) ->
 
     return pd.DataFrame(
         [
-            {"folder": run.name} | run.shown | row
+            {"folder": run.name} | run.written | row
             for run, table in zip(runs, tables, strict=True)
             if table is not None
             for row in table.to_dict("records")

@@ -30,6 +30,14 @@ def show(value: Any) -> str:
     return text if len(text) <= 30 else f"{text[:27]}..."
 
 
+def write(value: Any) -> int | float | str:
+    """Return a value for a table: a number as it is, anything else as text, in JSON if need be."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return value
+    text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+    return printable(text)
+
+
 def identify(value: Any) -> str:
     """Return a text that identifies a value: equal values have equal texts."""
     return json.dumps(value, sort_keys=True, default=str)
@@ -75,6 +83,11 @@ class Candidate:
     def shown(self) -> dict[str, str]:
         """Swept configuration key -> this run's value as text."""
         return {key: show(value) for key, value in self.values.items()}
+
+    @property
+    def written(self) -> dict[str, Any]:
+        """The run's values for tables, by swept key: numbers exactly, all others as whole texts."""
+        return {key: write(value) for key, value in self.values.items()}
 
     @property
     def label(self) -> str:

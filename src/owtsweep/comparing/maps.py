@@ -13,7 +13,7 @@ import numpy as np
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.common import Judged
 from owtsweep.comparing.comparison import Comparison
-from owtsweep.figures import style
+from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import draw_cells, explain_marks
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
@@ -93,7 +93,7 @@ def draw(
     subtitle
         The end of the title, which says by what the schemes are judged.
     """
-    from matplotlib.patches import Patch
+    from owtsweep.figures.shades import HANDLERS, Shades
 
     rows, columns = len(panels), len(panels[0])
     width = min(max(2.9, 0.5 * len(plane.columns)), 5.0)
@@ -127,14 +127,14 @@ def draw(
             grid[lowest][column].tick_params(labelbottom=True)
             grid[lowest][column].set_xlabel(plane.across.title)
         handles: list[Any] = [
-            Patch(facecolor=style_of(name, shared.schemes).color, label=style.label_of(name))
+            Shades(facecolor=style_of(name, shared.schemes).color, label=style.label_of(name))
             for name in shared.schemes
         ]
         handles += explain_marks(hatched=hatched, holes=holes)
         if line:
             label = f"{'/'.join(shared.boundary or ())} boundary"
             handles += grid[0][0].plot([], [], **LINE, label=label)
-        style.add_legend_above(figure, handles, f"Best scheme {subtitle}", columns=4)
+        style.add_legend_above(figure, handles, f"Best scheme {subtitle}", 4, HANDLERS)
         style.footnote(figure, _explain(shared, plane, hatched=hatched, line=line))
     return figure
 
@@ -162,10 +162,10 @@ def _draw_boundary(axes: Axes, boundaries: pd.DataFrame | None, plane: Plane) ->
 
 
 def _explain(shared: Aspects, plane: Plane, *, hatched: bool, line: bool) -> str:
-    parts = []
+    parts = [margin.EXPLANATION] if len(shared.schemes) > 1 else []
     if hatched:
         parts.append(
-            "Hatched: the data do not tell best and next best apart (paired difference, 95 %,"
+            "Hatched: the data do not tell best and runner-up apart (paired difference, 95 %,"
             " Holm's correction over the cells of one map)."
         )
     if line and shared.boundary and plane.upwards:

@@ -172,6 +172,13 @@ def fields_along(model: Any, path: Iterable[str | int]) -> list[FieldInfo]:
     return fields
 
 
+def unit_of(model: Any, key: str) -> str:
+    """Return the declared unit of a dotted key of a model; "" if it has none, or does not exist."""
+    path = key.split(".")
+    fields = fields_along(model, path)
+    return str(read_facts(fields[-1])["unit"]) if len(fields) == len(path) else ""
+
+
 def is_section(kind: Any) -> bool:
     """Return whether a type is a subclass of `Section`."""
     return isinstance(kind, type) and issubclass(kind, Section)

@@ -66,6 +66,11 @@ def clip(time: Array, values: Array, view: tuple[float, float]) -> tuple[Array, 
     return time[inside], values[inside]
 
 
+def leaves(line: Line, low: float, high: float) -> bool:
+    """Return whether a value of a line is below `low` or above `high`."""
+    return any(bool(np.any((values < low) | (values > high))) for _, values in line)
+
+
 def decimate(time: Array, values: Array, points: int = WIDE) -> tuple[Array, Array]:
     """Reduce a series to about `points` samples that show the same extremes in a figure.
 

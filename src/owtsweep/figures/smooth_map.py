@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.figures import style
+from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import HATCH
 from owtsweep.figures.palette import style_of
+from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.results.conditions import Condition
 
 #: Contour levels: by how many per cent the runner-up's MSE is larger than the best scheme's.
-MARGINS = (10, 50, 200, 1000)
+MARGINS = (10, 50, 200, 700)
 #: A region smaller than this fraction of the map has no room for its name.
 LEAST_REGION = 0.008
 
@@ -105,17 +105,16 @@ def draw(
     axes.grid(visible=False)
     axes.set_title(title, loc="left")
     handles = _make_legend(field, schemes, coinciding)
-    figure.legend(handles=handles, loc="outside upper center", ncols=2, frameon=False)
+    add_legend(figure, handles, columns=2)
     style.footnote(figure, _explain(field, origin, coinciding))
     return figure
 
 
 def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
     looks = [style_of(name, schemes) for name in schemes]
-    axes.pcolormesh(
-        field.columns, field.lines, field.best.T, vmin=-0.5, vmax=len(schemes) - 0.5,
-        cmap=ListedColormap([look.color for look in looks]), shading="nearest", rasterized=True,
-    )  # fmt: skip
+    ratio = 1.0 + field.excess / 100.0
+    fill = margin.fill_regions(field.best, ratio, [look.color for look in looks])
+    axes.pcolormesh(field.columns, field.lines, fill, shading="nearest", rasterized=True)
     text: Any = {"ha": "center", "va": "center", "fontsize": 12, "fontweight": "bold", "zorder": 5}
     for number, (name, look) in enumerate(zip(schemes, looks, strict=True)):
         won = field.best == number
@@ -159,9 +158,11 @@ def _draw_margins(axes: Axes, field: Field) -> None:
         return
     levels = [level for level in MARGINS if excess.min() < level < excess.max()]
     if levels:
-        look: dict[str, Any] = {"colors": "black", "linewidths": 0.6, "linestyles": "--"}
+        look: dict[str, Any] = {"colors": "black", "linewidths": 0.8, "linestyles": "--"}
         lines = axes.contour(field.columns, field.lines, excess.T, levels, **look)
-        axes.clabel(lines, fmt="%g %%", fontsize=7)
+        lines.set_path_effects([withStroke(linewidth=2.4, foreground="white", alpha=0.7)])
+        for label in axes.clabel(lines, fmt="+%g %%", fontsize=8):
+            label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
 
 
 def _find_middle(region: Array) -> tuple[int, int]:
@@ -178,14 +179,14 @@ def _find_middle(region: Array) -> tuple[int, int]:
 
 def _make_legend(
     field: Field, schemes: Sequence[str], coinciding: Sequence[Sequence[str]]
-) -> list[Patch]:
+) -> list[Shades]:
     hidden = {name for group in coinciding for name in group[:-1]}
     handles = []
     for number, name in enumerate(schemes):
         if name not in hidden:
             share = _describe_share(float(np.mean(field.best == number)))
             color = style_of(name, schemes).color
-            handles.append(Patch(color=color, label=style.label_of(f"{name}: {share}")))
+            handles.append(Shades(color=color, label=style.label_of(f"{name}: {share}")))
     return handles
 
 
@@ -198,8 +199,10 @@ def _describe_share(won: float) -> str:
 def _explain(field: Field, origin: str, coinciding: Sequence[Sequence[str]]) -> str:
     sentences = [
         "Full lines: where the best scheme changes. Dashed: by how many per cent the runner-up's"
-        f" MSE is larger. {origin}"
+        " MSE is larger."
     ]
     if np.mean(~field.distinguishable) > LEAST_REGION:
-        sentences.append(f"Hatched: the two differ by less than {100 * field.resolution:g} %.")
+        percent = 100 * field.resolution
+        sentences.append(f"Hatched: best and runner-up differ by less than {percent:g} %.")
+    sentences.append(origin)
     return " ".join([*sentences, *style.explain_coinciding(coinciding)])

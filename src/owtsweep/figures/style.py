@@ -87,13 +87,21 @@ def label_of(name: str) -> str:
     return JOINER + name if name.startswith("_") else name
 
 
-def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns: int) -> None:
+def add_legend_above(
+    figure: Figure,
+    handles: Sequence[Any],
+    title: str,
+    columns: int,
+    handlers: Mapping[Any, Any] | None = None,
+) -> None:
     """Put a legend with a title at the top of a figure; `title` serves as the figure's title.
 
-    `handles` are the entries of the legend, which are arranged in `columns` columns.
+    `handles` are the entries of the legend, which are arranged in `columns` columns. `handlers`
+    draw special entries: kind of entry -> handler, as matplotlib's `handler_map`.
     """
     figure.legend(
         handles=handles,
+        handler_map=None if handlers is None else dict(handlers),
         title=title,
         title_fontsize=11,
         loc="outside upper left",

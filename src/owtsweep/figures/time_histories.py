@@ -25,6 +25,9 @@ RATIOS = (1.0, 1.0, 0.8)
 UNITS = {"position": "m", "velocity": "m/s", "acceleration": "m/s²", "bias": "m/s²"}
 NAMES = {"bias": "Accelerometer bias"}
 
+#: The place in the order of drawing of a curve above all other curves, but below the fixes.
+ON_TOP = 2.8
+
 #: Times (n,) in s, and the errors at them, (n, axes).
 Errors = tuple[Array, Array]
 
@@ -219,7 +222,7 @@ def show_scheme(name: str, names: Sequence[str], line: Line, **look: Any) -> Cur
     return Curve(line, {"color": scheme.color, "linestyle": scheme.line, **look})
 
 
-def show_estimate(name: str, names: Sequence[str], line: Line) -> Curve:
+def show_estimate(name: str, names: Sequence[str], line: Line, *, on_top: bool = False) -> Curve:
     """Make the curve of a scheme's estimate, drawn over the curve of the true values.
 
     Parameters
@@ -230,8 +233,11 @@ def show_estimate(name: str, names: Sequence[str], line: Line) -> Curve:
         Names of all schemes of the study. The look of a scheme may depend on its place among them.
     line
         Times in s and values of each part of the line between two gaps.
+    on_top
+        Whether to draw the curve over those of the other schemes too.
     """
-    return show_scheme(name, names, line, linewidth=1.2, label=style.label_of(name), zorder=2.5)
+    zorder = ON_TOP if on_top else 2.5
+    return show_scheme(name, names, line, linewidth=1.2, label=style.label_of(name), zorder=zorder)
 
 
 def show_errors(
@@ -299,5 +305,5 @@ def show_accumulated(
         marks=marks,
         view=(0.0, end),
         limits=(0.0, None),
-        note=f"over the whole record; at its end: {', '.join(ends)}",
+        note=f"over the whole record; at its end: {', '.join(ends)} {unit}",
     )

@@ -36,13 +36,13 @@ def scatter(
     schemes
         The schemes to draw, in the order of the legend.
     panels
-        Title of a panel -> the measures in this panel; exactly two items.
+        What a panel shows, with its unit -> the measures in this panel; exactly two items.
     """
     figure = style.new_figure(10.0, 4.7)
     present = numbers.dropna(subset="reproduced")
     for axes, (title, measures) in zip(figure.subplots(1, 2), panels.items(), strict=True):
         _scatter_panel(axes, present[present["measure"].isin(measures)], schemes)
-        axes.set_title(title)
+        axes.set(xlabel=f"{title}, published", ylabel=f"{title},\nthis run, mean of the records")
     handles = [
         *_handles(schemes, "none"),
         Line2D([], [], color="0.3", linewidth=1.0, label="95 % of single\nrecords"),
@@ -80,7 +80,6 @@ def _scatter_panel(axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str]) ->
             rows["published"], rows["reproduced"], look.marker, color=look.color, markersize=5.5,
             markeredgecolor="white", markeredgewidth=0.6,
         )  # fmt: skip
-    axes.set(xlabel="published", ylabel="this run, mean of the records")
 
 
 def ratios(

@@ -80,7 +80,7 @@ def number_table(numbers: pd.DataFrame) -> TextTable:
                 f"{row.reproduced:.2e} [{row.ci_low:.2e}, {row.ci_high:.2e}]",
                 f"{row.record_low:.2e} to {row.record_high:.2e}",
                 f"{row.quantile:.2f}",
-                f"{row.ratio:.2f}",
+                format_ratio(row.ratio),
             ]
         rows.append([row.scheme, row.measure, f"{row.published:.2e}", *of_run, agrees])
     return TextTable(["scheme", "measure", *NUMBER_COLUMNS, "agrees"], rows, NUMBER_COLUMNS)
@@ -158,6 +158,11 @@ def missing_section(numbers: pd.DataFrame, judged: Sequence[JudgedStatement]) ->
 def format_value(value: float) -> str:
     """Format a number to three significant digits; NaN becomes a dash."""
     return f"{value:.3g}" if value == value else NO_VALUE
+
+
+def format_ratio(value: float) -> str:
+    """Format a ratio with two decimals, or with two significant digits if it is below 0.1."""
+    return f"{value:.2f}" if value >= 0.1 else f"{value:.2g}"
 
 
 def format_interval(row: Any) -> str:

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import pandas as pd
 
+from owtsweep.config.section import unit_of
 from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import OK
+from owtsweep.studies.hub.public import HubConfig
 from owtsweep.studies.readings import searches
 
 if TYPE_CHECKING:
@@ -133,7 +135,8 @@ def _score_over_parameters(target: str, table: pd.DataFrame) -> Figure:
         panel.plot(winner[name], winner.score, "k*", markersize=10, label="best")
         if pd.api.types.is_float_dtype(table[name]) and table[name].max() > 20 * table[name].min():
             panel.set_xscale("log")
-        panel.set_xlabel(name.replace("+", " +\n"), fontsize=7)
+        unit = unit_of(HubConfig, name.split("+")[0])
+        panel.set_xlabel(name.replace("+", " +\n") + (f" ({unit})" if unit else ""), fontsize=7)
         panel.set_ylim(lowest * 0.95, min(table.score.quantile(0.9), lowest * 4.0) * 1.02)
     for panel in list(axes.flat)[len(names) :]:
         panel.set_axis_off()

@@ -129,6 +129,30 @@ def compute_rms_in_band(record: Any) -> float:
     return float(record["rms"]) * float(np.sqrt(record["band_share"]))
 
 
+def compute_rms_error(config: ReplayConfig, record: Any, shape: Spectrum) -> float:
+    """Compute the relative standard error of the rms displacement of records of a sea state.
+
+    That is how far the rms of records of this record's duration scatters around that of the sea
+    state: half the relative standard error of the mean square, sqrt(integral of S^2 / duration)
+    over the integral of S (Bendat and Piersol, Random Data, section 8.2). The displacement is taken
+    as Gaussian.
+
+    Parameters
+    ----------
+    config
+        The configuration; its band holds the spectrum.
+    record
+        The record's row of records.csv.
+    shape
+        The spectrum S(f) fitted to the record.
+    """
+    frequency = np.linspace(*config.fit_band, 4000)
+    density = shape.density(frequency)
+    total = np.trapezoid(density, frequency)
+    square = np.trapezoid(density**2, frequency) / float(record["duration"])
+    return float(0.5 * np.sqrt(square) / total)
+
+
 def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
     """Compute the settled errors that are expected of each scheme for a record's motion.
 

@@ -146,7 +146,7 @@ def _number_section(
         cell = Cell(row.natural_period, row.amplitude)
         why = reason(evidence, row.scheme, cell, row.measure, row.published)
         name = f"Table {row.table}, {row.scheme} {row.measure}"
-        items.append(f"{name}, {row.ratio:.2f} times the print: {why}.")
+        items.append(f"{name}, {sections.format_ratio(row.ratio)} times the print: {why}.")
     if not items:
         return [*blocks, Paragraph("None.")]
     explanation = (

@@ -129,7 +129,7 @@ EXPLANATION = (
     "Curves: error from motion alone, for a sinusoid of 1 m rms along the waves; s m rms moves them"
     " by s². Bars on the right: error from sensor noise alone, at any motion. The MSE of a record"
     " is the average of the curve over its spectrum, times its mean square, plus the bar. Both are"
-    " settled: the start-up transient of a record is in neither."
+    " settled: the start-up transient of a record is in neither. Curves may go on below a panel."
 )
 
 MOTION_EXPLANATION = (
@@ -160,7 +160,7 @@ def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, flo
     axes.set_ylim(1e-4, 2.0)
     _frequency_ticks(axes, limits[0], BEYOND[1] * config.band[1])
     axes.set_xlabel("frequency of the motion (Hz)")
-    axes.set_ylabel("motion spectrum")
+    axes.set_ylabel("motion spectrum\n(its peak is 1)")
 
 
 def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:

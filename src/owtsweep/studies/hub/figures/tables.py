@@ -11,6 +11,7 @@ from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.io.tables import write_table
 from owtsweep.studies.hub import published
+from owtsweep.verdicts.sections import format_ratio
 
 COLUMNS = (
     "table", "natural_period", "amplitude", "scheme", "measure", "published", "reproduced",
@@ -98,7 +99,8 @@ def to_markdown(table: pd.DataFrame) -> str:
 def _cell(row: dict[Any, Any]) -> str:
     if row["reproduced"] != row["reproduced"]:
         return f"{_number(row['published'])} → {NO_VALUE}"
-    return f"{_number(row['published'])} → {_number(row['reproduced'])} ({row['ratio']:.2f})"
+    ratio = format_ratio(row["ratio"])
+    return f"{_number(row['published'])} → {_number(row['reproduced'])} ({ratio})"
 
 
 def _number(value: float) -> str:

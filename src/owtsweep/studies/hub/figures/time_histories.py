@@ -67,7 +67,7 @@ def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str
     panels = [_values(histories, quantity, axis, names, view) for axis in range(2)]
     return time_histories.draw(
         [*panels, _errors(histories, quantity, names, view if zoom else None)],
-        title=f"{time_histories.describe(quantity)} estimate{', zoomed in' if zoom else ''}, "
+        title=f"{time_histories.describe(quantity)} estimate{_name_part(histories, view)}\n"
         f"natural period {histories.natural_period:g} s, amplitude {histories.amplitude:g} m, "
         f"tuning: {tuning}",
         footnote=_explanations(histories, quantity, names),
@@ -94,6 +94,14 @@ def _view(histories: Histories, quantity: str, *, zoom: bool) -> View:
         start = max(min(SPAN, whole) - length, 0.0)
         return start, min(start + length, whole)
     return 0.0, whole if quantity == "bias" else min(SPAN, whole)
+
+
+def _name_part(histories: Histories, view: View) -> str:
+    """Name the part of the record that the panels of x and y show; "" for the whole record."""
+    if view[1] - view[0] >= float(histories.time[-1]):
+        return ""
+    length = histories.time[-1] + histories.time[1]
+    return f", {view[0]:g} to {view[1]:g} s of {length:g} s"
 
 
 def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Array]:
@@ -167,7 +175,8 @@ def _drift(
     limits
         Limits of the vertical axis; None for both if the line is not drawn.
     note
-        When the line leaves the panel; "" if the line is inside at the end of the view.
+        When the line leaves the panel, and whether it is shown at all; "" if the line is inside at
+        the end of the view.
     """
     time, truth = histories.time, getattr(histories, quantity)[:, axis]
     alone = getattr(histories, f"integrated_{quantity}")[:, axis]
@@ -183,8 +192,8 @@ def _drift(
         return marks, limits, ""
     unit, left = UNITS[quantity], time[int(np.argmax(outside))]
     note = (
-        f"IMU alone, integrated: leaves ±{reach:.2g} {unit} after {left:.0f} s, "
-        f"is at {alone[last]:.3g} {unit} after {time[last]:.0f} s"
+        f"{'' if marks else 'Not shown: '}IMU alone, integrated: leaves ±{reach:.2g} {unit} after "
+        f"{left:.0f} s, is at {alone[last]:.3g} {unit} after {time[last]:.0f} s"
     )
     return marks, limits, note
 
@@ -221,9 +230,18 @@ def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> 
     else:
         sentences += _lags(histories, names)
     if quantity == "bias":
-        sentences.append("Panels of x and y are scaled to what is left after the transient.")
+        sentences.append(
+            "Panels of x and y are scaled to what is left after the first tenth of the record;"
+            " before, lines may leave them."
+        )
     if quantity in ("acceleration", "bias") and len(names) > 1:
         sentences.append("Where one line shows, the others lie under it.")
+    others = [name for name in histories.estimated if name not in names]
+    blind = [name for name in others if name in SHOWN]
+    sentences += [f"{name} estimates no {quantity}." for name in blind]
+    if len(others) > len(blind):
+        rest = " and ".join(name for name in others if name not in blind)
+        sentences.append(f"Not drawn, as in the paper: {rest}.")
     sentences += [f"{name} is left out: {why}." for name, why in histories.left_out.items()]
     return " ".join(sentences)
 
@@ -239,7 +257,8 @@ def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
         for lag, group in sorted(lags.items())
     )
     sentences = [
-        f"Each value of the filter stands at the moment that it is about; it is known: {when}."
+        "Estimates are drawn at the time to which they refer; the filters give them then, or later:"
+        f" {when}."
     ]
     if 0.0 in lags:
         sentences.append(

@@ -14,13 +14,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from owtsweep.errors import InputError
 from owtsweep.figures import style
-from owtsweep.figures.best_scheme_map import draw_cells
+from owtsweep.figures.best_scheme_map import Crossing, draw_cells
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
+from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub import scheme_names
@@ -80,12 +80,11 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
         for axes in panels[1]:
             axes.set_ylim(min(lows), max(highs))
         handles: list[Any] = [
-            Patch(facecolor=style_of(name, names).color, label=style.label_of(name))
+            Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
             for name in names
         ]
         handles += panels[0, 0].plot([], [], **_LINE, label=f"{LOWER}/{UPPER} boundary")
-        columns = len(handles)
-        figure.legend(handles=handles, loc="outside upper center", ncols=columns, frameon=False)
+        add_legend(figure, handles, columns=len(handles))
         style.footnote(figure, " ".join([*notes, *_differences(configs), *_explanations(configs)]))
     return figure
 
@@ -112,8 +111,10 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
             "use a run with results"
         )
     names = scheme_names(config)
-    plane = Plane.of(shown, CONDITIONS)
-    draw_cells(axes, shown.to_dict("records"), names, plane, labels="best")
+    plane, rows = Plane.of(shown, CONDITIONS), run.cases()
+    boundaries = _find_boundaries(rows, criterion, window)
+    crossing = None if boundaries is None else _place_boundary(boundaries, plane)
+    draw_cells(axes, shown.to_dict("records"), names, plane, labels="best", crossing=crossing)
     records = config.grid.replicates
     axes.set_title(
         f"Best scheme by {criterion} MSE, tuning: {config.tuning_name}\n"
@@ -121,37 +122,49 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
         loc="left",
         fontsize=10,
     )
-    rows = run.cases()
     same = find_coinciding(make_cube(config, rows), CRITERIA)
-    notes = [
-        f"{config.tuning_name}: {' and '.join(group)} coincide, shown as {group[-1]}."
-        for group in same
-    ]
+    tuning = config.tuning_name
+    notes = [f"{tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in same]
+    if boundaries is None or crossing is None:
+        return [*notes, f"{tuning}: no boundary, since the run lacks superposed rows of it."]
+    _draw_boundary(axes, crossing)
+    return notes + _explain_absence(boundaries, tuning)
+
+
+def _find_boundaries(rows: pd.DataFrame, criterion: str, window: str) -> pd.DataFrame | None:
+    """Find the boundary; None if a scheme is not in the run, or amplitudes were run one by one."""
     try:
-        boundaries = find_boundary(rows, CONDITIONS, BOUNDARY, criterion, window)
-    except InputError:  # a scheme is not in this run, or amplitudes were run one by one
-        return [
-            *notes,
-            f"{config.tuning_name}: no boundary, since the run lacks superposed rows of it.",
-        ]
-    return notes + _boundary(axes, boundaries, plane, config.tuning_name)
+        return find_boundary(rows, CONDITIONS, BOUNDARY, criterion, window)
+    except InputError:
+        return None
 
 
-def _boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane, tuning: str) -> list[str]:
+def _place_boundary(boundaries: pd.DataFrame, plane: Plane) -> Crossing:
+    """Return the boundary and its 95 % intervals in the coordinates of the map."""
     exists = boundaries[boundaries["wins"] == ""]
-    if not exists.empty:
-        column = [plane.columns.index(period) for period in exists["natural_period"]]
-        middle, low, high = (
+    columns = [plane.columns.index(period) for period in exists["natural_period"]]
+    return Crossing(
+        np.array(columns, dtype=float),
+        *(
             plane.height_of(exists[name].to_numpy(dtype=float))
             for name in ("boundary", "ci_low", "ci_high")
-        )
-        outline: dict[str, Any] = {"color": "white", "solid_capstyle": "butt", "zorder": 4}
-        axes.plot(column, middle, linewidth=5.0, **outline)
-        axes.plot(column, middle, **_LINE)
-        finite = np.isfinite(low) & np.isfinite(high)
-        for width, color in ((5.0, "white"), (1.6, "black")):
-            axes.vlines(np.array(column)[finite], low[finite], high[finite], color=color,
-                        linewidth=width, zorder=4.5)  # fmt: skip
+        ),
+    )
+
+
+def _draw_boundary(axes: Axes, boundary: Crossing) -> None:
+    column, middle = boundary.columns, boundary.heights
+    outline: dict[str, Any] = {"color": "white", "solid_capstyle": "butt", "zorder": 4}
+    axes.plot(column, middle, linewidth=5.0, **outline)
+    axes.plot(column, middle, **_LINE)
+    finite = np.isfinite(boundary.low) & np.isfinite(boundary.high)
+    ends = column[finite], boundary.low[finite], boundary.high[finite]
+    for width, color in ((5.0, "white"), (1.6, "black")):
+        axes.vlines(*ends, color=color, linewidth=width, zorder=4.5)
+
+
+def _explain_absence(boundaries: pd.DataFrame, tuning: str) -> list[str]:
+    """Write a sentence on the periods without a boundary, for each reason."""
     notes = []
     for winner in sorted(set(boundaries["wins"]) - {""}):
         without = boundaries["natural_period"][boundaries["wins"] == winner]
@@ -187,7 +200,7 @@ def _explanations(configs: Sequence[HubConfig]) -> list[str]:
     return [
         f"Boundary: amplitude at which the mean MSE of {LOWER} and {UPPER} is equal, with its 95 %"
         " interval (bootstrap over the records); between two rows it is placed logarithmically.",
-        "Hatched: best and next best cannot be told apart.",
+        "Hatched: best and runner-up cannot be told apart.",
         error_spectra.EXPLANATION,
         "So a boundary in the maps is where the square of the amplitude times the difference of two"
         f" curves makes up for the difference of their bars{scale}.{transient}",

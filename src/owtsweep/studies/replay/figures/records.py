@@ -6,8 +6,9 @@ import itertools
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.errors import InputError
-from owtsweep.figures import style
-from owtsweep.figures.palette import style_of
+from owtsweep.figures import margin, style
+from owtsweep.figures.palette import style_of, text_color_on
+from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.words import as_plain
 from owtsweep.studies.replay.seastates import find_axes, read_sea_states
@@ -15,8 +16,6 @@ from owtsweep.studies.replay.seastates import find_axes, read_sea_states
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
-
-HATCH = "////"
 
 #: If a column of the table has at most this many different values, they are the ticks of the axis.
 MOST_TICKS = 12
@@ -43,6 +42,9 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
         If no record has values on both axes.
     """
     from matplotlib.patches import Patch
+
+    from owtsweep.figures.best_scheme_map import HATCH
+    from owtsweep.figures.shades import Shades, add_legend
 
     table, (first, second) = _choose_coordinates(config, records)
     measured = advised[advised["source"] != "map"]
@@ -75,23 +77,31 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             loc="left",
         )
         best = sorted(set(shown["best"]))
-        handles = [Patch(facecolor=style_of(name, names).color, label=name) for name in best]
+        handles: list[Any] = [
+            Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
+            for name in best
+        ]
         if not all(shown["matters"]):
             handles.append(
-                Patch(facecolor="0.6", edgecolor="white", hatch=HATCH, label="does not matter")
+                Patch(facecolor="0.9", edgecolor="0.5", hatch=HATCH, label="does not matter")
             )
-        figure.legend(
-            handles=handles, loc="outside upper center", ncols=len(handles), frameon=False
-        )
+        add_legend(figure, handles, columns=len(handles))
         style.footnote(
             figure,
-            "Second line: the next best scheme and by how much its error is larger. Hatched: by "
-            "less than 5 %, or the paired interval (95 %) holds zero.",
+            f"Second line: the runner-up, and by how much its MSE is larger."
+            f" Hatched: it is larger by less than {100.0 * LEAST_MARGIN:g} %, or the paired"
+            " interval (95 %) of the difference holds zero.",
         )
     return figure
 
 
-_LABELS = {"natural_period": "fitted natural period (s)", "peak": "amplitude (m)"}
+#: Column of the map -> label of its axis. Other columns of a user's table keep their names.
+_LABELS = {
+    "natural_period": "fitted natural period (s)",
+    "peak": "amplitude: largest displacement (m)",
+    "Hs": "significant wave height Hs (m)",
+    "Tp": "peak period of the waves Tp (s)",
+}
 
 
 def _choose_coordinates(
@@ -135,20 +145,21 @@ def _mark(
     size: tuple[float, float],
     schemes: list[str],
 ) -> None:
+    from matplotlib.colors import to_rgba
     from matplotlib.patches import Rectangle
 
+    from owtsweep.figures.best_scheme_map import HATCH, HATCH_OPACITY
+
     x, y = float(line[names[0]]), float(line[names[1]])
-    look = style_of(line["best"], schemes)
+    fill = margin.fill_cell(style_of(line["best"], schemes), 1.0 + line["margin"])
+    color = text_color_on(fill)
     corner = (x - size[0] / 2.0, y - size[1] / 2.0)
-    axes.add_patch(Rectangle(corner, *size, facecolor=look.color, edgecolor="white"))
+    axes.add_patch(Rectangle(corner, *size, facecolor=fill, edgecolor="white"))
     if not line["matters"]:
-        axes.add_patch(
-            Rectangle(corner, *size, facecolor="none", edgecolor=(1, 1, 1, 0.6), hatch=HATCH)
-        )
+        edge = to_rgba(color, HATCH_OPACITY)
+        axes.add_patch(Rectangle(corner, *size, facecolor="none", edgecolor=edge, hatch=HATCH))
     text = line["best"]
     if line["margin"] == line["margin"]:
         text += f"\n{line['runner_up']} +{100.0 * line['margin']:.0f} %"
-    box = (
-        {"facecolor": look.color, "edgecolor": "none", "pad": 1.0} if not line["matters"] else None
-    )
-    axes.text(x, y, text, ha="center", va="center", color=look.text_color, fontsize=9, bbox=box)
+    box = {"facecolor": fill, "edgecolor": "none", "pad": 1.0} if not line["matters"] else None
+    axes.text(x, y, text, ha="center", va="center", color=color, fontsize=9, bbox=box)
