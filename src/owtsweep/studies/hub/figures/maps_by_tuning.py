@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from owtsweep.errors import InputError
-from owtsweep.figures import style
+from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import draw_cells
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
+from owtsweep.figures.shades import HANDLERS, Shades
 from owtsweep.results.winners import tell_winners
 from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS
@@ -64,11 +64,13 @@ def draw(results: Mapping[str, Results]) -> Figure:
         axes.set_title(f"Tuning {tuning}\n{told}", loc="left", fontsize=10)
     winners = {str(name) for cells in shown.values() for name in cells["best"]}
     handles = [
-        Patch(facecolor=style_of(name, names).color, label=style.label_of(name))
+        Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
         for name in names
         if name in winners
     ]
-    figure.legend(handles=handles, loc="outside upper right", ncols=2, frameon=False)
+    figure.legend(
+        handles=handles, handler_map=HANDLERS, loc="outside upper right", ncols=2, frameon=False
+    )
     title = f"Best scheme by {criterion} MSE, {style.describe_window(window)}"
     figure.suptitle(f"{title}\n{describe_origin(config)}", x=0.01, ha="left", fontsize=10)
     style.footnote(figure, EXPLANATION)
@@ -76,7 +78,8 @@ def draw(results: Mapping[str, Results]) -> Figure:
 
 
 EXPLANATION = (
-    "Colour: the scheme of least mean square error in the cell. Hatched: the records do not show "
-    "that the best scheme is better than the next best (95 %, Holm's correction over one map). All "
-    "tunings have the same records of motion and noise; only what the schemes assume differs."
+    f"Colour: the scheme of least mean square error in the cell. {margin.EXPLANATION} Hatched: the "
+    "records do not show that the best scheme is better than the next best (95 %, Holm's correction "
+    "over one map). All tunings have the same records of motion and noise; only what the schemes "
+    "assume differs."
 )
