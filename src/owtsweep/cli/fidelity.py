@@ -20,6 +20,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line
+    from owtsweep.io.steps import show_steps
     from owtsweep.sweep.study import OK, Judged, blame
 
     opened = load(options.run)
@@ -40,7 +41,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         f"{opened.folder}: no case of this run has succeeded; run its sweep again",
     )
     folder = opened.folder / "fidelity"
-    with refuse_in_one_line(folder), blame(study):
+    with refuse_in_one_line(folder), show_steps(), blame(study):
         files = study.write_fidelity(opened.config, rows, folder, metadata=opened.metadata())
     print(f"{len(files)} files: {printable(str(folder / 'fidelity.html'))}")
     return DONE
