@@ -20,7 +20,8 @@ import numpy as np
 
 from benchmarks import STUDY
 from benchmarks.timing import REPEATS, seconds
-from owtsweep.estimation.mhe import CasadiWindow, WindowWeights, square_root_information, window_map
+from owtsweep.estimation.casadi_window import CasadiWindow
+from owtsweep.estimation.mhe import WindowWeights, square_root_information, window_map
 from owtsweep.studies import compose
 from owtsweep.studies.hub.horizon import horizon
 from owtsweep.studies.hub.sensors import sensors

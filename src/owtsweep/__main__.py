@@ -11,6 +11,8 @@ from typing import NoReturn
 
 #: The signals that stop a command: Ctrl-C, `kill`, and the end of the terminal (not on Windows).
 STOPS = ("SIGINT", "SIGTERM", "SIGHUP")
+#: The variables by which the libraries of linear algebra learn how many threads they may start.
+BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 #: A stopped command may take this many seconds to end. Threads and processes that schemes have
 #: started may outlive the command by as many seconds.
 GRACE = 5
@@ -23,6 +25,7 @@ def run() -> NoReturn:
 
     The exit code is that of the command, or 128 plus the number of the signal that stopped it.
     """
+    _use_one_blas_thread()
     present = [getattr(signal, name) for name in STOPS if hasattr(signal, name)]
     # A signal that is ignored stays ignored (`nohup`, or a background job of a script).
     numbers = [number for number in present if signal.getsignal(number) is not signal.SIG_IGN]
@@ -48,6 +51,16 @@ def run() -> NoReturn:
         signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_late, args=(code,), daemon=True).start()
     sys.exit(code)
+
+
+def _use_one_blas_thread() -> None:
+    """Let linear algebra run on one thread, unless the user has set the number of threads.
+
+    The matrices are small: threads that wait for each other take up to a hundred times longer. The
+    libraries read the variables when they are loaded, so this must happen before NumPy is imported.
+    """
+    for name in BLAS_THREADS:
+        os.environ.setdefault(name, "1")
 
 
 def _open_missing_streams() -> None:

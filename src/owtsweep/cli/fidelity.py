@@ -26,6 +26,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line
+    from owtsweep.io.steps import show_steps
     from owtsweep.sweep.study import OK, Judged, blame
 
     opened = load(options.run)
@@ -47,7 +48,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     )
     for tuning, (part, rows) in parts.items():
         folder = opened.folder / "fidelity" / tuning
-        with refuse_in_one_line(folder), blame(study):
+        with refuse_in_one_line(folder), show_steps(), blame(study):
             files = study.write_fidelity(part.config, rows, folder, metadata=opened.metadata())
         print(f"{len(files)} files: {printable(str(folder / 'fidelity.html'))}")
     return DONE

@@ -16,10 +16,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     from owtsweep.api import load
     from owtsweep.errors import printable
     from owtsweep.io.files import refuse_in_one_line
+    from owtsweep.io.steps import show_steps
 
     opened = load(options.run)
     folder = opened.folder / "figures"
-    with refuse_in_one_line(folder):
+    with refuse_in_one_line(folder), show_steps():
         files = opened.draw()
     print(f"{len(files)} files: {printable(str(folder))}/")
     return DONE

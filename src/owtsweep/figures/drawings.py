@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
+from owtsweep.io.steps import tell_step
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,12 +66,12 @@ def draw_each(
     if only is not None and only not in drawings:
         raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")
     files: list[Path] = []
-    for name, draw in drawings.items():
-        if only not in (None, name):
-            continue
+    chosen = [name for name in drawings if only in (None, name)]
+    for number, name in enumerate(chosen, 1):
+        tell_step(f"figure {number} of {len(chosen)}: {name}")
         try:
             with guard():
-                files += draw(folder, name)
+                files += drawings[name](folder, name)
         except InputError as error:
             if only is not None:
                 raise

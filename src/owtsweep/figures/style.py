@@ -13,12 +13,15 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from owtsweep.io.files import write_all
 
 RESOLUTION = 160  # dots per inch of PNG files
+EMBEDDED_RESOLUTION = 100  # dots per inch of images inside SVG files
 SVG_LIMIT = 500 * 1024  # bytes
 
 RC: Any = {
@@ -165,12 +168,12 @@ def save(
     with context(), warnings.catch_warnings():
         # of a letter that the font lacks, or a name as long as the figure: both are drawn
         warnings.simplefilter("ignore", UserWarning)
-        raster = _render(figure, "png", dpi=RESOLUTION, metadata=notes)
-        vector = _render(figure, "svg", metadata=described)
+        raster = _render_png(figure, notes)
+        vector = _render_svg(figure, described)
         if len(vector) > SVG_LIMIT:
             # letters as text instead of outlines: smaller, but in the viewer's font
             with mpl.rc_context({"svg.fonttype": "none"}):
-                vector = _render(figure, "svg", metadata=described)
+                vector = _render_svg(figure, described)
     write_all({png: raster, svg: vector})
     return [png, svg]
 
@@ -182,7 +185,19 @@ def _draw_names_as_typed(figure: Figure) -> None:
             text.set_parse_math(False)
 
 
-def _render(figure: Figure, kind: str, **options: Any) -> bytes:
+def _render_png(figure: Figure, notes: Mapping[str, str]) -> bytes:
+    # `Figure.savefig` draws each figure twice, the first time only to lay it out. The canvas lays
+    # the figure out while it draws.
     buffer = BytesIO()
-    figure.savefig(buffer, format=kind, **options)
+    figure.dpi = RESOLUTION
+    canvas: Any = FigureCanvasAgg(figure)  # matplotlib gives the method no types
+    canvas.print_png(buffer, metadata=dict(notes))
+    return buffer.getvalue()
+
+
+def _render_svg(figure: Figure, notes: Mapping[str, str | None]) -> bytes:
+    buffer = BytesIO()
+    figure.dpi = EMBEDDED_RESOLUTION
+    canvas: Any = FigureCanvasSVG(figure)
+    canvas.print_svg(buffer, metadata=dict(notes))
     return buffer.getvalue()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import save_figure
 from owtsweep.io.files import write_atomically
+from owtsweep.io.steps import tell_step
 from owtsweep.io.tables import write_table
 from owtsweep.verdicts.page import Block, to_html, to_markdown
 
@@ -52,7 +53,8 @@ def write_report(
     folder.mkdir(parents=True, exist_ok=True)
     files = [write_table(folder, stem, table) for stem, table in tables.items()]
     pictures = {}
-    for stem, draw in figures.items():
+    for number, (stem, draw) in enumerate(figures.items(), 1):
+        tell_step(f"figure {number} of {len(figures)}: {stem}")
         saved = save_figure(draw, metadata)(folder / "figures", stem)
         pictures[stem] = saved[0]
         files += saved

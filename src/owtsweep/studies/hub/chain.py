@@ -198,9 +198,9 @@ def shared(kernel: Kernel) -> Kernel:
 #: Number of rows of a gain schedule whose covariances are computed at once.
 _ROWS_AT_ONCE = 8192
 
-#: Greatest number of chains in the cache, one for each registered scheme. A chain whose gains
-#: settle slowly takes up to 100 MB.
-_KEPT_CHAINS = 4
+#: Greatest number of chains in the cache: one for each registered scheme under each of two tunings.
+#: A chain whose gains settle slowly takes up to 100 MB.
+_KEPT_CHAINS = 8
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
 _MAKING: dict[Any, Lock] = {}
 _LOCK = Lock()

@@ -9,7 +9,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise
 from owtsweep.estimation.gains import GainSchedule
-from owtsweep.estimation.mhe import WindowWeights, window_map
+from owtsweep.estimation.mhe import WindowWeights, window_map, window_maps
 from owtsweep.studies.hub.config import Mhe
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.kernels.layout import HorizonArrays
@@ -71,16 +71,24 @@ class Horizon:
         settled = -(-gains.rows // M) if self.arrival else 0
         count = self.length + settled + 1
         maps = np.zeros((count, 3, 4 * self.length + 4))
-        for fix in range(self.first, count):
-            fixed = self.fixed and self.uses_filter(fix)  # while the window fills, there is a prior
-            solution = window_map(
-                self.weights,
-                min(fix, self.length),
-                arrival_covariance=None if fixed else self.arrival_covariance(fix, gains, M),
-                fixed_arrival=fixed,
-                use_first_fix=not self.uses_filter(fix),
-            )
+        filling = range(self.first, self.length)  # there is a prior, or no arrival term
+        full = range(self.length, count)
+        for fix in filling:
+            covariance = self.arrival_covariance(fix, gains, M)
+            solution = window_map(self.weights, fix, arrival_covariance=covariance)
             maps[fix, :, : solution.shape[1]] = solution
+        covariances = (
+            None if self.fixed else self.arrival_covariance(fix, gains, M) for fix in full
+        )
+        solutions = window_maps(
+            self.weights,
+            self.length,
+            covariances,
+            fixed_arrival=self.fixed,
+            use_first_fix=not self.arrival,
+        )
+        for fix, solution in zip(full, solutions, strict=True):
+            maps[fix] = solution
         return HorizonArrays(
             active=True,
             maps=maps,

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.mhe import CasadiWindow, square_root_information
+from owtsweep.estimation.casadi_window import CasadiWindow
+from owtsweep.estimation.mhe import square_root_information
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon, transition_over
 

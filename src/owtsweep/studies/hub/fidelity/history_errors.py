@@ -9,9 +9,13 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
+from joblib import cpu_count
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
@@ -32,6 +36,8 @@ AMPLITUDE = 0.5
 VELOCITY_BOUND = 0.05
 SCHEMES = ("HME1", "HME2")
 MOST_REPLICATES = 20
+#: More threads would wait for each other, and each needs a record's memory.
+MOST_THREADS = 4
 
 
 @dataclass(frozen=True)
@@ -62,30 +68,46 @@ def measure_history_errors(config: HubConfig) -> HistoryErrors | None:
     schemes = {scheme.name: scheme for scheme in resolve_all(config.schemes, config)}
     if not all(name in schemes and hasattr(schemes[name], "kernel") for name in SCHEMES):
         return None
+    replicates = range(min(config.grid.replicates, MOST_REPLICATES))
+    try:
+        # The kernels release the GIL. A thread has one record at a time: 2000 s of one record take
+        # tens of megabytes.
+        with ThreadPoolExecutor(min(cpu_count(), MOST_THREADS)) as pool:
+            measured = list(pool.map(partial(_measure_record, config, schemes), replicates))
+    except InputError:
+        return None
     inside: dict[str, list[float]] = defaultdict(list)
     accumulated: dict[tuple[str, str], list[float]] = defaultdict(list)
-    # One record at a time: 2000 s of one record take tens of megabytes.
-    for replicate in range(min(config.grid.replicates, MOST_REPLICATES)):
-        try:
-            records = make_records(config, NATURAL_PERIOD, [replicate])
-            chains = {
-                name: schemes[name].kernel(records.sensors, config, records.steps)  # type: ignore[attr-defined]
-                for name in SCHEMES
-            }
-        except InputError:
-            return None
-        streams = records.stream(0)
-        bias = next(simulate_bias(config.sensors, records.sensors, records.steps, streams))
-        settled = round(config.measures.settling_time / records.sensors.step)
-        for name, chain in chains.items():
-            errors = absolute_errors(chain, records, bias)
-            inside[name].append(float(np.mean(errors["velocity"][settled:] <= VELOCITY_BOUND)))
-            for quantity, error in errors.items():
-                accumulated[name, quantity].append(float(np.sum(error)) * records.sensors.step)
+    for errors in measured:
+        for name, (share, sums) in errors.items():
+            inside[name].append(share)
+            for quantity, value in sums.items():
+                accumulated[name, quantity].append(value)
     return HistoryErrors(
         {name: np.array(shares) for name, shares in inside.items()},
         {key: np.array(sums) for key, sums in accumulated.items()},
     )
+
+
+def _measure_record(
+    config: HubConfig, schemes: Mapping[str, Any], replicate: int
+) -> dict[str, tuple[float, dict[str, float]]]:
+    """Simulate one record; return for each of `SCHEMES` its element of `HistoryErrors`.
+
+    The element of `inside` comes first, then those of `accumulated` by quantity.
+    """
+    records = make_records(config, NATURAL_PERIOD, [replicate])
+    sensors = records.sensors
+    bias = next(simulate_bias(config.sensors, sensors, records.steps, records.stream(0)))
+    settled = round(config.measures.settling_time / sensors.step)
+    result = {}
+    for name in SCHEMES:
+        chain = schemes[name].kernel(sensors, config, records.steps)
+        errors = absolute_errors(chain, records, bias)
+        share = float(np.mean(errors["velocity"][settled:] <= VELOCITY_BOUND))
+        sums = {quantity: float(np.sum(error)) * sensors.step for quantity, error in errors.items()}
+        result[name] = share, sums
+    return result
 
 
 def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Array]:

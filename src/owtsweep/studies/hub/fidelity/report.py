@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from owtsweep.io.steps import tell_step
 from owtsweep.studies.hub import published, scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS, get_grid
 from owtsweep.studies.hub.config import HubConfig
@@ -64,6 +65,7 @@ def write_report(
     list of Path
         All files written.
     """
+    tell_step("time histories of HME1 and HME2")
     evidence = HubEvidence(
         rows=rows,
         conditions=CONDITIONS,
@@ -73,6 +75,7 @@ def write_report(
         window=config.measures.window,
         history_errors=measure_history_errors(config),
     )
+    tell_step("published numbers and statements")
     numbers, judged = compare_numbers(evidence), judge_all(evidence)
     tables = {
         "fidelity": fidelity_table(evidence, numbers, judged),
