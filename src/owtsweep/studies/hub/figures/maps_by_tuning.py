@@ -78,8 +78,8 @@ def draw(results: Mapping[str, Results]) -> Figure:
 
 
 EXPLANATION = (
-    f"Colour: the scheme of least mean square error in the cell. {margin.EXPLANATION} Hatched: the "
-    "records do not show that the best scheme is better than the next best (95 %, Holm's "
-    "correction over one map). All tunings have the same records of motion and noise; only what the schemes "
-    "assume differs."
+    f"Colour: the scheme of least mean square error in the cell. {margin.EXPLANATION} Hatched: "
+    "the records do not show that the best scheme is better than the next best (95 %, Holm's "
+    "correction over one map). All tunings have the same records of motion and noise; only what "
+    "the schemes assume differs."
 )
