@@ -19,7 +19,7 @@ from owtsweep.studies.hub.sensors import sensors
 
 @pytest.fixture(scope="module")
 def default() -> dict:
-    return as_mapping(compose([]))
+    return as_mapping(compose(["experiment=study", "tuning=paper"]))
 
 
 def message_of(error: InputError, key: str) -> str:

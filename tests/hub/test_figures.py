@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import itertools
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -24,6 +23,7 @@ from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
+from owtsweep.studies import compose
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA
 from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
@@ -273,12 +273,8 @@ def run(monkeypatch):
     """Arguments of `drawings` for a small run."""
     periods, amplitudes = [4.0, 5.0], [0.2, 1.0]
     rows = run_rows(SCHEMES, periods)
-    config = SimpleNamespace(
-        measures=SimpleNamespace(window="full", criterion="position"),
-        grid=SimpleNamespace(natural_period=periods, amplitude=amplitudes, replicates=3),
-        tuning="paper",
-        schemes=SCHEMES,
-    )
+    words = [f"grid.natural_period={periods}", f"grid.amplitude={amplitudes}", "grid.replicates=3"]
+    config = compose([*words, f"schemes=[{','.join(SCHEMES)}]", "tuning=paper"])
     # what is drawn from the configuration alone: tests/hub/test_more_figures.py
     monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
     cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})

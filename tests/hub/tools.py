@@ -24,6 +24,7 @@ Array = NDArray[np.float64]
 #: Low rates and short windows: everything that the default study has, in some hundred steps.
 SMALL = (
     "experiment=study",
+    "tuning=paper",
     "sensors.imu.rate=20",
     "sensors.gnss.rate=2",
     "sensors.yaw=37",

@@ -183,7 +183,7 @@ def compose_plain(
     names = _find_tunings(tree, words) if tree.model.tuned else []
     if len(names) < 2:
         return _compose(tree, words)
-    tunings.refuse_tuned_keys(tree.model.tuned, overrides, names, _listed_keys(tree))
+    tunings.refuse_tuned_keys(tree.model, overrides, names, _listed_keys(tree))
     others = [word for word in words if word.lstrip("+").partition("=")[0] != tunings.GROUP]
     composed = {name: _compose(tree, [*others, f"{tunings.GROUP}={name}"]) for name in names}
     return tunings.join(composed, tree.model.tuned)
