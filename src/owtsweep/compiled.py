@@ -65,11 +65,14 @@ def source_hash() -> str:
 def cache_directory() -> Path:
     """Return the folder of compiled kernels, whose name contains `source_hash`.
 
-    The folder lies in NUMBA_CACHE_DIR if that variable is set, else in the user's cache folder.
+    The folder lies in NUMBA_CACHE_DIR if that variable is set; else in the virtual environment that
+    runs this process, if there is one and it can be written; else in the user's cache folder.
     """
     home = os.environ.get("NUMBA_CACHE_DIR")
     if home:
         base = Path(home)
+    elif sys.prefix != sys.base_prefix and os.access(sys.prefix, os.W_OK):
+        base = Path(sys.prefix) / "numba-cache"  # as in the Makefile
     else:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "owtsweep"
     return base / f"kernels-{source_hash()}{variant}"
@@ -94,7 +97,7 @@ def _announce_when_compiling() -> None:
     class Listener(event.Listener):  # type: ignore[misc]
         def on_start(self, started: Any) -> None:
             if str(started.data["dispatcher"].py_func.__module__).startswith("owtsweep."):
-                announce(_usable_directory())
+                announce(usable_directory())
 
         def on_end(self, ended: Any) -> None:
             pass
@@ -102,8 +105,8 @@ def _announce_when_compiling() -> None:
     event.register("numba:compile", Listener())
 
 
-def _usable_directory() -> Path:
-    """Make the cache folder and return it; if that fails, return a folder for temporary files."""
+def usable_directory() -> Path:
+    """Make the cache folder and return it; if that fails, return one among the temporary files."""
     directory = cache_directory()
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -118,7 +121,7 @@ def njit(function: Callable[..., Any]) -> Any:
 
     _announce_when_compiling()
     previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_usable_directory())
+    numba.config.CACHE_DIR = str(usable_directory())
     try:
         return numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy")(function)
     finally:

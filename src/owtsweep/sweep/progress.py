@@ -75,9 +75,10 @@ class LineProgress(Progress):
             self._say(self._line())
 
     def stop(self) -> None:
-        """Print the last line."""
+        """Print the last line, if the sweep has begun to compute."""
         self._over.set()
-        self._say(self._line())
+        if self._total:
+            self._say(self._line())
 
     def _tick(self) -> None:
         while not self._over.wait(1.0):

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from owtsweep.results.conditions import Condition
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Judged", "Spectral", "Study", "add_versions",
-    "blame", "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Judged", "Spectral", "Study", "WarmsUp",
+    "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
 
@@ -116,6 +116,17 @@ class Engine(Protocol):
 
     def overview(self, config: Any) -> str:
         """Return the name of the figure of the main result, which a sweep draws at its end."""
+
+
+@runtime_checkable
+class WarmsUp(Protocol):
+    """The interface of an engine that has work to do once, before the first block is computed."""
+
+    def warm_up(self, config: Any, workers: int) -> None:
+        """Do this work, e.g. compile kernels, in up to `workers` processes side by side.
+
+        It is called in the process of the sweep, and only if blocks are missing.
+        """
 
 
 class Study(Protocol):

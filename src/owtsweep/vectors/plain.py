@@ -115,6 +115,11 @@ def rounded(product):
     """Multiply a product's factors; return the vector, so that several sums can use it."""
 
 
+def borrowed_type(kind: Any) -> Any:
+    """Return the numba type that `borrowed` makes of a value of the type `kind`: the same type."""
+    return kind
+
+
 @register_jitable
 def borrowed(value):
     """Return data for kernels unchanged (with LLVM vectors, `rows.borrowed` changes it)."""
