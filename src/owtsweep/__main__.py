@@ -1,4 +1,4 @@
-"""`python -m owtsweep`: run one command in this process, obey signals, and end the process."""
+"""`owtsweep`, `python -m owtsweep`: run one command, obey signals, and end the process."""
 
 import os
 import signal

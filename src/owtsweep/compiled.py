@@ -66,12 +66,15 @@ def source_hash() -> str:
 def cache_directory() -> Path:
     """Return the folder for compiled kernels, whose name contains `source_hash()`.
 
-    The environment variable NUMBA_CACHE_DIR names the place of this folder. If the variable is not
-    set, the folder lies in the user's cache folder.
+    The folder lies in the folder that NUMBA_CACHE_DIR names, if this environment variable is set.
+    Otherwise it lies in the virtual environment that runs this process, if there is one and it can
+    be written, or else in the user's cache folder.
     """
     home = os.environ.get("NUMBA_CACHE_DIR")
     if home:
         base = Path(home)
+    elif sys.prefix != sys.base_prefix and os.access(sys.prefix, os.W_OK):
+        base = Path(sys.prefix) / "numba-cache"  # as in the Makefile
     else:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "owtsweep"
     return base / f"kernels-{source_hash()}{variant}"
@@ -96,7 +99,7 @@ def _announce_when_compiling() -> None:
     class Listener(event.Listener):  # type: ignore[misc]
         def on_start(self, started: Any) -> None:
             if str(started.data["dispatcher"].py_func.__module__).startswith("owtsweep."):
-                announce(_usable_directory())
+                announce(usable_directory())
 
         def on_end(self, ended: Any) -> None:
             pass
@@ -104,7 +107,7 @@ def _announce_when_compiling() -> None:
     event.register("numba:compile", Listener())
 
 
-def _usable_directory() -> Path:
+def usable_directory() -> Path:
     """Make the folder for compiled kernels and return its path.
 
     If the folder cannot be made, return a path in the system's folder for temporary files.
@@ -127,7 +130,7 @@ def njit(function: Callable[..., Any]) -> Any:
 
     _announce_when_compiling()
     previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_usable_directory())
+    numba.config.CACHE_DIR = str(usable_directory())
     try:
         return numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy")(function)
     finally:

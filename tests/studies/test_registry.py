@@ -204,7 +204,7 @@ def test_a_study_without_a_tree_says_where_it_belongs(stranger: Path) -> None:
         (["study=hub,readings"], r"study: 'hub,readings' are several studies; run one at a time"),
         (["study="], r"study=: name a study, e\.g\. study=hub$"),
         (["+study=hub"], r"\+study=hub: name a study"),
-        (["study=replay"], r"study: 'replay' needs records; use `python -m owtsweep replay FILE`"),
+        (["study=replay"], r"study: 'replay' needs records; use `owtsweep replay FILE`"),
     ],
 )
 def test_a_wrong_study_is_one_line(overrides: list[str], says: str) -> None:

@@ -17,7 +17,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM, raise_interrupt
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here, raise_interrupt
 from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, dump
 from owtsweep.config.composition import compose_hydra, quote_home, require_readable
@@ -239,7 +239,7 @@ def _tell(
         extra = ["--config-dir", options.config_dir] if options.config_dir else []
         command = shlex.join(["sweep", *extra, *outcome.overrides, f"results={folder}"])
         print(f"failed: {outcome.folder}: {outcome.reason}", file=sys.stderr)
-        print(f"  retry: {PROGRAM} {command}", file=sys.stderr)
+        print(f"  retry: {program_here()} {command}", file=sys.stderr)
     if bad and not stopped:
         print(f"{len(bad)} of {len(outcomes)} runs failed", file=sys.stderr)
     return outcomes

@@ -11,10 +11,12 @@ import errno
 import logging
 import os
 import shlex
+import shutil
 import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from itertools import pairwise
+from pathlib import Path
 from typing import NoReturn
 
 from owtsweep import __version__
@@ -23,7 +25,8 @@ from owtsweep.io.log_lines import Lines
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
-PROGRAM = "python -m owtsweep"
+#: The name in usage lines and examples; `program_here` returns what works in the user's shell.
+PROGRAM = "owtsweep"
 
 DESCRIPTION = """\
 Sweeps conditions x estimation schemes for offshore wind installation, and maps which scheme is
@@ -196,7 +199,26 @@ def same_command(arguments: Sequence[str]) -> str:
     they would delete the stored cases.
     """
     words = [word for word in arguments if word not in ("--fresh", "--yes")]
-    return f"{PROGRAM} {shlex.join(words)}"
+    return f"{program_here()} {shlex.join(words)}"
+
+
+def program_here() -> str:
+    """Return the words that start this program in the user's shell and current folder.
+
+    They are `owtsweep` if the shell finds this environment's script by that name; else the path of
+    the script, e.g. `.venv/bin/owtsweep`; without a script, `python -m owtsweep`.
+    """
+    script: str | None = sys.argv[0]
+    if Path(sys.argv[0]).name != PROGRAM or not Path(sys.argv[0]).is_file():
+        script = shutil.which(PROGRAM, path=str(Path(sys.executable).parent))
+    if script is None:
+        return "python -m owtsweep"
+    found = shutil.which(PROGRAM)
+    if found is not None and os.path.samefile(found, script):
+        return PROGRAM
+    from_here = os.path.relpath(script)
+    below = os.sep in from_here and not from_here.startswith(os.pardir)
+    return shlex.quote(from_here if below else script)
 
 
 def _warnings_to_stderr() -> None:

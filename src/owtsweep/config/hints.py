@@ -49,7 +49,7 @@ def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
     beside = [name for name in keys if section and name.startswith(f"{section}.")]
     if beside and (not near or near[0] == section):  # the section is right, the key in it is not
         return f"{key}: there is no such key; there are {', '.join(beside)}"
-    hint = f"did you mean {near[0]}?" if near else "`python -m owtsweep sweep --cfg` shows all keys"
+    hint = f"did you mean {near[0]}?" if near else "`owtsweep sweep --cfg` shows all keys"
     return f"{key}: there is no such key; {hint}"
 
 

@@ -224,7 +224,7 @@ def recursion(first, stop, quiet, model, P0, pattern, tolerance, filled):
         else:
             is_slow = k % interval == 0
         S[k] = riccati_step(model, P, is_slow, K[k], Pm[k], Pf[k], work)
-        P[:, :] = Pf[k]
+        P = Pf[k]  # no copy: numba takes seconds to compile an assignment of slices
 
         if k >= start_steps + interval:
             moved = 0.0

@@ -129,7 +129,7 @@ def _check_command(study: str, primary: str) -> None:
     if needed == primary:
         return
     if primary == "sweep":
-        raise InputError(f"study: {study!r} needs records; use `python -m owtsweep {needed} FILE`")
+        raise InputError(f"study: {study!r} needs records; use `owtsweep {needed} FILE`")
     raise InputError(f"study: {study!r} replays no record; leave out study={study}")
 
 

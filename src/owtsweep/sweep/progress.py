@@ -81,9 +81,10 @@ class LineProgress(Progress):
             self._say(self._line())
 
     def stop(self) -> None:
-        """Print a last line on the progress, and stop printing."""
+        """Print a last line on the progress, if the sweep has begun to compute; stop printing."""
         self._over.set()
-        self._say(self._line())
+        if self._total:
+            self._say(self._line())
 
     def _tick(self) -> None:
         while not self._over.wait(1.0):

@@ -31,7 +31,7 @@ from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Results, Run, join_tables
 from owtsweep.sweep.stored_plan import NAME as PLAN
 from owtsweep.sweep.stored_plan import dump_plan
-from owtsweep.sweep.study import UNABLE, Study
+from owtsweep.sweep.study import UNABLE, Study, WarmsUp
 from owtsweep.sweep.versions import all_versions, count_outdated
 from owtsweep.sweep.worker import TaskResult, Work, one_line
 
@@ -224,10 +224,19 @@ class _Sweep:
         if others:
             # Another sweep may work on this run: start at the other end, to share the work.
             todo.reverse()
+        if todo:
+            self._warm_up()
         self.progress.start(total, self.reused)
         with closing(self.executor.run(todo, self.progress.advance)) as results:
             for result in results:
                 self._take(result)
+
+    def _warm_up(self) -> None:
+        engine, work = self.run.engine, self.executor.work
+        # a cluster's machines have folders of their own
+        if isinstance(engine, WarmsUp) and work.backend != "dask":
+            for config in self.run.config.by_tuning().values():
+                engine.warm_up(config, self.executor.workers)
 
     def _drop_doubtful(self) -> None:
         """Delete stored blocks (units of work) that must be computed anew, and log why.

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FAILED", "OK", "UNABLE", "Block", "Engine", "Joint", "Judged", "Spectral", "Square",
-    "Study",
+    "Study", "WarmsUp",
     "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
@@ -142,6 +142,17 @@ class Engine(Protocol):
 
     def overview(self, config: Any) -> str:
         """Return the name of the figure that shows the main result, drawn at the end of a sweep."""
+
+
+@runtime_checkable
+class WarmsUp(Protocol):
+    """The interface of an engine that has work to do once, before the first block is computed."""
+
+    def warm_up(self, config: Any, workers: int) -> None:
+        """Do this work, e.g. compile kernels, in up to `workers` processes side by side.
+
+        It is called in the process of the sweep, once per tuning, and only if blocks are missing.
+        """
 
 
 class Study(Protocol):

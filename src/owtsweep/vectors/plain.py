@@ -135,6 +135,11 @@ def rounded(product):
     """Compute a product; return it as a vector, which several sums can use."""
 
 
+def borrowed_type(kind: Any) -> Any:
+    """Return the numba type that `borrowed` makes of a value of the type `kind`: the same type."""
+    return kind
+
+
 @register_jitable
 def borrowed(value):
     """Return data unchanged; with LLVM vectors, `rows.borrowed` removes the reference counts."""

@@ -49,11 +49,12 @@ def _holds_rows(kind: Any) -> bool:
     return whole and kind.dtype == types.float64
 
 
-def _borrowed_type(kind: Any) -> Any:
+def borrowed_type(kind: Any) -> Any:
+    """Return the numba type that `borrowed` makes of a value of the type `kind`."""
     if isinstance(kind, containers.UniTuple) and _holds_rows(kind.dtype):
         return ROWS[len(kind)]
     if isinstance(kind, containers.BaseNamedTuple):
-        return containers.NamedTuple([_borrowed_type(field) for field in kind], kind.instance_class)
+        return containers.NamedTuple([borrowed_type(field) for field in kind], kind.instance_class)
     return kind
 
 
@@ -66,7 +67,7 @@ def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
     if not isinstance(kind, containers.BaseTuple):
         return value
     parts = list(zip(kind, cgutils.unpack_tuple(builder, value, len(kind)), strict=True))
-    target = _borrowed_type(kind)
+    target = borrowed_type(kind)
     if isinstance(target, _RowsType):
         arrays = [context.make_array(one)(context, builder, part) for one, part in parts]
         return join(builder, [array.data for array in arrays], POINTER)
@@ -87,7 +88,7 @@ def borrowed(typingctx: Any, value: Any) -> Any:
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return _borrow(context, builder, sig.args[0], args[0])
 
-    return _borrowed_type(value)(value), codegen
+    return borrowed_type(value)(value), codegen
 
 
 @intrinsic

@@ -53,7 +53,7 @@ def plan(config: HubConfig) -> list[Block]:
             numbers = f"replicates {first}-{last - 1}" if last - first > 1 else f"replicate {first}"
             group = f"{period:g} s, {numbers}"
             for (part, anew), scheme in zip(by_scheme, schemes, strict=True):
-                amplitudes = [None] if _superposes(config, scheme) else config.grid.amplitude
+                amplitudes = [None] if superposes(config, scheme) else config.grid.amplitude
                 for amplitude in amplitudes:
                     content = {**part, "natural_period": float(period), "replicates": replicates}
                     label = f"{scheme.name}, {group}"
@@ -66,7 +66,8 @@ def plan(config: HubConfig) -> list[Block]:
     return blocks
 
 
-def _superposes(config: HubConfig, scheme: Scheme) -> bool:
+def superposes(config: HubConfig, scheme: Scheme) -> bool:
+    """Return whether the scheme runs once for all amplitudes, motion and noise apart."""
     return config.evaluation == "superposed" and scheme.linear
 
 

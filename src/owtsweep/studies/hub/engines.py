@@ -114,6 +114,15 @@ class RecordsEngine(_Engine):
                 )
         return blocks.backend(config, schemes)
 
+    def warm_up(self, config: HubConfig, workers: int) -> None:
+        """Compile the kernels that the study uses, in up to `workers` processes side by side."""
+        from owtsweep.studies.hub.compiling import compile_kernels
+
+        schemes = [s for s in resolve_all(config.schemes, config) if blocks.uses_kernels(config, s)]
+        superposed = {blocks.superposes(config, scheme) for scheme in schemes}
+        for evaluation in sorted("superposed" if each else "direct" for each in superposed):
+            compile_kernels(evaluation, vectors=config.compute.vectors, cores=workers)
+
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """Make the tables `summary` and `best_scheme` from a run's rows; return them by name.
 

@@ -38,6 +38,19 @@ def estimates(k0, count, fed, chain, memory):
 
 
 @njit
+def _window(k0, at, end, settled):
+    """Return the step of the chunk at which the window of step `at` ends, and its row in the sums.
+
+    The record's steps before step `settled` are one window, its other steps another. A window ends
+    at the step `end` if not before. One call of the summation serves both windows: with the row as
+    a constant, numba would compile the summation once for each.
+    """
+    if k0 + at < settled:
+        return min(settled - k0, end), 0
+    return end, 18
+
+
+@njit
 def superposed(stretch, fed, truth, chain, weights, memory, sums):
     """Run a scheme on eight records, motion and noise apart; add products of the errors to `sums`.
 
@@ -63,13 +76,12 @@ def superposed(stretch, fed, truth, chain, weights, memory, sums):
             end = min(first + PIECE, count)
             if c.predictor.steps == 0:
                 finish(Steps(k0, first, end, first), inputs, c, m, true.velocity)
-            early = min(max(settled - k0, first), end)
-            if early > first:
-                some = Steps(k0, first, early, first)
-                superposed_span(some, inputs, true, c, m, w, total, 0)
-            if early < end:
-                some = Steps(k0, early, end, first)
-                superposed_span(some, inputs, true, c, m, w, total, 18)
+            at = first
+            while at < end:
+                until, top = _window(k0, at, end, settled)
+                some = Steps(k0, at, until, first)
+                superposed_span(some, inputs, true, c, m, w, total, top)
+                at = until
         k0 += count
 
 
@@ -93,11 +105,11 @@ def direct(stretch, fed, truth, chain, weights, memory, sums, squared):
             end = min(first + PIECE, count)
             if c.predictor.steps == 0:
                 finish(Steps(k0, first, end, first), inputs, c, m, true.velocity)
-            early = min(max(settled - k0, first), end)
-            if early > first:
-                direct_span(Steps(k0, first, early, first), inputs, true, c, m, w, total, 0)
-            if early < end:
-                direct_span(Steps(k0, early, end, first), inputs, true, c, m, w, total, 18)
+            at = first
+            while at < end:
+                until, top = _window(k0, at, end, settled)
+                direct_span(Steps(k0, at, until, first), inputs, true, c, m, w, total, top)
+                at = until
         k0 += count
 
 
