@@ -73,7 +73,12 @@ def drawings(
     }
     return {
         **save_each(results, describe_origin(config), metadata),
-        "tables_6_to_9": partial(write, summary, config.measures.window),
+        "tables_6_to_9": partial(
+            write,
+            summary,
+            config.measures.window,
+            f"Tuning {config.tuning_name}. {describe_origin(config)}.",
+        ),
         **save_each(_illustrations(config, same), describe_one_record(config), metadata),
     }
 

@@ -25,14 +25,22 @@ UNITS = {"x": "m²", "y": "m²", "vx": "m²/s²", "vy": "m²/s²"}
 DIGITS = 9
 
 
-def write(summary: pd.DataFrame, window: str, folder: Path, name: str) -> list[Path]:
-    """Write tables 6-9 of Ren et al. (2019) as `<name>.csv` and `<name>.md`; return both files.
+def write(summary: pd.DataFrame, window: str, origin: str, folder: Path, name: str) -> list[Path]:
+    """Write tables 6-9 into a folder, as `<name>.csv` and `<name>.md`; return both files.
 
-    The tables hold published numbers and those of a run. `summary` is the run's table summary.csv.
-    Only its rows of one time window are used: `window` is "full" or "settled".
+    Parameters
+    ----------
+    summary
+        The run's table summary.csv.
+    window
+        The window of the run's numbers, "full" or "settled".
+    origin
+        The first line of the Markdown file: of which tuning, truth and records the numbers are.
+    folder, name
+        The folder of the files, and their name without a suffix.
     """
     table, text = tables_6_to_9(summary, window=window), folder / f"{name}.md"
-    write_atomically(text, to_markdown(table))
+    write_atomically(text, f"{origin}\n\n{to_markdown(table)}")
     return [write_table(folder, name, table), text]
 
 
