@@ -61,14 +61,14 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     written = True
     if results:
         try:
-            with refuse_in_one_line(replayed.folder):
+            with refuse_in_one_line(replayed.place):
                 figures = replayed.draw(results=results)
-                report.write(config, results[""].tables, figures, replayed.folder)
+                report.write(config, results[""].tables, figures, replayed.place)
         except InputError as error:  # what was computed is stored
             print(f"failed: the report could not be written: {error}", file=sys.stderr)
             written = False
         written &= print_answer(replayed, results, width=None if sys.stdout.isatty() else 120)
-    code = tell_end(outcome, argv, f"{replayed.folder}/report.md")
+    code = tell_end(outcome, argv, f"{replayed.place}/report.md")
     return code if written else FAILED
 
 

@@ -79,7 +79,7 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     shown = _draw_overview(outcome) if outcome.results else True
     if outcome.results and sys.stdout.isatty():
         shown &= print_answer(outcome.run, outcome.results)
-    code = tell_end(outcome, argv, f"{outcome.run.folder}/")
+    code = tell_end(outcome, argv, f"{outcome.run.place}/")
     return code if shown else FAILED
 
 
@@ -93,7 +93,7 @@ def _draw_overview(outcome: Outcome) -> bool:
 
     run = outcome.run
     try:
-        with refuse_in_one_line(run.folder / "figures"):
+        with refuse_in_one_line(run.place / "figures"):
             run.draw(results=outcome.results, overview=True)
     except InputError as error:
         print(f"failed: the map could not be drawn: {error}", file=sys.stderr)
