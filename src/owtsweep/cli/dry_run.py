@@ -56,7 +56,7 @@ def _describe_time(each: Forecast) -> str:
         return f"unknown: {why}"
     basis = "as long as blocks took before in this folder"
     if each.basis == "rough":
-        basis = "rough, from a rate measured once; compiling comes first if it has not been done"
+        basis = "rough, for cores without other work; compiling comes first if it has not been done"
     workers = f"{each.workers} worker{'s' * (each.workers != 1)}"
     return f"some {_round(each.seconds)} s on {workers} ({basis})"
 

@@ -26,13 +26,13 @@ def check_folder(run: Run, *, fresh: bool) -> None:
         holds another run and `fresh` is False.
     """
     own = asked.question_folder(run.folder, run.question)
-    for folder in (own.parent, own):
+    for folder in (run.folder, run.store.cases, own):
+        check_writable(folder)
+    for folder in (own.parent, own):  # else --fresh would delete what lies elsewhere
         require(
             not folder.is_symlink(),
             f"{folder}: this is a link where a folder belongs; move it away",
         )
-    for folder in (run.folder, run.store.cases, own):
-        check_writable(folder)
     for folder, names in ((run.folder, FILES), (own, FILES[:-1])):
         # The tables of the study have no names yet, but every CSV file of a run is a table.
         for path in (*(folder / name for name in names), *folder.glob("*.csv")):

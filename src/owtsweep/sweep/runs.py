@@ -69,7 +69,7 @@ def join_tables(results: Mapping[str, Results]) -> dict[str, pd.DataFrame]:
     return joined
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Run:
     """A run, which may be finished, interrupted or still under way.
 
