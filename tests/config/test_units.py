@@ -9,7 +9,7 @@ from owtsweep.config import dump, dump_with_units
 from owtsweep.studies import compose
 
 
-@pytest.mark.parametrize("words", [["tuning=[paper,matched]"], ["tuning=matched"], []])
+@pytest.mark.parametrize("words", [["tuning=[paper,matched]"], ["tuning=matched"]])
 def test_units_stand_behind_keys_and_the_data_stay(words):
     config = compose(words)
     text = dump_with_units(config)

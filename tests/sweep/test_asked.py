@@ -38,7 +38,8 @@ def test_each_question_keeps_its_tables_and_figures(known_study, config):
     first = sweep(known_study, many).run
     first.draw()
     (first.folder / "figures" / "stale.png").write_text("of the first question")
-    (first.folder / "notes.txt").write_text("the user's")
+    for name in ("notes.txt", "notes.csv"):
+        (first.folder / name).write_text("the user's")
     second = sweep(known_study, few).run
     assert second.folder == first.folder
     root = second.folder
@@ -49,7 +50,7 @@ def test_each_question_keeps_its_tables_and_figures(known_study, config):
     ]  # fmt: skip
     assert names(own(many) / "figures") == ["means.csv", "stale.png"]
     assert not (root / "figures").exists()
-    assert (root / "notes.txt").exists()
+    assert {"notes.txt", "notes.csv"} <= set(names(root))
     assert set(first.summary()["level"]) == {1.0, 2.0, 0.3}  # of a run that Python still holds
     assert [path.parent.parent for path in first.draw()] == [own(many)]
     second.draw()
@@ -120,8 +121,10 @@ def test_fresh_forgets_all_questions(study, config):
     many, few = config(**MANY), config(**FEW)
     run = sweep(study, many).run
     (run.folder / "asked" / "mine").mkdir()
+    (run.folder / "notes.csv").write_text("the user's")
     sweep(study, few, fresh=True)
     assert sorted(names(run.folder / "asked")) == sorted(["mine", own(few).name])
+    assert (run.folder / "notes.csv").exists()
 
 
 def test_a_full_disk_moves_nothing(study, config, monkeypatch):

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from owtsweep.cli.program import main
+from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
 from owtsweep.sweep.forecast import forecast
@@ -48,13 +49,14 @@ def test_what_the_sweep_refuses_is_refused(study, config, tmp_path):
 def test_the_hub_study_has_a_rate_for_kernels_alone():
     words = ["grid.replicates=20", "record.duration=1000", "tuning=paper", "compute.workers=2"]
     hub = get_study("hub")
-    told = forecast(hub, compose(words))
+    config = compose(words)
+    told = forecast(hub, config)
     # A hundredth of a second for each record and scheme, within a factor of four.
     assert 0.25 < told.seconds / (0.5 * 6 * 20 * 4 * 0.0037) < 4.0
     assert 3e8 < told.memory < 1e9
-    longer = forecast(hub, compose([*words, "record.duration=4000"]))
+    longer = forecast(hub, changed(config, record=changed(config.record, duration=4000.0)))
     assert longer.seconds == pytest.approx(4 * told.seconds)
-    assert forecast(hub, compose([*words, "engine=reference"])).seconds is None
+    assert forecast(hub, changed(config, engine="reference")).seconds is None
 
 
 def test_the_command_line_says_it_and_writes_nothing(tmp_path, monkeypatch, capsys):

@@ -46,8 +46,10 @@ def may_start(options: argparse.Namespace, config: Config) -> bool:
     if not options.fresh or options.yes or not (folder / "cases").is_dir():
         return True
     if not sys.stdin.isatty():
-        raise InputError(f"--fresh: this would delete the cases in {folder}; add --yes")
-    answer = input(f"Delete the cases in {folder} and start over? [y/N] ")
+        raise InputError(
+            f"--fresh: this would delete the cases, tables and figures in {folder}; add --yes"
+        )
+    answer = input(f"Delete the cases, tables and figures in {folder} and start over? [y/N] ")
     if answer.strip().lower() in ("y", "yes"):
         return True
     print("owtsweep: nothing was deleted, nothing was run", file=sys.stderr)

@@ -129,7 +129,14 @@ def copy_figures(run: Path, question: str, files: list[Path]) -> None:
         write_all({own / "figures" / path.name: path.read_bytes() for path in files})
 
 
-def show(run: Path, model: type[Config], question: str, texts: Mapping[str, str]) -> None:
+def show(
+    run: Path,
+    model: type[Config],
+    question: str,
+    texts: Mapping[str, str],
+    *,
+    cleared: bool = False,
+) -> None:
     """Make a question the one that the root of the run folder shows.
 
     What the root holds of another question moves into the folder of that question: tables,
@@ -145,6 +152,8 @@ def show(run: Path, model: type[Config], question: str, texts: Mapping[str, str]
         The hash of the question.
     texts
         File name -> content: the configuration and the plan of the question.
+    cleared
+        Whether `clear` has just been called, so that nothing is left to move.
 
     Raises
     ------
@@ -155,7 +164,7 @@ def show(run: Path, model: type[Config], question: str, texts: Mapping[str, str]
     own.mkdir(parents=True, exist_ok=True)
     # First, because a full disk must be noticed before anything is moved.
     write_all({own / name: text for name, text in texts.items()})
-    if os.path.lexists(run / CONFIG):
+    if os.path.lexists(run / CONFIG) and not cleared:
         try:
             plain, text = read_stored(run / CONFIG)
             before = name_question(model, plain, text)
@@ -168,21 +177,27 @@ def show(run: Path, model: type[Config], question: str, texts: Mapping[str, str]
 
 def clear(run: Path) -> None:
     """Delete the folders of all questions, and what the root holds of a question."""
-    for path in [*(run / FOLDER).glob("*"), *_list_made(run)]:
+    for path in [*_list_made(run), *(run / FOLDER).glob("*")]:
         if path.parent.name == FOLDER and not _HASH.fullmatch(path.name):
             continue  # not of this program
         _delete(path)
 
 
-def _list_made(run: Path) -> list[Path]:
-    """Return the paths in the root of a run folder that were made of a question's cases."""
-    named = [run / name for name in MADE]
-    return [*run.glob("*.csv"), *(path for path in named if os.path.lexists(path))]
+def _list_made(run: Path, *, every_table: bool = False) -> list[Path]:
+    """Return the paths in the root of a run folder that were made of a question's cases.
+
+    A CSV file is a table if a question has a table of this name, or with `every_table` in any case.
+    Other CSV files are the user's own.
+    """
+    tables = {path.name for path in (run / FOLDER).glob("*/*.csv")}
+    made = [path for path in run.glob("*.csv") if every_table or path.name in tables]
+    return made + [run / name for name in MADE if os.path.lexists(run / name)]
 
 
 def _move_made(run: Path, target: Path) -> None:
     """Move what the root holds of a question into the question's folder, `target`."""
-    made = _list_made(run)
+    # A folder of before does not say which CSV files are tables.
+    made = _list_made(run, every_table=not target.is_dir())
     if not made:
         return
     target.mkdir(parents=True, exist_ok=True)

@@ -68,7 +68,7 @@ def prepare_folder(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
         if fresh:
             run.store.clear()
             asked.clear(run.folder)
-        asked.show(run.folder, type(run.config), run.question, texts)
+        asked.show(run.folder, type(run.config), run.question, texts, cleared=fresh)
     except OSError as error:
         raise unwritable(run.folder, error) from error
     for folder in (run.folder, run.store.cases, asked.question_folder(run.folder, run.question)):
