@@ -22,7 +22,9 @@ from owtsweep.cli.program import main
 Copy = Callable[[str], Path]
 
 #: The files of a run that a reader of the run opens; cases/* stands for the first shard.
-RUN_FILES = ("config.yaml", "plan.json", "manifest.json", "cases/*", "summary.csv")
+RUN_FILES = (
+    "config.yaml", "plan.json", "manifest.json", "cases/*", "summary.csv", "asked/*/config.yaml",
+)  # fmt: skip
 #: Name -> value to store at each of the `KEYS`, most of which expect another kind of value.
 VALUES = {
     "null": None, "text": "much", "empty": "", "list": [], "mapping": {"a": 1}, "true": True,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from replay_tools import motion_file, sensor_file
 import owtsweep
 from owtsweep.cli import main
 from owtsweep.studies.replay.running import configure, execute, expand
+from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.runs import Run
 
 QUICK = ["schemes=[MKF,HME1]", "replay.replicates=2", "measures.settling_time=5", "tuning=matched"]
@@ -97,6 +99,22 @@ def test_many_records_resume_and_equal_single_ones():
     motion_file(Path("r1.csv"), duration=25.0, rms=0.7, seed=9)  # another record, the same name
     changed = execute(configure(["r0.csv", "r1.csv", "r2.csv"], QUICK))
     assert (changed.computed, changed.reused) == (3, 6)
+
+
+def test_records_of_one_name_do_not_share_a_folder():
+    for number, folder in enumerate("ab"):
+        Path(folder).mkdir()
+        motion_file(Path(folder, "r.csv"), duration=20.0, seed=number)
+    a, b = (configure([f"{folder}/r.csv"], [*QUICK, "schemes=[MKF]"]) for folder in "ab")
+    assert run_folder(a) != run_folder(b)
+    assert run_hash(a) == run_hash(b)  # of the settings
+    old = execute(a).run.folder
+    before = Path("results", f"replay-r-{run_hash(a)}")  # a folder from before names had a digest
+    old.rename(before)
+    assert run_folder(a) == before
+    assert re.fullmatch(rf"replay-r-[0-9a-f]{{8}}-{run_hash(a)}", old.name)
+    assert run_folder(b).name not in (before.name, old.name)
+    assert execute(a).computed == 0
 
 
 def test_a_table_of_sea_states_becomes_a_map(capsys):

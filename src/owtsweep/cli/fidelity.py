@@ -47,7 +47,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         f"{opened.folder}: no case of this run has succeeded; run its sweep again",
     )
     for tuning, (part, rows) in parts.items():
-        folder = opened.folder / "fidelity" / tuning
+        folder = opened.place / "fidelity" / tuning
         with refuse_in_one_line(folder), show_steps(), blame(study):
             files = study.write_fidelity(part.config, rows, folder, metadata=opened.metadata())
         print(f"{len(files)} files: {printable(str(folder / 'fidelity.html'))}")

@@ -19,7 +19,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     from owtsweep.io.steps import show_steps
 
     opened = load(options.run)
-    folder = opened.folder / "figures"
+    folder = opened.place / "figures"
     with refuse_in_one_line(folder), show_steps():
         files = opened.draw()
     print(f"{len(files)} files: {printable(str(folder))}/")

@@ -17,9 +17,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from owtsweep.cli.dry_run import foretell
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here, raise_interrupt
 from owtsweep.cli.running import run_one
-from owtsweep.config import Config, Tree, dump
+from owtsweep.config import Config, Tree, changed, dump_with_units
 from owtsweep.config.composition import compose_hydra, quote_home, require_readable
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.errors import InputError, as_text, printable, require
@@ -71,12 +72,17 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     configs = [compose(words, options.config_dir) for words, _ in combinations]
     _check_folders(configs, [words for words, _ in combinations])
     if options.cfg:
-        print("---\n".join(dump(config) for config in configs), end="")
+        print("---\n".join(dump_with_units(config) for config in configs), end="")
         return DONE
     given = [o.partition("=")[2] for o in options.overrides if _is_results(o)]
     results = configs[0].results if configs else ["results", *given][-1]
     digest = hashlib.blake2b("\n".join(sorted(options.overrides)).encode(), digest_size=5)
     folder = Path(results) / f"multirun-{digest.hexdigest()}"
+    if options.dry_run:
+        require(
+            bool(configs), "--dry-run: this works with Hydra's basic sweeper only; leave it out"
+        )
+        return foretell([changed(config, results=str(folder)) for config in configs])
     planned = [
         PlannedRun(run_folder(config).name, [o for o in words if not _is_results(o)], values)
         for config, (words, values) in zip(configs, combinations, strict=True)

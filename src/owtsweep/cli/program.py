@@ -85,9 +85,10 @@ def _add_overrides(parser: Parser, example: str) -> None:
 
 
 def _add_run_options(parser: Parser) -> None:
-    _add_flag(parser, "--cfg", help="print the resolved configuration and stop")
+    _add_flag(parser, "--cfg", help="print the resolved configuration with units and stop")
+    _add_flag(parser, "--dry-run", help="say what would be computed, in what time, and stop")
     _add_config_dir(parser)
-    _add_flag(parser, "--fresh", help="delete this run's stored cases and start over")
+    _add_flag(parser, "--fresh", help="delete this run's cases, tables and figures, and start over")
     _add_flag(parser, "--yes", help="do not ask before deleting")
 
 

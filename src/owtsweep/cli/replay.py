@@ -6,9 +6,10 @@ import argparse
 import sys
 from collections.abc import Sequence
 
+from owtsweep.cli.dry_run import foretell
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED
 from owtsweep.cli.running import may_start, print_answer, tell_end
-from owtsweep.config import dump, require
+from owtsweep.config import dump_with_units, require
 from owtsweep.errors import InputError
 from owtsweep.io.files import refuse_in_one_line
 
@@ -36,16 +37,19 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     overrides = [word for word in options.words if "=" in word]
     if options.describe:
         return _describe(files, overrides, options.config_dir)
-    from owtsweep.studies.replay.running import compose_replay, configure, execute
+    from owtsweep.studies.replay.running import compose_replay, configure, execute, verify
     from owtsweep.sweep.progress import make_progress
 
     if options.cfg and not files:  # printing the keys needs no record
-        print(dump(compose_replay(overrides, options.config_dir)), end="")
+        print(dump_with_units(compose_replay(overrides, options.config_dir)), end="")
         return DONE
     config = configure(files, overrides, options.config_dir)
     if options.cfg:
-        print(dump(config), end="")
+        print(dump_with_units(config), end="")
         return DONE
+    if options.dry_run:
+        verify(config)
+        return foretell([config], fresh=options.fresh)
     if not may_start(options, config):
         return BAD_INPUT
     outcome = execute(
@@ -61,14 +65,14 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     written = True
     if results:
         try:
-            with refuse_in_one_line(replayed.folder):
+            with refuse_in_one_line(replayed.place):
                 figures = replayed.draw(results=results)
-                report.write(config, results[""].tables, figures, replayed.folder)
+                report.write(config, results[""].tables, figures, replayed.place)
         except InputError as error:  # what was computed is stored
             print(f"failed: the report could not be written: {error}", file=sys.stderr)
             written = False
         written &= print_answer(replayed, results, width=None if sys.stdout.isatty() else 120)
-    code = tell_end(outcome, argv, f"{replayed.folder}/report.md")
+    code = tell_end(outcome, argv, f"{replayed.place}/report.md")
     return code if written else FAILED
 
 

@@ -46,8 +46,10 @@ def may_start(options: argparse.Namespace, config: Config) -> bool:
     if not options.fresh or options.yes or not (folder / "cases").is_dir():
         return True
     if not sys.stdin.isatty():
-        raise InputError(f"--fresh: this would delete the cases in {folder}; add --yes")
-    answer = input(f"Delete the cases in {folder} and start over? [y/N] ")
+        raise InputError(
+            f"--fresh: this would delete the cases, tables and figures in {folder}; add --yes"
+        )
+    answer = input(f"Delete the cases, tables and figures in {folder} and start over? [y/N] ")
     if answer.strip().lower() in ("y", "yes"):
         return True
     print("owtsweep: nothing was deleted, nothing was run", file=sys.stderr)
@@ -79,7 +81,7 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     shown = _draw_overview(outcome) if outcome.results else True
     if outcome.results and sys.stdout.isatty():
         shown &= print_answer(outcome.run, outcome.results)
-    code = tell_end(outcome, argv, f"{outcome.run.folder}/")
+    code = tell_end(outcome, argv, f"{outcome.run.place}/")
     return code if shown else FAILED
 
 
@@ -93,7 +95,7 @@ def _draw_overview(outcome: Outcome) -> bool:
 
     run = outcome.run
     try:
-        with refuse_in_one_line(run.folder / "figures"):
+        with refuse_in_one_line(run.place / "figures"):
             run.draw(results=outcome.results, overview=True)
     except InputError as error:
         print(f"failed: the map could not be drawn: {error}", file=sys.stderr)

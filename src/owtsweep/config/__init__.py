@@ -12,10 +12,11 @@ from owtsweep.config.composition import Tree, compose_plain, conf_directory
 from owtsweep.config.section import Finite, NotNegative, Positive, Section, key
 from owtsweep.config.stored import dump
 from owtsweep.config.typed import as_mapping, changed, checked, typed, with_values
+from owtsweep.config.units import dump_with_units
 from owtsweep.errors import require
 
 __all__ = [
     "Axis", "Compute", "Config", "Finite", "NotNegative", "Positive", "Section", "Tree",
-    "as_mapping", "changed", "checked", "compose_plain", "conf_directory", "dump", "key",
-    "require", "typed", "with_values",
+    "as_mapping", "changed", "checked", "compose_plain", "conf_directory", "dump",
+    "dump_with_units", "key", "require", "typed", "with_values",
 ]  # fmt: skip

@@ -75,6 +75,10 @@ class Config(Section):
         """
         return {"": self}
 
+    def start_of_folder(self) -> str:
+        """Return the text with which the name of the run folder begins, before the run's hash."""
+        return self.experiment
+
     def describe_code(self) -> Any:
         """Return a description of the user's own code that the keys of this configuration name.
 

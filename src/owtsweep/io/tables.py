@@ -31,11 +31,16 @@ def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
     OSError
         If the file system refuses a file.
     """
+    write_all({folder / name: text for name, text in dump_tables(tables).items()})
+
+
+def dump_tables(tables: Mapping[str, pd.DataFrame]) -> dict[str, str]:
+    """Return file name (`<name>.csv`) -> text, for each table without its index."""
     # pandas writes a float as `repr` does: the shortest text that reads back as the same number.
-    contents = {}
-    for name, table in tables.items():
-        contents[folder / f"{name}.csv"] = table.to_csv(index=False, lineterminator="\n")
-    write_all(contents)
+    return {
+        f"{name}.csv": table.to_csv(index=False, lineterminator="\n")
+        for name, table in tables.items()
+    }
 
 
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:

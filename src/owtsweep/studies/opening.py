@@ -14,12 +14,13 @@ from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 from owtsweep.io.reading import require_folder
 from owtsweep.studies import registry
+from owtsweep.sweep import asked
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.stored_plan import read_blocks, read_stored_plan
 
 
 def open_run(folder: Path) -> Run:
-    """Open the run that is stored in a folder.
+    """Open the run that is stored in a folder, or one of its questions, `<run>/asked/<hash>`.
 
     Raises
     ------
@@ -38,7 +39,9 @@ def open_run(folder: Path) -> Run:
     config = _make_config(path, plain, None if stored is None else stored.get("code"))
     tunings = [name for name in config.by_tuning() if name]
     plan = None if stored is None else read_blocks(folder, stored, tunings)
-    return Run(folder, config, registry.get_study(config.study), plan)
+    study = registry.get_study(config.study)
+    question = asked.name_question(study.config_type(), plain, text)
+    return Run(folder, config, study, plan, question, asked.find_home(folder))
 
 
 def load_config(path: Path) -> Config:

@@ -23,6 +23,9 @@ LONGEST_NAME = 255
 #: swept over, how the sweep is computed and where results are stored.
 NOT_IDENTIFYING = frozenset({"grid", "schemes", "compute", "results", "name"})
 
+#: Top-level keys of a configuration on which no table and no figure depends.
+NOT_ASKED = frozenset({"compute", "results", "name"})
+
 
 def block_key(study: Study, block: Block) -> str:
     """Return the key of a block (unit of work): 32 hexadecimal digits.
@@ -55,10 +58,21 @@ def run_hash(config: Config) -> str:
     return _digest(identity, HASH_BYTES, what="config")
 
 
+def question_hash(config: Config) -> str:
+    """Return the hash that identifies what a sweep was asked: 10 hexadecimal digits.
+
+    The hash covers the whole configuration with grid and schemes, but without `compute`, `results`
+    and `name`.
+    """
+    identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_ASKED}
+    return _digest(identity, HASH_BYTES, what="config")
+
+
 def run_folder(config: Config) -> Path:
     """Return the folder of a run: `<results>/<name>`, or `<results>/<experiment>-<hash>`.
 
-    The form with the hash is used if the key `name` of the configuration is null.
+    The form with the hash is used if the key `name` of the configuration is null. A
+    study may put more between the experiment and the hash (`Config.start_of_folder`).
 
     Raises
     ------
@@ -72,7 +86,8 @@ def run_folder(config: Config) -> Path:
         f"experiment: {config.experiment!r} cannot be part of a folder's name; "
         "use letters, digits, . _ - + = ,",
     )
-    return _folder(config, "experiment", f"{config.experiment}-{run_hash(config)}")
+    start = config.start_of_folder()
+    return _folder(config, "experiment", f"{start}-{run_hash(config)}")
 
 
 def _folder(config: Config, key: str, name: str) -> Path:

@@ -147,6 +147,19 @@ def read_earlier_seconds(folder: Path) -> dict[str, float]:
     return {label: seconds for label, seconds in read.items() if isfinite(seconds)}
 
 
+def read_mean_seconds(folder: Path) -> float | None:
+    """Read the mean computing time of a block, s, from the manifest of earlier sweeps.
+
+    Return None if there is no manifest, or the manifest holds no valid times.
+    """
+    try:
+        blocks = read_manifest(folder)["blocks"]
+        mean = float(blocks["seconds"]) / int(blocks["count"])
+    except (ValueError, KeyError, TypeError, OverflowError, ZeroDivisionError):
+        return None
+    return mean if isfinite(mean) and mean >= 0.0 else None
+
+
 def was_running(folder: Path) -> bool:
     """Return whether a sweep of the run in `folder` is under way, or was killed.
 

@@ -11,17 +11,18 @@ from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from typing import Any
 
-from owtsweep.config import Config, dump, require, typed
-from owtsweep.config.stored import read_stored
+from owtsweep.config import Config, dump, require
 from owtsweep.errors import InputError
-from owtsweep.io.files import check_writable, remove_stale, unwritable, write_all, write_atomically
-from owtsweep.io.tables import write_tables
+from owtsweep.io.tables import dump_tables
+from owtsweep.sweep import asked
 from owtsweep.sweep.execute import BACKENDS, Executor
-from owtsweep.sweep.keys import run_folder, run_hash
+from owtsweep.sweep.keys import question_hash, run_folder
 from owtsweep.sweep.log import repeat, run_log
 from owtsweep.sweep.plan import Plan, count_cases, make_plan, make_tasks
+from owtsweep.sweep.prepare import prepare_folder
 from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.provenance import (
+    MANIFEST,
     finish_manifest,
     read_earlier_seconds,
     start_manifest,
@@ -111,54 +112,12 @@ def sweep(
         cases stay, and the next sweep reuses them.
     """
     plan = make_plan(study, config)
-    run = Run(run_folder(config), config, study, plan)
+    run = Run(run_folder(config), config, study, plan, question=question_hash(config))
     with _executor(run) as executor:
         text = dump(config)
-        _prepare(run, {"config.yaml": text, PLAN: dump_plan(plan, config, text)}, fresh=fresh)
+        prepare_folder(run, {"config.yaml": text, PLAN: dump_plan(plan, config, text)}, fresh=fresh)
         with run_log(run.folder):
             return _Sweep(run, plan, executor, progress or Progress(), argv)(text)
-
-
-def _prepare(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
-    for folder in (run.folder, run.store.cases):
-        check_writable(folder)
-    names = (*texts, "manifest.json", "run.log")
-    # The tables of the study have no names yet, but every CSV file of a run is a table.
-    for path in (*(run.folder / name for name in names), *run.folder.glob("*.csv")):
-        kind = "folder" if path.is_dir() else "pipe or a device"
-        require(
-            path.is_file() or not path.exists(),
-            f"{path}: this is a {kind} where a file belongs; move it away",
-        )
-    if run.config.name is not None and not fresh:
-        _require_same_run(run)
-    try:
-        run.store.cases.mkdir(parents=True, exist_ok=True)
-        if fresh:
-            run.store.clear()
-        write_all({run.folder / name: text for name, text in texts.items()})
-    except OSError as error:
-        raise unwritable(run.folder, error) from error
-    for folder in (run.folder, run.store.cases):
-        remove_stale(folder)
-
-
-def _require_same_run(run: Run) -> None:
-    """Raise InputError if the run's folder holds a run with other settings.
-
-    This can happen if the user has named the folder. The tables of two runs must not be mixed.
-    """
-    path = run.folder / "config.yaml"
-    if path.is_file():
-        plain, _ = read_stored(path)
-        # of another study's configuration the keys would not be known
-        same_study = plain.get("study") == run.config.study
-        model = type(run.config)
-        require(
-            same_study and run_hash(typed(model, model.hide_code(plain, None))) == run.hash,
-            f"name: {run.folder} holds a run with other settings; choose another name, or add "
-            "--fresh to replace it",
-        )
 
 
 @dataclass
@@ -301,7 +260,7 @@ class _Sweep:
             return {}
         tables = join_tables(results)
         try:
-            write_tables(run.folder, tables)
+            asked.write_both(run.folder, run.question, dump_tables(tables))
         except OSError as error:
             names = ", ".join(f"{name}.csv" for name in tables)
             self._fail([Setback(f"{names} (left as they were)", one_line(error), 0)])
@@ -310,7 +269,7 @@ class _Sweep:
     def _write_manifest(self, manifest: dict[str, Any]) -> None:
         text = json.dumps(manifest, indent=2) + "\n"
         try:
-            write_atomically(self.run.folder / "manifest.json", text)
+            asked.write_both(self.run.folder, self.run.question, {MANIFEST: text})
         except OSError as error:  # the stored cases matter more than the manifest
             logger.warning("manifest.json could not be written (%s)", one_line(error))
 

@@ -50,10 +50,13 @@ class Store:
         The run folder.
     needed
         The columns that every shard must have, as `schema.needed_columns` returns them.
+    read_only
+        If True, a damaged shard keeps its name, and nothing is written.
     """
 
     folder: Path
     needed: Needed = field(default_factory=dict)
+    read_only: bool = False
 
     @property
     def cases(self) -> Path:
@@ -148,7 +151,10 @@ class Store:
         except WrongRows as error:
             _leave_out(path, error)
         except DamagedShard as error:
-            _set_aside(path, printable(str(error)))
+            if self.read_only:
+                logger.warning("%s is damaged: %s", path.name, printable(str(error)))
+            else:
+                _set_aside(path, printable(str(error)))
         return None
 
     def _fits(self, key: str, table: Any, kinds: dict[str, str]) -> bool:

@@ -28,9 +28,8 @@ if TYPE_CHECKING:
     C = TypeVar("C", bound=Config)
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Joint", "Judged", "Spectral", "Square",
-    "Study", "WarmsUp",
-    "add_versions", "blame", "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Joint", "Judged", "Predicting", "Spectral",
+    "Square", "Study", "WarmsUp", "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
 
@@ -187,6 +186,20 @@ class Joint(Protocol):
         """Return figure name -> function that draws the figure; the main result comes first.
 
         `results` holds the results by tuning.
+        """
+
+
+@runtime_checkable
+class Predicting(Protocol):
+    """The interface of an engine that can say roughly what blocks take before any has been run."""
+
+    def predict(
+        self, config: Any, blocks: Sequence[Block], workers: int
+    ) -> tuple[float, float] | None:
+        """Return the computing time of the blocks in s, and the memory of the sweep in bytes.
+
+        The time is the sum over the blocks; several workers share it. Return None if no block of
+        this kind has been measured, e.g. one of a user's scheme.
         """
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
@@ -11,7 +11,7 @@ from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
 from owtsweep.results.winners import tell_winners
-from owtsweep.studies.hub import blocks, criteria, figures, scheme_names
+from owtsweep.studies.hub import blocks, criteria, figures, prediction, scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS, make_cube
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from owtsweep.figures.drawings import Drawing
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.sweep.runs import Results
-    from owtsweep.sweep.study import Engine
+    from owtsweep.sweep.study import Block, Engine
 
 logger = logging.getLogger(__name__)
 
@@ -122,6 +122,12 @@ class RecordsEngine(_Engine):
         superposed = {blocks.superposes(config, scheme) for scheme in schemes}
         for evaluation in sorted("superposed" if each else "direct" for each in superposed):
             compile_kernels(evaluation, vectors=config.compute.vectors, cores=workers)
+
+    def predict(
+        self, config: HubConfig, blocks: Sequence[Block], workers: int
+    ) -> tuple[float, float] | None:
+        """Return the computing time in s and the memory in bytes; None unless kernels run all."""
+        return prediction.predict(config, blocks, workers)
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """Make the tables `summary` and `best_scheme` from a run's rows; return them by name.

@@ -40,17 +40,26 @@ def check_grid(config: HubConfig) -> None:
         f"grid: a sweep would have {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give "
         "fewer natural periods, amplitudes or replicates",
     )
-    # bytes: the values of one scheme at one period, the rows of all records, the tables' lines
-    values = NUMBER * VALUES * amplitudes * records
-    rows = 3 * NUMBER * VALUES * schemes * periods * records * each
-    lines = 10 * NUMBER * schemes * periods * amplitudes  # large expected grids: one measure
-    lines *= 1 if config.engine == "expected" else VALUES
-    needed = 3 * values + rows + lines
+    needed = count_table_bytes(config)
     require(
         needed <= MOST_BYTES,
         f"grid: {periods} natural periods x {amplitudes} amplitudes x {records} replicates need "
         f"some {needed / 1e9:.3g} GB, more than {MOST_BYTES / 1e9:g} GB; give fewer of them",
     )
+
+
+def count_table_bytes(config: HubConfig) -> int:
+    """Return how many bytes the tables of a configuration need while they are made."""
+    grid, schemes = config.grid, len(config.schemes)
+    periods, amplitudes = len(grid.natural_period), len(grid.amplitude)
+    records = 1 if config.engine == "expected" else grid.replicates
+    each = amplitudes if config.evaluation == "direct" else 1
+    # bytes: the values of one scheme at one period, the rows of all records, the tables' lines
+    values = NUMBER * VALUES * amplitudes * records
+    rows = 3 * NUMBER * VALUES * schemes * periods * records * each
+    lines = 10 * NUMBER * schemes * periods * amplitudes  # large expected grids: one measure
+    lines *= 1 if config.engine == "expected" else VALUES
+    return 3 * values + rows + lines
 
 
 def check_fix_interval(steps: int) -> None:

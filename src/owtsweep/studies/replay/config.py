@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from pathlib import Path
 from typing import ClassVar, Literal
 
 from owtsweep.config import Positive, Section, key, require
+from owtsweep.config.stored import read_stored
+from owtsweep.errors import InputError
 from owtsweep.studies.hub.public import Grid, HubConfig
+from owtsweep.sweep.keys import run_hash
+
+#: Hexadecimal digits of a record's hash in the run folder's name, and the most bytes before them.
+DIGITS, LONGEST_START = 8, 235
 
 
 class ReplayGrid(Grid):
@@ -88,6 +96,25 @@ class ReplayConfig(HubConfig):
             band is None or band[0] < band[1],
             f"replay.band: {band} must be two edges in Hz, the lower one first, e.g. [0.2,0.4]",
         )
+
+    def start_of_folder(self) -> str:
+        """Return the experiment; for a single record also a digest of the record's bytes.
+
+        So records with one name, from different folders, do not share a run folder. A run folder
+        from before names had a digest is used again if it holds a replay of this file.
+        """
+        from owtsweep.studies.replay.loading import hash_file
+
+        if len(self.grid.files) != 1:
+            return self.experiment
+        (file,) = self.grid.files
+        before = Path(self.results) / f"{self.experiment}-{run_hash(self)}" / "config.yaml"
+        with suppress(InputError):  # there is none, or it cannot be read
+            match read_stored(before)[0]:
+                case {"grid": {"files": [stored]}} if stored == file:
+                    return self.experiment
+        start = self.experiment.encode()[:LONGEST_START].decode(errors="ignore")
+        return f"{start}-{hash_file(file)[:DIGITS]}"
 
     @property
     def fit_band(self) -> tuple[float, float]:

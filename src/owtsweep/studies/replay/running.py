@@ -183,7 +183,7 @@ def execute(
     for note in verify(config):
         say(f"note: {note}")
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
-    folders = locate_estimates(config, outcome.run.folder)
+    folders = locate_estimates(config, outcome.run.place)
     unwritten = []
     for file, (label, folder) in zip(config.grid.files, folders.items(), strict=True):
         try:
@@ -256,7 +256,7 @@ class Replay:
         import pandas as pd
 
         assert isinstance(self.run.config, ReplayConfig)
-        folders = locate_estimates(self.run.config, self.run.folder)
+        folders = locate_estimates(self.run.config, self.run.place)
         if record is None and len(folders) == 1:
             record = next(iter(folders))
         if record not in folders:
