@@ -40,7 +40,15 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     manifest = read_manifest(opened.folder)
     shown = {**_shorten(manifest, opened), "now": _describe_folder(opened)}
     questions = _describe_questions(opened)
-    _print({**shown, **({"asked": questions} if questions else {})}, 0)
+    origin = opened.config.describe_origin()
+    _print(
+        {
+            **({"origin": origin} if origin else {}),
+            **shown,
+            **({"asked": questions} if questions else {}),
+        },
+        0,
+    )
     return DONE
 
 

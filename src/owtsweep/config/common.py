@@ -75,6 +75,13 @@ class Config(Section):
         """
         return {"": self}
 
+    def describe_origin(self) -> str:
+        """Return in a line what the run's numbers depend on: truth, tuning, seed, records per cell.
+
+        The line is empty if the study does not say.
+        """
+        return ""
+
     def start_of_folder(self) -> str:
         """Return the text with which the name of the run folder begins, before the run's hash."""
         return self.experiment

@@ -307,6 +307,12 @@ class HubConfig(Config):
             for name, sections in self.tunings.items()
         }
 
+    def describe_origin(self) -> str:
+        """Return in a line the tuning, the truth, and the number of records with their seed."""
+        from owtsweep.studies.hub.origin import describe_origin
+
+        return f"Tuning {self.tuning_name}. {describe_origin(self)}"
+
     def describe_code(self) -> Any:
         """Return what a run stores of its schemes: a list with one mapping per scheme.
 

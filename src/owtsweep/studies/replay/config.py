@@ -97,6 +97,10 @@ class ReplayConfig(HubConfig):
             f"replay.band: {band} must be two edges in Hz, the lower one first, e.g. [0.2,0.4]",
         )
 
+    def describe_origin(self) -> str:
+        """Return nothing, because a replay's truth is in its record."""
+        return ""
+
     def start_of_folder(self) -> str:
         """Return the experiment; for a single record also a digest of the record's bytes.
 
