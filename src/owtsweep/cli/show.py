@@ -39,16 +39,9 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     opened = load(options.run)
     manifest = read_manifest(opened.folder)
     shown = {**_shorten(manifest, opened), "now": _describe_folder(opened)}
-    questions = _describe_questions(opened)
-    origin = opened.config.describe_origin()
-    _print(
-        {
-            **({"origin": origin} if origin else {}),
-            **shown,
-            **({"asked": questions} if questions else {}),
-        },
-        0,
-    )
+    origin, questions = opened.config.describe_origin(), _describe_questions(opened)
+    parts = {"origin": origin, **shown, "asked": questions}
+    _print({name: part for name, part in parts.items() if part not in ("", {})}, 0)
     return DONE
 
 
