@@ -83,7 +83,8 @@ def test_rows_of_another_shape_count_as_missing(run, kind, monkeypatch, caplog):
     reseal(run, WRONG[kind], monkeypatch)
     if kind.startswith("text where"):  # what belongs there is known by the other shards alone
         monkeypatch.setattr(Run, "plan", lambda self: dict(reversed(run.stored_plan.items())))
-    rows, missing = run.stored()
+    stored, missing = run.stored()
+    rows = stored[""]
     assert missing == 1
     assert len(rows) == 6
     assert set(run.engine.tables(run.config, rows)) == {"order", "summary"}
@@ -116,8 +117,8 @@ def test_the_line_names_file_and_column(run, monkeypatch, caplog):
 )  # fmt: skip
 def test_other_numbers_are_no_damage(run, change, monkeypatch):
     reseal(run, change, monkeypatch)
-    rows, missing = run.stored()
-    assert (len(rows), missing) == (8, 0)
+    stored, missing = run.stored()
+    assert (len(stored[""]), missing) == (8, 0)
 
 
 def test_whole_numbers_too_large_for_a_column_of_fractions_are_told(run, monkeypatch):
