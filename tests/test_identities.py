@@ -107,7 +107,8 @@ def assert_same_text(config: Config, name: str) -> None:
 
 @pytest.mark.parametrize("name", OVERRIDES)
 def test_the_same_overrides_give_the_same_configuration(name: str) -> None:
-    assert_same_text(compose(OVERRIDES[name]), name)
+    # A stored run has no baselines; a new one has them by default.
+    assert_same_text(changed(compose(OVERRIDES[name]), baselines=[]), name)
 
 
 @pytest.mark.parametrize("name", REPLAYS)

@@ -45,6 +45,7 @@ def draw(
     coinciding: Sequence[Sequence[str]] = (),
     replicates: int | None = None,
     failures: int = 0,
+    notes: Sequence[str] = (),
 ) -> Figure:
     """Draw the map of the best scheme in every cell, with title, legend and footnote.
 
@@ -53,7 +54,7 @@ def draw(
     best
         The table best_scheme.csv of a run.
     schemes
-        All schemes compared, in the order of the legend.
+        All schemes that are named in the table, in the order of the legend.
     conditions
         The study's conditions; at most two of them may have several values.
     criterion, window
@@ -70,6 +71,8 @@ def draw(
     failures
         Number of failed cases. If it is not 0, title and footnote say that cells may have fewer
         records.
+    notes
+        Sentences at the end of the footnote.
 
     Raises
     ------
@@ -100,7 +103,8 @@ def draw(
     )
     handles = _make_legend(rows, schemes, coinciding, holes=len(rows) < plane.size)
     figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
-    style.footnote(figure, _explain(rows, coinciding, failures, labelled=labelled))
+    explained = _explain(rows, coinciding, failures, labelled=labelled)
+    style.footnote(figure, " ".join([explained, *notes]))
     return figure
 
 

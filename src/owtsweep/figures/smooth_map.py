@@ -38,7 +38,8 @@ class Field:
     values
         The expected MSE, shape (schemes, columns, lines).
     best
-        Index of the scheme of least expected MSE, shape (columns, lines).
+        Index of the scheme of least expected MSE, shape (columns, lines); -1 where a baseline
+        beats it.
     excess
         By how many per cent the runner-up's MSE is larger, shape (columns, lines); NaN without a
         runner-up.
@@ -46,6 +47,11 @@ class Field:
         Whether best and runner-up differ by more than `resolution`, shape (columns, lines).
     resolution
         The relative accuracy of `values`.
+    baseline
+        Index of the baseline that beats every scheme, shape (columns, lines); -1 where none does.
+    lead
+        Logarithm of the best scheme's MSE divided by that of the best baseline, shape
+        (columns, lines). A baseline beats every scheme where this is more than `resolution`.
     """
 
     across: Condition
@@ -57,6 +63,8 @@ class Field:
     excess: Array
     distinguishable: NDArray[np.bool_]
     resolution: float
+    baseline: NDArray[np.integer[Any]]
+    lead: Array
 
 
 def draw(
@@ -66,6 +74,8 @@ def draw(
     title: str,
     origin: str,
     coinciding: Sequence[Sequence[str]] = (),
+    baselines: Sequence[str] = (),
+    notes: Sequence[str] = (),
 ) -> Figure:
     """Draw the regions of the best schemes, with lines between them and contours of the margin.
 
@@ -81,12 +91,17 @@ def draw(
         A sentence for the footnote that says where the values come from.
     coinciding
         Groups of schemes with equal values. The map shows each group under the last of its names.
+    baselines
+        Names of the baselines, to which `field.baseline` refers.
+    notes
+        Sentences at the end of the footnote.
     """
     figure = style.new_figure(7.6, 5.8)
     axes = figure.add_subplot()
     _draw_regions(axes, field, schemes)
     _draw_boundaries(axes, field)
     _draw_margins(axes, field)
+    _cover_baselines(axes, field, baselines)
     axes.set(xscale=field.across.scale, xlabel=field.across.title)
     axes.set(yscale=field.upwards.scale, ylabel=field.upwards.title)
     for axis, condition in ((axes.xaxis, field.across), (axes.yaxis, field.upwards)):
@@ -95,8 +110,13 @@ def draw(
     axes.grid(visible=False)
     axes.set_title(title, loc="left")
     handles = _make_legend(field, schemes, coinciding)
+    for number, name in enumerate(baselines):
+        share = float(np.mean(field.baseline == number))
+        if share > 0.0:
+            label = f"{name}: {_describe_share(share)}"
+            handles.append(Patch(color=style_of(name, baselines).color, label=label))
     figure.legend(handles=handles, loc="outside upper center", ncols=2, frameon=False)
-    style.footnote(figure, _explain(field, origin, coinciding))
+    style.footnote(figure, " ".join([_explain(field, origin, coinciding), *notes]))
     return figure
 
 
@@ -120,6 +140,26 @@ def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
         axes.contourf(field.columns, field.lines, unclear.T.astype(float), **cover)
     axes.set_xlim(field.columns[0], field.columns[-1])
     axes.set_ylim(field.lines[0], field.lines[-1])
+
+
+def _cover_baselines(axes: Axes, field: Field, baselines: Sequence[str]) -> None:
+    """Cover the parts of the map where a baseline beats every scheme, and name the baseline."""
+    text: Any = {"ha": "center", "va": "center", "fontsize": 12, "fontweight": "bold", "zorder": 8}
+    for number, name in enumerate(baselines):
+        won, look = field.baseline == number, style_of(name, baselines)
+        if won.any():
+            cover = np.ma.masked_where(~won, won)
+            axes.pcolormesh(
+                field.columns, field.lines, cover.T, cmap=ListedColormap([look.color]),
+                shading="nearest", rasterized=True, zorder=6,
+            )  # fmt: skip
+        if won.mean() > LEAST_REGION:
+            i, j = _find_middle(won)
+            axes.text(field.columns[i], field.lines[j], name, color=look.text_color, **text)
+    covered = field.baseline >= 0
+    if covered.any() and not covered.all():
+        edge: dict[str, Any] = {"colors": "black", "linewidths": 1.4, "zorder": 7}
+        axes.contour(field.columns, field.lines, field.lead.T, [field.resolution], **edge)
 
 
 def _draw_boundaries(axes: Axes, field: Field) -> None:

@@ -29,6 +29,8 @@ def grid(
     conditions: Sequence[Condition],
     criterion: str,
     window: str,
+    *,
+    notes: Sequence[str] = (),
 ) -> RenderableType:
     """Make the map as a coloured grid: first condition horizontal, second vertical.
 
@@ -37,13 +39,15 @@ def grid(
     best
         The table best_scheme.csv of a run.
     schemes
-        All schemes compared.
+        All schemes that are named in the table.
     conditions
         The study's conditions. There is one grid for each combination of values of the third and
         any further condition.
     criterion, window
         Measure and window of the rows to show. If there are no such rows, a sentence that says so
         is returned.
+    notes
+        Sentences below the map.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -60,6 +64,7 @@ def grid(
             parts.append(Text(", ".join(f"{c.word} {c.show(value)}" for c, value in told)))
         parts += _make_tables(cells, schemes, Plane.of(cells, conditions[:2]))
     parts.append(_make_legend(shown, schemes))
+    parts += [Text(note) for note in notes]
     return Group(*parts)
 
 

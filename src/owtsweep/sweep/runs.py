@@ -57,7 +57,7 @@ class Run:
 
     @property
     def hash(self) -> str:
-        """The hash of the configuration without grid, schemes, compute, results and name."""
+        """The hash of the configuration without the keys that identify no run (`sweep.keys`)."""
         return run_hash(self.config)
 
     @property

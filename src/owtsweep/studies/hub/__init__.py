@@ -40,10 +40,11 @@ class HubStudy:
     numerics_version = add_versions(1, *ROOMS)
 
     def schemes(self) -> dict[str, str]:
-        """Return scheme -> description, for all schemes of the study."""
-        from owtsweep.studies.hub.schemes import REGISTERED
+        """Return scheme -> description, for all schemes of the study, baselines included."""
+        from owtsweep.studies.hub.schemes import BASELINES, REGISTERED
 
-        return dict(REGISTERED)
+        told = {name: f"baseline (baselines=[...]): {what}" for name, what in BASELINES.items()}
+        return REGISTERED | told
 
     def config_type(self) -> type[HubConfig]:
         """Return the model of the study's configuration."""
@@ -101,7 +102,14 @@ def criteria(config: HubConfig) -> tuple[str, ...]:
 
 
 def scheme_names(config: Any) -> list[str]:
-    """Return the names of a run's schemes, in the order of the configuration."""
+    """Return the names of a run's schemes, in the order of the configuration, without baselines."""
     from owtsweep.studies.hub.schemes import resolve_all
 
     return [scheme.name for scheme in resolve_all(config.schemes)]
+
+
+def baseline_names(config: Any) -> list[str]:
+    """Return the names of a run's baselines, in the order of the configuration."""
+    from owtsweep.studies.hub.schemes import list_baselines
+
+    return list_baselines(config)

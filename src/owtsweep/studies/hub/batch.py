@@ -17,6 +17,7 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.feed import Feed, Span
 from owtsweep.studies.hub.feed import Lanes as Lanes  # imported from here elsewhere
+from owtsweep.studies.hub.fix_lines import sum_line_errors
 from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
     ChainArrays,
@@ -46,14 +47,16 @@ class Sums(NamedTuple):
     products
         Sums, shape (2, 6, 3, replicates): windows (before and after settling), quantities (x, y,
         vx, vy, NEES, NIS), products (motion x motion, motion x noise, noise x noise).
-    steps, innovations
-        Numbers of steps and of innovations in each window, shape (2,) each.
+    steps, covariances, innovations
+        Numbers of steps, of steps with a covariance and of innovations in each window, shape (2,)
+        each.
     squared
         Squared position error of each step, shape (steps, replicates); (0, replicates) if not kept.
     """
 
     products: Array
     steps: NDArray[np.int64]
+    covariances: NDArray[np.int64]
     innovations: NDArray[np.int64]
     squared: Array
 
@@ -69,7 +72,8 @@ def sum_errors(
 ) -> list[Sums]:
     """Run chains on all replicates of some records; return each chain's sums of squared errors.
 
-    All chains run on one span of the records before the next span is made.
+    All chains run on one span of the records before the next span is made. A chain whose estimates
+    follow straight lines need not run if motion and noise are apart (see `fix_lines`).
 
     Parameters
     ----------
@@ -84,21 +88,28 @@ def sum_errors(
     consistency
         Whether NEES is computed; otherwise NEES is zero.
     """
-    weights = [weights_of(chain, consistency=consistency) for chain in chains]
-    memory = shared_memory(chains, 3 if amplitude is None else 2)
+    lines = {chain: chain.line for chain in chains if chain.line and amplitude is None}
+    others = [chain for chain in chains if chain not in lines]
+    weights = [weights_of(chain, consistency=consistency) for chain in others]
+    memory = shared_memory(others, 3 if amplitude is None else 2)
 
     def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
         """Return each chain's sums and squared errors for the replicates first ... first + 7."""
         feed = Feed(part, first, amplitude)
         runs = [
             ChainRun(*pair, feed, settled, *memory, keep=keep_squared)
-            for pair in zip(chains, weights, strict=True)
+            for pair in zip(others, weights, strict=True)
         ]
-        for span in feed.spans(max(run.lead for run in runs)):
+        for span in feed.spans(max(run.lead for run in runs)) if runs else ():
             for run in runs:
                 run.advance(span)
+        arrays: dict[Chain, tuple[Array, Array]] = {
+            chain: (run.sums, run.squared) for chain, run in zip(others, runs, strict=True)
+        }
+        sums = sum_line_errors(list(lines.values()), feed, settled) if lines else []
+        arrays |= {chain: (one, one[:0]) for chain, one in zip(lines, sums, strict=True)}
         count = len(feed.indices)
-        return [(run.sums[:, :count], run.squared[:, :count]) for run in runs]
+        return [(arrays[chain][0][:, :count], arrays[chain][1][:, :count]) for chain in chains]
 
     eights = [
         run_eight(part, first)
@@ -174,8 +185,8 @@ def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output
 
     `groups` is the number of groups of eight lanes.
     """
-    chunk = max(chunk_of(chain)[0] for chain in chains)
-    window = max(chain.filter.window for chain in chains)
+    chunk = max((chunk_of(chain)[0] for chain in chains), default=0)
+    window = max((chain.filter.window for chain in chains), default=0)
     return new_scratch(groups, chunk, window), new_output(groups, chunk)
 
 
@@ -183,9 +194,11 @@ def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array,
     """Join the sums and squared errors of parts, each of up to eight replicates, to `Sums`."""
     early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
     products, squared = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
+    lengths = np.array([settled, steps - settled])
     return Sums(
         products=products.reshape(2, 6, 3, -1),
-        steps=np.array([settled, steps - settled]),
+        steps=lengths,
+        covariances=lengths if chain.has_covariance else np.zeros_like(lengths),
         innovations=np.array([early, whole - early]),
         squared=squared,
     )

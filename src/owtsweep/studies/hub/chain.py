@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, wraps
 from operator import attrgetter
 from threading import Lock
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, Pre
 from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
 from owtsweep.vectors import choose
 
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.fix_lines import Line
+
 #: Longest transient that is stored, in steps (2621 s at 100 Hz). The covariance of a bias without
 #: noise falls as a power of time and never settles; after so many steps the last cycle is repeated.
 LONGEST_TRANSIENT = 2**18
@@ -43,13 +46,17 @@ class Chain:
     Attributes
     ----------
     gains
-        The filter's gains and covariances, one row per step until the rows repeat.
+        The filter's gains and covariances, one row per step until the rows repeat. The covariances
+        are NaN if the scheme states none.
     filter, predictor, mhe
         The arrays that kernels take.
     axis
         The filter's model and variances for one axis.
     input_model
-        The predictor's model; None without a predictor.
+        The predictor's model; None without a predictor or without covariances.
+    line
+        The straight line that the estimates follow between position fixes, if they do; then
+        superposed errors are summed without running the chain. None for all other chains.
     """
 
     gains: GainSchedule
@@ -58,20 +65,27 @@ class Chain:
     mhe: HorizonArrays
     axis: AxisFilter
     input_model: Discrete | None
+    line: Line | None = None
 
     @cached_property
     def covariance(self) -> Array:
         """The covariance of estimated position and velocity along an axis, shape (rows, 2, 2).
 
-        There is one row per row of the gain schedule.
+        There is one row per row of the gain schedule. All is NaN if the scheme states no
+        covariance.
         """
         return self._covariance()
+
+    @property
+    def has_covariance(self) -> bool:
+        """Whether the scheme states the covariance of its estimates; without, there is no NEES."""
+        return not np.isnan(self.covariance[0, 0, 0])
 
     @cached_property
     def precision(self) -> Array:
         """The elements pp, pv, vv (p position, v velocity) of the inverse of `covariance`.
 
-        The shape is (rows, 3).
+        The shape is (rows, 3). All is zero if the scheme states no covariance.
         """
         return _precision(self.covariance)
 
@@ -129,9 +143,11 @@ class Chain:
 def _precision(covariance: Array) -> Array:
     """Return the elements pp, pv, vv of the inverses of covariances (rows, 2, 2), shape (rows, 3).
 
-    p is position and v is velocity.
+    p is position and v is velocity. The result is zero if the covariances are NaN.
     """
     result = aligned(len(covariance), 3)
+    if np.isnan(covariance[0, 0, 0]):
+        return result
     for first in range(0, len(covariance), _ROWS_AT_ONCE):  # the working copies stay small
         part = slice(first, first + _ROWS_AT_ONCE)
         result[part] = np.linalg.inv(covariance[part])[:, [0, 0, 1], [0, 1, 1]]
@@ -191,9 +207,9 @@ def shared(kernel: Kernel) -> Kernel:
 #: Number of rows of a gain schedule whose covariances are computed at once.
 _ROWS_AT_ONCE = 8192
 
-#: Greatest number of chains in the cache, one for each registered scheme. A chain whose gains
-#: settle slowly takes up to 100 MB.
-_KEPT_CHAINS = 4
+#: Greatest number of chains in the cache: four schemes under each of two tunings, and three
+#: baselines. A chain whose gains settle slowly takes up to 100 MB.
+_KEPT_CHAINS = 11
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
 _MAKING: dict[Any, Lock] = {}
 _LOCK = Lock()

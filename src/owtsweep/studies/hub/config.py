@@ -204,7 +204,7 @@ class HubConfig(Config):
     """The configuration of the hub-motion study, with all its keys."""
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
-        "tuning", "measures.window", "measures.criterion",
+        "tuning", "baselines", "measures.window", "measures.criterion",
     }  # fmt: skip
 
     engine: Literal["batch", "reference", "expected"] = key(
@@ -233,6 +233,12 @@ class HubConfig(Config):
     sensors: SensorConfig = key("GNSS and IMU")
     tuning: str = key("name of the file that sets the keys of the schemes")
     schemes: list[Any] = key("names, or {_target_: package.Class, ...} for a scheme of your own")
+    baselines: list[Literal["NONE", "HOLD", "DELTA"]] = key(
+        "shown beside the schemes: no estimator, the last fix, the last two fixes extrapolated; "
+        "[]: none",
+        default=[],
+        younger=True,
+    )
     ekf: FilterTuning = key("the filter of EKF")
     mkf: FilterTuning = key("the filter of MKF")
     hme1: FilterTuning = key("the filter of HME1")

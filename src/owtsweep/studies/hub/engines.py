@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, ClassVar
 
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
-from owtsweep.studies.hub import blocks, criteria, figures, scheme_names
+from owtsweep.studies.hub import baseline_names, blocks, criteria, figures
 from owtsweep.studies.hub.conditions import CONDITIONS, make_cube
 from owtsweep.studies.hub.expected import answers, drawing, engine
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.schemes import list_entries, resolve_all
+from owtsweep.studies.hub.winners import find_winners
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,9 +45,9 @@ class _Engine:
         """Return the map of the best schemes as a coloured grid for the terminal."""
         from owtsweep.figures.terminal import grid
 
-        best, measures = tables["best_scheme"], config.measures
-        schemes = scheme_names(config)
-        return grid(best, schemes, CONDITIONS, measures.criterion, measures.window)
+        criterion, window = config.measures.criterion, config.measures.window
+        table, names, notes = find_winners(config, tables["best_scheme"], criterion)
+        return grid(table, names, CONDITIONS, criterion, window, notes=notes)
 
     def overview(self, config: HubConfig) -> str:
         """Return the name of the map of the best schemes (figure 18 of Ren et al. 2019)."""
@@ -66,7 +67,7 @@ class RecordsEngine(_Engine):
 
         Log a warning for a scheme that has no kernel because of its constraints.
         """
-        schemes = resolve_all(config.schemes, config)
+        schemes = resolve_all(list_entries(config), config)
         for scheme in schemes:
             if config.engine == "batch" and getattr(scheme, "constrained", False):
                 logger.warning(
@@ -78,8 +79,9 @@ class RecordsEngine(_Engine):
 
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """Make the tables summary and best_scheme, with confidence intervals."""
-        cube = make_cube(config, rows)
-        best = find_best_schemes(cube, config.measures.window, criteria(config))
+        cube = make_cube(config, rows, baselines=True)
+        window = config.measures.window
+        best = find_best_schemes(cube, window, criteria(config), baseline_names(config))
         return {"summary": summarise(cube), "best_scheme": best}
 
 

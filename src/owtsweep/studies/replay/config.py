@@ -79,6 +79,11 @@ class ReplayConfig(HubConfig):
     def check(self) -> None:
         """Check that the values can work together; otherwise raise `InputError`."""
         super().check()
+        require(
+            not self.baselines,
+            "baselines: a replay has one of its own, last_fix; to see NONE, HOLD or DELTA too, "
+            "name them in schemes",
+        )
         band = self.replay.band
         require(
             band is None or band[0] < band[1],

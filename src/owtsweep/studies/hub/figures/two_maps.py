@@ -26,6 +26,7 @@ from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, CRITERIA, make_cube
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
+from owtsweep.studies.hub.winners import find_winners
 
 if TYPE_CHECKING:
     from owtsweep.sweep.runs import Run
@@ -94,11 +95,11 @@ _LINE: dict[str, Any] = {
 
 def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
     """Draw one run's map with the boundary; return the sentences for the footnote."""
-    best, window = run.best_scheme(), config.measures.window
-    shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
+    window = config.measures.window
+    best, names, notes = find_winners(config, run.best_scheme(), criterion)
+    shown = best[best["window"] == window]
     if shown.empty:
         raise InputError(f"criterion: {run.folder} has no cell judged by {criterion} MSE")
-    names = scheme_names(config)
     plane = Plane.of(shown, CONDITIONS)
     draw_cells(axes, shown.to_dict("records"), names, plane, labels="best")
     records = config.grid.replicates
@@ -110,7 +111,8 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
     )
     rows = run.cases()
     same = find_coinciding(make_cube(config, rows), CRITERIA)
-    notes = [
+    notes = [f"{config.tuning}: {note}" for note in notes]
+    notes += [
         f"{config.tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in same
     ]
     try:
