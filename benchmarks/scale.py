@@ -93,7 +93,7 @@ def hub(replicates: int) -> dict[str, Any]:
     clock = Clock()
     study = get_study("hub")
     with tempfile.TemporaryDirectory() as folder:
-        config = compose([f"grid.replicates={replicates}", f"results={folder}"])
+        config = compose([f"grid.replicates={replicates}", f"results={folder}", "baselines=[]"])
         with clock.stage("plan"):
             plan = make_plan(study, config)
         run = Run(Path(folder) / "run", config, study)

@@ -18,6 +18,7 @@ SMALL = [
     "grid.amplitude=[0.2,1.0]",
     "grid.replicates=2",
     "record.duration=40",
+    "baselines=[]",
 ]
 
 
@@ -108,7 +109,7 @@ def test_list_names_everything_there_is(capsys):
 def test_multirun_works_anywhere_in_the_line(place, capsys):
     words = ["schemes=[MKF]", "sensors.gnss.delay=0.1,0.2,0.4", *SMALL[:2], "record.duration=30"]
     words.insert(place, "--multirun" if place else "-m")
-    assert main(["sweep", *words, "grid.replicates=1"]) == 0
+    assert main(["sweep", *words, "grid.replicates=1", "baselines=[]"]) == 0
     configs = [yaml.safe_load(p.read_text()) for p in Path("results").glob("*/*/config.yaml")]
     assert sorted(c["sensors"]["gnss"]["delay"] for c in configs) == [0.1, 0.2, 0.4]
     for log in Path("results").glob("*/*/run.log"):

@@ -25,7 +25,8 @@ from owtsweep.testing import check_scheme
 pytestmark = pytest.mark.usefixtures("kernels")
 
 ALL = "baselines=[NONE,HOLD,DELTA]"
-SHORT = ("record.duration=12", "measures.settling_time=3", "grid.amplitude=[0.2,3.0]")
+#: Both times end between two fixes, which come every .5 s.
+SHORT = ("record.duration=12.35", "measures.settling_time=3.15", "grid.amplitude=[0.2,3.0]")
 
 
 def defined(name: str, fixes: np.ndarray, steps: int, sensors) -> np.ndarray:
@@ -222,6 +223,14 @@ def test_maps_and_the_terminal_name_the_baseline(tmp_path: Path) -> None:
     )  # fmt: skip
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert legend[-2:] == ["NONE", "HOLD"]
+
+
+def test_baselines_change_no_verdict_on_the_schemes(tmp_path: Path) -> None:
+    common = [*SMALL, "schemes=[MKF,HME1]", "grid.replicates=6", f"results={tmp_path}"]
+    without = owtsweep.run([*common, "name=without"]).best_scheme()
+    beside = owtsweep.run([*common, ALL, "name=beside"]).best_scheme()
+    assert [*without.columns, "baseline", "mse_baseline", "baseline_wins"] == [*beside.columns]
+    assert beside[without.columns].equals(without)
 
 
 def test_a_run_without_baselines_has_no_columns_of_theirs(tmp_path: Path) -> None:

@@ -56,6 +56,7 @@ def draw(
         If `summary` has no data at that period in that window.
     """
     here = {NATURAL_PERIOD: natural_period}
+    curves.choose(summary, schemes, window, here)  # baselines alone are no figure
     shown = curves.choose(summary, [*schemes, *baselines], window, here)
     printed = _choose_published(natural_period, shown["amplitude"], schemes)
     whole = printed.assign(measure=printed["measure"].map(PARTS), value=printed["published"])
