@@ -15,7 +15,7 @@ import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
 from owtsweep.studies.hub import HubStudy, batch, blocks, winners
-from owtsweep.studies.hub.expected import cache
+from owtsweep.studies.hub.expected import cache, drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
 from owtsweep.studies.hub.figures import mse_over_amplitude
 from owtsweep.studies.hub.schemes import BASELINES, resolve
@@ -150,6 +150,10 @@ def test_records_scatter_around_the_expectation(
         assert set(best.loc[0.02, "baseline"]) == {"NONE"}
         assert not best.loc[10.0, "baseline_wins"].any()
         assert (best["mse_baseline"] < best["mse_best"]).loc[0.02].all()
+    tables = {"best_scheme": found.best_scheme()}
+    figure = drawing.draw_map(found.config, tables, found.cases(), "position")
+    assert "NONE" in [text.get_text() for text in figure.axes[0].texts]
+    assert any("NONE: " in text.get_text() for text in figure.legends[0].get_texts())
 
 
 def keys_of(config) -> dict[str, str]:

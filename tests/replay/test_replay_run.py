@@ -218,5 +218,7 @@ def test_the_baseline_hold_is_the_last_fix_and_describes_no_record():
         assert held == pytest.approx(errors["last_fix", "position", window], rel=1e-9)
     assert not {"nees", "nis"} & set(errors["HOLD"].index.get_level_values("measure"))
     assert facts.choose_describer(replayed.run.config) == 0
-    with pytest.raises(owtsweep.InputError, match=r"^baselines: a replay has one of its own, last_fix"):
+    with pytest.raises(
+        owtsweep.InputError, match=r"^baselines: a replay has one of its own, last_fix"
+    ):
         owtsweep.replay("tower.csv", ["baselines=[NONE]"])
