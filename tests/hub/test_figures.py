@@ -278,6 +278,7 @@ def run(monkeypatch):
         grid=SimpleNamespace(natural_period=periods, amplitude=amplitudes, replicates=3),
         tuning="paper",
         schemes=SCHEMES,
+        baselines=[],
     )
     # what is drawn from the configuration alone: tests/hub/test_more_figures.py
     monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
