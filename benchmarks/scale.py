@@ -94,7 +94,8 @@ def hub(replicates: int) -> dict[str, Any]:
     clock = Clock()
     study = get_study("hub")
     with tempfile.TemporaryDirectory() as folder:
-        config = compose([*STUDY, f"grid.replicates={replicates}", f"results={folder}"])
+        words = [*STUDY, "baselines=[]", f"grid.replicates={replicates}", f"results={folder}"]
+        config = compose(words)
         with clock.stage("plan"):
             plan = make_plan(study, config)
         run = Run(Path(folder) / "run", config, study)

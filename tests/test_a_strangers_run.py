@@ -19,7 +19,7 @@ from owtsweep.errors import InputError
 TINY = (
     "experiment=study", "tuning=paper",
     "grid.natural_period=[4.0]", "grid.amplitude=[0.2,1.0]", "grid.replicates=2",
-    "record.duration=30", "measures.settling_time=5", "compute.backend=threading",
+    "record.duration=30", "measures.settling_time=5", "compute.backend=threading", "baselines=[]",
 )  # fmt: skip
 USERS = "schemes=[MKF,{_target_:user_schemes.HoldLastFix}]"
 HARMFUL = ("os.system", "subprocess.Popen", "subprocess.call", "user_schemes.Touching")

@@ -20,6 +20,7 @@ SMALL = [
     "record.duration=40",
     "experiment=study",
     "tuning=paper",
+    "baselines=[]",
 ]
 
 
@@ -111,7 +112,7 @@ def test_multirun_works_anywhere_in_the_line(place, capsys):
     words = ["schemes=[MKF]", "sensors.gnss.delay=0.1,0.2,0.4", *SMALL[:2], "record.duration=30"]
     words.append("tuning=paper")
     words.insert(place, "--multirun" if place else "-m")
-    assert main(["sweep", *words, "grid.replicates=1"]) == 0
+    assert main(["sweep", *words, "grid.replicates=1", "baselines=[]"]) == 0
     configs = [yaml.safe_load(p.read_text()) for p in Path("results").glob("*/*/config.yaml")]
     assert sorted(c["sensors"]["gnss"]["delay"] for c in configs) == [0.1, 0.2, 0.4]
     for log in Path("results").glob("*/*/run.log"):

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[1]
 SMALL = [
     "experiment=study", "tuning=paper",
     "grid.natural_period=[4.0]", "grid.amplitude=[1.0]", "grid.replicates=1",
-    "record.duration=25", "schemes=[MKF]",
+    "record.duration=25", "schemes=[MKF]", "baselines=[]",
 ]  # fmt: skip
 DELAYS = "sensors.gnss.delay=0.2,0.4"
 
@@ -85,7 +85,15 @@ def test_a_multirun_can_be_compared(capsys):
 
 def test_failed_runs_are_listed_with_the_command_that_retries_just_them(capsys):
     broken = "schemes=[MKF,{_target_:user_schemes.Broken,how:raising}]"
-    words = ["sweep", "-m", *SMALL[:-1], DELAYS, broken, "compute.backend=threading"]
+    words = [
+        "sweep",
+        "-m",
+        *SMALL[:-2],
+        DELAYS,
+        broken,
+        "baselines=[]",
+        "compute.backend=threading",
+    ]
     assert main(words) == 1
     err = capsys.readouterr().err
     listed = [line for line in err.splitlines() if line.startswith("failed: study-")]

@@ -10,7 +10,15 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Rectangle
 
 from owtsweep.figures import style
-from owtsweep.figures.margin import FULL, PALEST, fill_cell, fill_regions, ratio_of, share_of_color
+from owtsweep.figures.margin import (
+    EXPLANATION,
+    FULL,
+    PALEST,
+    fill_cell,
+    fill_regions,
+    ratio_of,
+    share_of_color,
+)
 from owtsweep.figures.palette import relative_luminance, style_of, text_color_on
 from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.studies.hub.looks import LOOKS
@@ -65,3 +73,15 @@ def test_the_legend_shows_the_shades_and_explains_them():
     strip = [patch.get_facecolor()[:3] for patch in legend.findobj(Rectangle)]
     assert strip[0] == pytest.approx(to_rgb(fill_cell(LOOKS["MKF"], 1.0)), abs=0.01)
     assert strip[-1] == pytest.approx(to_rgb(LOOKS["MKF"].color))
+
+
+def test_the_origin_stands_above_the_legend_not_on_it():
+    with style.context():
+        figure = style.new_figure(6.0, 3.0)
+        figure.add_subplot().set_title("map", loc="left")
+        add_legend(figure, [Shades(facecolor=LOOKS["MKF"].color, label="MKF")], columns=1)
+        style.add_origin(figure, "Truth: records of 1000 s")
+        figure.draw_without_rendering()
+    origin, explanation = figure.legends[0].get_title().get_text().splitlines()
+    assert (origin, explanation) == ("Truth: records of 1000 s", EXPLANATION)
+    assert not figure.get_suptitle()

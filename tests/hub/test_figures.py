@@ -274,7 +274,8 @@ def run(monkeypatch):
     periods, amplitudes = [4.0, 5.0], [0.2, 1.0]
     rows = run_rows(SCHEMES, periods)
     words = [f"grid.natural_period={periods}", f"grid.amplitude={amplitudes}", "grid.replicates=3"]
-    config = compose([*words, f"schemes=[{','.join(SCHEMES)}]", "tuning=paper"])
+    words += [f"schemes=[{','.join(SCHEMES)}]", "baselines=[]", "tuning=paper"]
+    config = compose(words)
     # what is drawn from the configuration alone: tests/hub/test_more_figures.py
     monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
     cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})

@@ -37,6 +37,7 @@ SMALL = (
     "grid.natural_period=[4.0]",
     "grid.amplitude=[0.05,0.7,10.0]",
     "grid.replicates=1",
+    "baselines=[]",
 )
 
 

@@ -13,6 +13,7 @@ from replay_tools import motion_file, sensor_file
 
 import owtsweep
 from owtsweep.cli import main
+from owtsweep.studies.replay import facts
 from owtsweep.studies.replay.running import configure, execute, expand
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.runs import Run
@@ -256,3 +257,19 @@ def test_what_cannot_be_written_is_told_and_no_case_is_lost(name, content, capsy
     assert main(words) == 0
     assert "0 cases computed" in capsys.readouterr().out
     assert not list(Path("results/r").rglob("*.tmp"))
+
+
+def test_the_baseline_hold_is_the_last_fix_and_describes_no_record():
+    motion_file(Path("tower.csv"), duration=30.0)
+    overrides = ["schemes=[MKF,HOLD]", "replay.replicates=2", "measures.settling_time=5"]
+    replayed = owtsweep.replay("tower.csv", overrides)
+    errors = replayed.errors().set_index(["scheme", "measure", "window"])["mean"]
+    for window in ("full", "settled"):
+        held = errors["HOLD", "position", window]
+        assert held == pytest.approx(errors["last_fix", "position", window], rel=1e-9)
+    assert not {"nees", "nis"} & set(errors["HOLD"].index.get_level_values("measure"))
+    assert facts.choose_describer(replayed.run.config) == 0
+    with pytest.raises(
+        owtsweep.InputError, match=r"^baselines: a replay has one of its own, last_fix"
+    ):
+        owtsweep.replay("tower.csv", ["baselines=[NONE]"])

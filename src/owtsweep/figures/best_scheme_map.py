@@ -82,6 +82,7 @@ def draw(
     coinciding: Sequence[Sequence[str]] = (),
     replicates: int | None = None,
     failures: int = 0,
+    notes: Sequence[str] = (),
 ) -> Figure:
     """Draw a map of the best scheme in every cell, with title, legend and footnote.
 
@@ -92,7 +93,7 @@ def draw(
     best
         A run's table best_scheme.csv, one row per cell, criterion and window.
     schemes
-        Names of all compared schemes, in the order of the legend.
+        Names of all schemes and baselines that the table names, in the order of the legend.
     conditions
         The study's conditions; at most two of them may have several values.
     criterion
@@ -112,6 +113,8 @@ def draw(
     failures
         Number of failed cases; a case is one scheme on one record. If the number is not 0, title
         and footnote say that cells may have fewer records.
+    notes
+        Sentences at the end of the footnote.
 
     Raises
     ------
@@ -142,7 +145,8 @@ def draw(
     )
     handles = _make_legend(rows, schemes, coinciding, holes=len(rows) < plane.size)
     add_legend(figure, handles, columns=3)
-    style.footnote(figure, _explain(rows, coinciding, failures, labelled=labelled))
+    explained = _explain(rows, coinciding, failures, labelled=labelled)
+    style.footnote(figure, " ".join([explained, *notes]))
     return figure
 
 

@@ -85,6 +85,7 @@ def draw(
     points_label: str = "",
     coinciding: Sequence[Sequence[str]] = (),
     notes: Sequence[str] = (),
+    thin: Sequence[str] = (),
 ) -> Figure:
     """Draw measures of several schemes against a condition, one panel per measure, side by side.
 
@@ -111,6 +112,9 @@ def draw(
         Groups of names of schemes with equal results, which the footnote lists.
     notes
         Sentences at the end of the footnote.
+    thin
+        Further schemes, drawn behind the others as thin lines without intervals. The vertical axis
+        shows the range of the others.
     """
     levels = order_values(shown[along.name], shown[along.name].unique())
     figure = style.new_figure(5.0 * len(panels), 5.0)
@@ -125,9 +129,18 @@ def draw(
                 place = _place(rows[along.name], levels)
                 axes.plot(place, rows["value"], color=look.color, marker=look.marker, **HOLLOW)
         _scale(axes, along, levels)
+        limits = axes.get_ylim()
+        for name in thin:
+            rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
+            _draw_thin(axes, _place(rows[along.name], levels), rows, style_of(name, thin))
+        axes.set_ylim(limits)
         axes.set_ylabel(label)
     figure.suptitle(title, x=0.01, ha="left", fontsize=11)
     handles = _make_legend(shown, schemes, points_label)
+    handles += [
+        Line2D([], [], label=style.label_of(name), **_thin_line(style_of(name, thin)))
+        for name in thin
+    ]
     figure.legend(handles=handles, loc="outside right center", frameon=False)
     style.footnote(figure, " ".join([*_explain(shown, coinciding), *notes]))
     return figure
@@ -153,6 +166,15 @@ def _draw_curve(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -
     axes.plot(place, mean, color=look.color, **line)
     axes.fill_between(place, low, high, color=look.color, alpha=0.2, linewidth=0.0)
     axes.vlines(place, low, high, color=look.color, linewidth=1.0)
+
+
+def _draw_thin(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -> None:
+    order = np.argsort(place, kind="stable")
+    axes.plot(place[order], rows["mean"].iloc[order], **_thin_line(look))
+
+
+def _thin_line(look: SchemeStyle) -> dict[str, Any]:
+    return {"color": look.color, "linestyle": look.line, "linewidth": 1.1, "zorder": 1.5}
 
 
 def _scale(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:

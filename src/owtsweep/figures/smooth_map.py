@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array
 from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import HATCH
-from owtsweep.figures.palette import style_of
+from owtsweep.figures.palette import SchemeStyle, style_of
 from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.results.conditions import Condition
 
@@ -43,7 +43,8 @@ class Field:
     values
         The expected MSE of each scheme, shape (schemes, columns, lines).
     best
-        Index of the scheme of the least expected MSE, shape (columns, lines).
+        Index of the scheme of the least expected MSE, shape (columns, lines); -1 where a baseline
+        beats every scheme.
     excess
         By how many per cent the runner-up's MSE is larger than that of the best scheme, shape
         (columns, lines); NaN if there is no runner-up.
@@ -52,6 +53,11 @@ class Field:
         shape (columns, lines).
     resolution
         The relative accuracy of `values`, e.g. 0.01 for 1 %.
+    baseline
+        Index of the baseline that beats every scheme, shape (columns, lines); -1 where none does.
+    lead
+        Logarithm of the best scheme's MSE divided by that of the best baseline, shape
+        (columns, lines). A baseline beats every scheme where `lead` is more than `resolution`.
     """
 
     across: Condition
@@ -63,6 +69,8 @@ class Field:
     excess: Array
     distinguishable: NDArray[np.bool_]
     resolution: float
+    baseline: NDArray[np.integer[Any]]
+    lead: Array
 
 
 def draw(
@@ -72,6 +80,8 @@ def draw(
     title: str,
     origin: str,
     coinciding: Sequence[Sequence[str]] = (),
+    baselines: Sequence[str] = (),
+    notes: Sequence[str] = (),
 ) -> Figure:
     """Draw a finely resolved map of the best scheme over two conditions.
 
@@ -91,12 +101,17 @@ def draw(
     coinciding
         Groups of names of schemes with equal values. The map shows each group under the last of its
         names.
+    baselines
+        Names of the baselines, to which `field.baseline` refers.
+    notes
+        Sentences at the end of the footnote.
     """
     figure = style.new_figure(7.6, 5.8)
     axes = figure.add_subplot()
     _draw_regions(axes, field, schemes)
     _draw_boundaries(axes, field)
     _draw_margins(axes, field)
+    _cover_baselines(axes, field, baselines)
     axes.set(xscale=field.across.scale, xlabel=field.across.title)
     axes.set(yscale=field.upwards.scale, ylabel=field.upwards.title)
     for axis, condition in ((axes.xaxis, field.across), (axes.yaxis, field.upwards)):
@@ -105,8 +120,13 @@ def draw(
     axes.grid(visible=False)
     axes.set_title(title, loc="left")
     handles = _make_legend(field, schemes, coinciding)
+    for number, name in enumerate(baselines):
+        share = float(np.mean(field.baseline == number))
+        if share > 0.0:
+            label = f"{name}: {_describe_share(share)}"
+            handles.append(Shades(color=style_of(name, baselines).color, label=label))
     add_legend(figure, handles, columns=2)
-    style.footnote(figure, _explain(field, origin, coinciding))
+    style.footnote(figure, " ".join([_explain(field, origin, coinciding), *notes]))
     return figure
 
 
@@ -115,20 +135,52 @@ def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
     ratio = 1.0 + field.excess / 100.0
     fill = margin.fill_regions(field.best, ratio, [look.color for look in looks])
     axes.pcolormesh(field.columns, field.lines, fill, shading="nearest", rasterized=True)
-    text: Any = {"ha": "center", "va": "center", "fontsize": 12, "fontweight": "bold", "zorder": 5}
     for number, (name, look) in enumerate(zip(schemes, looks, strict=True)):
-        won = field.best == number
-        if won.mean() > LEAST_REGION:
-            i, j = _find_middle(won)
-            box = {"facecolor": look.color, "edgecolor": "none", "pad": 2.0}
-            place = field.columns[i], field.lines[j]
-            axes.text(*place, name, color=look.text_color, bbox=box, **text)
+        _name_region(axes, field, field.best == number, name, look, zorder=5)
     unclear = ~field.distinguishable
     if unclear.any():
         cover: dict[str, Any] = {"levels": [0.5, 1.5], "colors": "none", "hatches": [HATCH]}
         axes.contourf(field.columns, field.lines, unclear.T.astype(float), **cover)
     axes.set_xlim(field.columns[0], field.columns[-1])
     axes.set_ylim(field.lines[0], field.lines[-1])
+
+
+def _cover_baselines(axes: Axes, field: Field, baselines: Sequence[str]) -> None:
+    """Cover the parts of the map where a baseline beats every scheme, and name the baseline.
+
+    The fill shows by how much the best scheme's MSE is larger than the baseline's.
+    """
+    covered = field.baseline >= 0
+    if not covered.any():
+        return
+    looks = [style_of(name, baselines) for name in baselines]
+    fill = margin.fill_regions(field.baseline, np.exp(field.lead), [look.color for look in looks])
+    cover = np.dstack([fill, covered.T])
+    axes.pcolormesh(field.columns, field.lines, cover, shading="nearest", rasterized=True, zorder=6)
+    if not covered.all():
+        edge: dict[str, Any] = {"colors": "black", "linewidths": 1.4, "zorder": 7}
+        axes.contour(field.columns, field.lines, field.lead.T, [field.resolution], **edge)
+    for number, name in enumerate(baselines):
+        _name_region(axes, field, field.baseline == number, name, looks[number], zorder=8)
+
+
+def _name_region(
+    axes: Axes,
+    field: Field,
+    region: NDArray[np.bool_],
+    name: str,
+    look: SchemeStyle,
+    *,
+    zorder: float,
+) -> None:
+    """Write a name into a region, shape (columns, lines), if the region has room for the name."""
+    if region.mean() > LEAST_REGION:
+        i, j = _find_middle(region)
+        axes.text(
+            field.columns[i], field.lines[j], name, color=look.text_color, ha="center",
+            va="center", fontsize=12, fontweight="bold", zorder=zorder,
+            bbox={"facecolor": look.color, "edgecolor": "none", "pad": 2.0},
+        )  # fmt: skip
 
 
 def _draw_boundaries(axes: Axes, field: Field) -> None:
@@ -165,7 +217,7 @@ def _draw_margins(axes: Axes, field: Field) -> None:
             label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
 
 
-def _find_middle(region: Array) -> tuple[int, int]:
+def _find_middle(region: NDArray[np.bool_]) -> tuple[int, int]:
     """Return the column and the line of the point in a region that is farthest from its edge.
 
     `region`, shape (columns, lines), is true at the points of the region.

@@ -77,6 +77,9 @@ def add_origin(figure: Figure, text: str) -> None:
     title = figure.get_suptitle()
     if title:
         figure.suptitle(f"{title}\n{text}", x=0.01, ha="left")
+    elif figure.legends:  # at the top of a map; a title of the figure would lie on the legend
+        legend = figure.legends[0]
+        legend.set_title(f"{text}\n{legend.get_title().get_text()}")
     else:
         figure.suptitle(text, x=0.01, ha="left", fontsize=9)
 

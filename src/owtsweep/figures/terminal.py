@@ -43,6 +43,8 @@ def grid(
     conditions: Sequence[Condition],
     criterion: str,
     window: str,
+    *,
+    notes: Sequence[str] = (),
 ) -> RenderableType:
     """Make a map of the best schemes for the terminal, as tables of names with a legend.
 
@@ -56,13 +58,15 @@ def grid(
     best
         A run's table best_scheme.csv, one row per cell, criterion and window.
     schemes
-        Names of all compared schemes, which determine the colours.
+        Names of all schemes and baselines that the table names; they determine the colours.
     conditions
         The study's conditions.
     criterion
         The measure by which schemes are judged, e.g. "position".
     window
         The part of the records over which the criterion is averaged: "full" or "settled".
+    notes
+        Sentences below the map.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -84,6 +88,7 @@ def grid(
         parts.append(_Map(rows, schemes, signs, plane))
         holes |= len(rows) < plane.size
     parts += [_make_legend(shown, schemes, signs, holes=holes), _Explanation()]
+    parts += [Text(note) for note in notes]
     return Group(*parts)
 
 

@@ -1,5 +1,7 @@
 """Finds the best scheme in each cell, and whether the next best scheme is significantly worse.
 
+`challenge` then compares the best scheme with baselines, which do not compete for the first place.
+
 A cell is one combination of conditions. Two schemes coincide if their values are equal up to
 rounding. These rules hold for tables of results, for advice, and for checks of the paper's claims.
 """
@@ -82,6 +84,29 @@ class Contest(NamedTuple):
     p: Array
 
 
+class Challenge(NamedTuple):
+    """The comparison of each cell's best scheme with the best of some baselines, (cells,) each.
+
+    In cells in which no replicate counts, the fields have no meaning.
+
+    Attributes
+    ----------
+    baseline
+        Index of the baseline of least mean; -1 if no baseline has all values that count.
+    mse_baseline
+        Mean of this baseline; NaN if there is none.
+    gain
+        By how much this mean is less than the best scheme's; NaN if there is none.
+    p_baseline
+        Two-sided p-value of the paired t-test of `gain`; 1 if there are too few replicates.
+    """
+
+    baseline: Places
+    mse_baseline: Array
+    gain: Array
+    p_baseline: Array
+
+
 def contest(values: Array) -> Contest:
     """Compare the schemes in every cell over the replicates that all of them finished.
 
@@ -94,13 +119,10 @@ def contest(values: Array) -> Contest:
     values
         Shape (schemes, cells, replicates); NaN where a scheme did not finish a replicate.
     """
-    finite = np.isfinite(values)
-    took_part: Flags = np.asarray(finite.any(axis=-1))
-    common = np.asarray((finite | ~took_part[..., np.newaxis]).all(axis=0))
+    took_part, common = find_common(values)
     n = common.sum(axis=-1)
     judged = took_part.any(axis=0) & (n > 0)
-    with np.errstate(invalid="ignore"):  # cells that are not judged: 0 / 0
-        means = ordered_sum(np.where(common & finite, values, 0.0)) / n
+    means = _average(values, common)
     best, place, _, told_apart = rank(means, find_alike(values, took_part, common), took_part)
     second = judged & (place >= 0)
     cells = np.arange(values.shape[1])
@@ -120,6 +142,58 @@ def contest(values: Array) -> Contest:
         ci_high=difference + margin,
         p=np.where(second & told_apart, p_value(difference, error, n - 1), 1.0),
     )
+
+
+def challenge(values: Array, best: Places, baselines: Array) -> Challenge:
+    """Compare the best scheme of every cell with the best baseline, over the replicates that count.
+
+    Parameters
+    ----------
+    values, best
+        The values of the schemes, as for `contest`, and the best scheme that it found. The
+        replicates that count are those that all schemes of the cell finished.
+    baselines
+        The values of the baselines, shape (baselines, cells, replicates). A baseline takes part in
+        a cell if it has a value in every replicate that counts.
+    """
+    _, common = find_common(values)
+    cells = np.arange(values.shape[1])
+    able: Flags = np.asarray((np.isfinite(baselines) | ~common).all(axis=-1))
+    means = np.where(able, _average(baselines, common), np.inf)
+    least = np.argmin(means, axis=0)
+    there: Flags = np.asarray(able.any(axis=0))
+    gap = np.where(common & there[:, np.newaxis], values[best, cells], np.nan)
+    with np.errstate(invalid="ignore"):
+        _, error, n = mean_and_error(gap - baselines[least, cells])
+    mse_baseline = np.where(there, means[least, cells], np.nan)
+    gain = _average(values[best, cells], common) - mse_baseline
+    return Challenge(np.where(there, least, -1), mse_baseline, gain, p_value(gain, error, n - 1))
+
+
+def find_common(values: Array) -> tuple[Flags, Flags]:
+    """Find which schemes take part in a cell, and which replicates count there.
+
+    Parameters
+    ----------
+    values
+        As for `contest`.
+
+    Returns
+    -------
+    tuple of array
+        Whether a scheme has any value in a cell, shape (schemes, cells). And whether all such
+        schemes have a value in a replicate, shape (cells, replicates).
+    """
+    finite = np.isfinite(values)
+    took_part: Flags = np.asarray(finite.any(axis=-1))
+    return took_part, np.asarray((finite | ~took_part[..., np.newaxis]).all(axis=0))
+
+
+def _average(values: Array, common: Flags) -> Array:
+    """Return the means over the replicates that count; NaN in cells in which none does."""
+    with np.errstate(invalid="ignore"):  # 0 / 0
+        total = ordered_sum(np.where(common & np.isfinite(values), values, 0.0))
+        return np.asarray(total / common.sum(axis=-1))
 
 
 def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:

@@ -21,7 +21,7 @@ HASH_BYTES = 5
 LONGEST_NAME = 255
 #: Top-level keys of a configuration that may change without making another run. They say what is
 #: swept over, how the sweep is computed and where results are stored.
-NOT_IDENTIFYING = frozenset({"grid", "schemes", "compute", "results", "name"})
+NOT_IDENTIFYING = frozenset({"grid", "schemes", "baselines", "compute", "results", "name"})
 
 #: Top-level keys of a configuration on which no table and no figure depends.
 NOT_ASKED = frozenset({"compute", "results", "name"})
@@ -51,8 +51,8 @@ def block_key(study: Study, block: Block) -> str:
 def run_hash(config: Config) -> str:
     """Return the hash that identifies a run: 10 hexadecimal digits.
 
-    The hash covers the configuration without `grid`, `schemes`, `compute`, `results` and `name`. So
-    a larger grid, another scheme, more workers or another folder do not change the hash.
+    The hash covers the configuration without the keys of `NOT_IDENTIFYING`. So a larger grid,
+    another scheme, more workers or another folder do not change the hash.
     """
     identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_IDENTIFYING}
     return _digest(identity, HASH_BYTES, what="config")

@@ -118,7 +118,7 @@ class Run:
     def hash(self) -> str:
         """The hash that identifies the run: 10 hexadecimal digits.
 
-        It is a hash of the configuration without grid, schemes, compute, results and name.
+        It is a hash of the configuration without the keys that identify no run (`sweep.keys`).
         """
         return run_hash(self.config)
 

@@ -40,10 +40,11 @@ class HubStudy:
     numerics_version = add_versions(1, *ROOMS)
 
     def schemes(self) -> dict[str, str]:
-        """Return name -> description of each scheme that the study provides."""
-        from owtsweep.studies.hub.schemes import REGISTERED
+        """Return name -> description of each scheme and baseline that the study provides."""
+        from owtsweep.studies.hub.schemes import BASELINES, REGISTERED
 
-        return dict(REGISTERED)
+        told = {name: f"baseline (baselines=[...]): {what}" for name, what in BASELINES.items()}
+        return REGISTERED | told
 
     def config_type(self) -> type[HubConfig]:
         """Return the class of the study's configurations."""
@@ -133,7 +134,14 @@ def criteria(config: HubConfig) -> tuple[str, ...]:
 
 
 def scheme_names(config: Any) -> list[str]:
-    """Return the names of the schemes of a configuration, in the order of its key `schemes`."""
+    """Return the names of a configuration's schemes, without baselines, as in its key `schemes`."""
     from owtsweep.studies.hub.schemes import resolve_all
 
     return [scheme.name for scheme in resolve_all(config.schemes)]
+
+
+def baseline_names(config: Any) -> list[str]:
+    """Return the names of a run's baselines, in the order of the configuration."""
+    from owtsweep.studies.hub.schemes import list_baselines
+
+    return list_baselines(config)

@@ -17,6 +17,7 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.feed import Feed, Span
 from owtsweep.studies.hub.feed import Lanes as Lanes  # imported from here elsewhere
+from owtsweep.studies.hub.fix_lines import sum_line_errors
 from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
     ChainArrays,
@@ -49,8 +50,9 @@ class Sums(NamedTuple):
         Sums over the steps, shape (2, 6, 3, replicates). The axes are: steps before and after the
         settling time; x, y, vx, vy, NEES, NIS; products of the errors from motion x motion,
         motion x noise, noise x noise. SI units.
-    steps, innovations
-        Number of steps, and number of innovations, before and after the settling time, shape (2,)
+    steps, covariances, innovations
+        Number of steps, number of steps for which the scheme states the covariance of its estimate,
+        and number of innovations, before and after the settling time, shape (2,)
         each.
     squared
         Squared position error of each step, m^2, shape (steps, replicates). The shape is
@@ -59,6 +61,7 @@ class Sums(NamedTuple):
 
     products: Array
     steps: NDArray[np.int64]
+    covariances: NDArray[np.int64]
     innovations: NDArray[np.int64]
     squared: Array
 
@@ -75,7 +78,8 @@ def sum_errors(
     """Run schemes on all replicates of some records; sum the squared errors of each scheme.
 
     The records are made span by span (10 000 steps each). All schemes run on one span before the
-    next span is made.
+    next span is made. A scheme whose estimates follow straight lines does not run if motion and
+    noise are apart: its errors are summed by `fix_lines`.
 
     Parameters
     ----------
@@ -99,8 +103,10 @@ def sum_errors(
     list of Sums
         One entry per scheme, in the order of `chains`.
     """
-    weights = [weights_of(chain, consistency=consistency) for chain in chains]
-    memory = shared_memory(chains, 3 if amplitude is None else 2)
+    lines = {chain: chain.line for chain in chains if chain.line and amplitude is None}
+    others = [chain for chain in chains if chain not in lines]
+    weights = [weights_of(chain, consistency=consistency) for chain in others]
+    memory = shared_memory(others, 3 if amplitude is None else 2)
 
     def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
         """Return each chain's sums and kept squared errors for the replicates first to first + 7.
@@ -110,13 +116,18 @@ def sum_errors(
         feed = Feed(part, first, amplitude)
         runs = [
             ChainRun(*pair, feed, settled, *memory, keep=keep_squared)
-            for pair in zip(chains, weights, strict=True)
+            for pair in zip(others, weights, strict=True)
         ]
-        for span in feed.spans(max(run.lead for run in runs)):
+        for span in feed.spans(max(run.lead for run in runs)) if runs else ():
             for run in runs:
                 run.advance(span)
+        arrays: dict[Chain, tuple[Array, Array]] = {
+            chain: (run.sums, run.squared) for chain, run in zip(others, runs, strict=True)
+        }
+        sums = sum_line_errors(list(lines.values()), feed, settled) if lines else []
+        arrays |= {chain: (one, one[:0]) for chain, one in zip(lines, sums, strict=True)}
         count = len(feed.indices)
-        return [(run.sums[:, :count], run.squared[:, :count]) for run in runs]
+        return [(arrays[chain][0][:, :count], arrays[chain][1][:, :count]) for chain in chains]
 
     eights = [
         run_eight(part, first)
@@ -209,8 +220,8 @@ def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output
     All chains (schemes in the form of arrays) use these arrays in turn, so that the arrays stay in
     the processor's cache. `groups` is the number of groups of eight series that run at once.
     """
-    chunk = max(chunk_of(chain)[0] for chain in chains)
-    window = max(chain.filter.window for chain in chains)
+    chunk = max((chunk_of(chain)[0] for chain in chains), default=0)
+    window = max((chain.filter.window for chain in chains), default=0)
     return new_scratch(groups, chunk, window), new_output(groups, chunk)
 
 
@@ -223,9 +234,11 @@ def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array,
     """
     early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
     products, squared = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
+    lengths = np.array([settled, steps - settled])
     return Sums(
         products=products.reshape(2, 6, 3, -1),
-        steps=np.array([settled, steps - settled]),
+        steps=lengths,
+        covariances=lengths if chain.has_covariance else np.zeros_like(lengths),
         innovations=np.array([early, whole - early]),
         squared=squared,
     )

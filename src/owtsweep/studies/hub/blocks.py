@@ -23,7 +23,7 @@ from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
 from owtsweep.studies.hub.records import Records, make_records
-from owtsweep.studies.hub.schemes import resolve_all, under
+from owtsweep.studies.hub.schemes import list_entries, resolve_all, under
 from owtsweep.studies.hub.schemes.stored import StoredScheme
 from owtsweep.studies.hub.sensors import Measurements, observe
 from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK
@@ -39,11 +39,12 @@ def plan(config: HubConfig) -> list[Block]:
     linear scheme). Otherwise there is one block per amplitude.
     """
     shared = shared_content(config)
-    schemes = resolve_all(config.schemes, config)
+    entries = list_entries(config)
+    schemes = resolve_all(entries, config)
     # Made once per scheme: blocks share these parts, so that a large plan fits into memory.
     by_scheme = [
         ({**shared, **scheme_content(config, entry, scheme)}, explain_anew(entry, scheme))
-        for entry, scheme in zip(config.schemes, schemes, strict=True)
+        for entry, scheme in zip(entries, schemes, strict=True)
     ]
     blocks = []
     for period in sorted(config.grid.natural_period):
@@ -163,7 +164,7 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
     """
     first = blocks[0].content
     records = make_records(config, first["natural_period"], first["replicates"])
-    for _, of_tuning in groupby(blocks, attrgetter("tunings")):
+    for _, of_tuning in groupby(blocks, lambda block: block.tunings[:1]):
         chosen = list(of_tuning)
         yield from _run_one_tuning(chosen[0].choose(config), chosen, records)
 
@@ -177,7 +178,7 @@ def _run_one_tuning(
     processor's cache. So the first block of an amplitude (or the first superposed block) runs all
     schemes that have blocks of this kind.
     """
-    schemes = {s.name: under(s, config) for s in resolve_all(config.schemes)}
+    schemes = {s.name: under(s, config) for s in resolve_all(list_entries(config))}
     ready: dict[int, pd.DataFrame | Exception] = {}
     for number, block in enumerate(blocks):
         scheme, amplitude = schemes[block.content["scheme"]], block.content.get("amplitude")

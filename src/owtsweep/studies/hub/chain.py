@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, wraps
 from operator import attrgetter
 from threading import Lock
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +28,9 @@ from owtsweep.studies.hub.horizon import Horizon
 from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, PredictorArrays
 from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
 from owtsweep.vectors import choose
+
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.fix_lines import Line
 
 #: Longest transient that is stored, in steps (2621 s at 100 Hz). The covariance of a bias without
 #: noise falls as a power of time and never settles; after so many steps the last cycle is repeated.
@@ -44,13 +47,17 @@ class Chain:
     Attributes
     ----------
     gains
-        The filter's gains and covariances, one row per step until the rows repeat.
+        The filter's gains and covariances, one row per step until the rows repeat. The covariances
+        are NaN if the scheme states none.
     filter, predictor, mhe
         The arrays that kernels take for filter and smoother, predictor, and MHE.
     axis
         The filter's model and variances for one axis.
     input_model
-        The predictor's model; None without a predictor.
+        The predictor's model; None without a predictor or without covariances.
+    line
+        The straight line that the estimates follow between position fixes, if they do; then
+        superposed errors are summed without running the chain. None for all other chains.
     """
 
     gains: GainSchedule
@@ -59,21 +66,29 @@ class Chain:
     mhe: HorizonArrays
     axis: AxisFilter
     input_model: Discrete | None
+    line: Line | None = None
 
     @cached_property
     def covariance(self) -> Array:
         """The covariance of the estimate's error along one axis, shape (rows, 2, 2).
 
         The two components are position and velocity. There is one row per row of the filter's
-        gains, i.e. one per step until the gains repeat.
+        gains, i.e. one per step until the gains repeat. If the scheme states no covariance, all
+        elements are NaN.
         """
         return self._covariance()
+
+    @property
+    def has_covariance(self) -> bool:
+        """Whether the scheme states the covariance of its estimates; without, there is no NEES."""
+        return not np.isnan(self.covariance[0, 0, 0])
 
     @cached_property
     def precision(self) -> Array:
         """The elements pp, pv, vv of the inverse of `covariance`, shape (rows, 3).
 
-        p is position and v is velocity. There is one row per row of `covariance`.
+        p is position and v is velocity. There is one row per row of `covariance`. If the scheme
+        states no covariance, all elements are zero.
         """
         return _precision(self.covariance)
 
@@ -134,9 +149,12 @@ class Chain:
 def _precision(covariance: Array) -> Array:
     """Invert covariances (rows, 2, 2) of position p and velocity v; return pp, pv, vv, (rows, 3).
 
-    pp, pv and vv are the elements of each inverse, which is symmetric.
+    pp, pv and vv are the elements of each inverse, which is symmetric. If the covariances are NaN,
+    the elements are zero.
     """
     result = aligned(len(covariance), 3)
+    if np.isnan(covariance[0, 0, 0]):
+        return result
     for first in range(0, len(covariance), _ROWS_AT_ONCE):  # the working copies stay small
         part = slice(first, first + _ROWS_AT_ONCE)
         result[part] = np.linalg.inv(covariance[part])[:, [0, 0, 1], [0, 1, 1]]
@@ -198,9 +216,9 @@ def shared(kernel: Kernel) -> Kernel:
 #: Number of rows of a gain schedule whose covariances are computed at once.
 _ROWS_AT_ONCE = 8192
 
-#: Greatest number of chains in the cache: one for each registered scheme under each of two tunings.
-#: A chain whose gains settle slowly takes up to 100 MB.
-_KEPT_CHAINS = 8
+#: Greatest number of chains in the cache: four schemes under each of two tunings, and three
+#: baselines. A chain whose gains settle slowly takes up to 100 MB.
+_KEPT_CHAINS = 11
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
 _MAKING: dict[Any, Lock] = {}
 _LOCK = Lock()

@@ -14,7 +14,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import line_numbers
 from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.schemes import list_baselines, resolve_all
 from owtsweep.studies.hub.sizes import (
     check_buffers,
     check_fix_interval,
@@ -48,6 +48,7 @@ def check(config: HubConfig) -> None:
     schemes = resolve_all(config.schemes, config)
     for scheme in schemes:
         _check_sections(config, scheme)
+    _check_baselines(config, schemes)
     if any(scheme.name in ("HME1", "HME2") for scheme in schemes):
         _check_window(config, "hme.smoother_window", config.hme.smoother_window)
     if any(scheme.name == "HME2" for scheme in schemes):
@@ -77,6 +78,21 @@ def _check_sections(config: HubConfig, scheme: Scheme) -> None:
         f"schemes: {scheme.name} has sections = {sections!r}; give a tuple of keys of the "
         'configuration, e.g. ("mkf", "hme")',
     )
+
+
+def _check_baselines(config: HubConfig, schemes: Sequence[Scheme]) -> None:
+    """Refuse a baseline that is named twice, or has the name of a user's scheme."""
+    baselines = list_baselines(config)
+    for name in baselines:
+        require(
+            baselines.count(name) == 1,
+            f"baselines: {name} stands there twice; leave one of them out",
+        )
+        require(
+            all(scheme.name != name for scheme in schemes),
+            f"baselines: a scheme of yours is also named {name}; rename it, or leave {name} out of "
+            "baselines",
+        )
 
 
 def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:

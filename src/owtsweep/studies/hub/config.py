@@ -240,7 +240,7 @@ class HubConfig(Config):
     """
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
-        "tuning", "measures.window", "measures.criterion",
+        "tuning", "baselines", "measures.window", "measures.criterion",
     }  # fmt: skip
     tuned: ClassVar[tuple[str, ...]] = TUNED
 
@@ -278,6 +278,12 @@ class HubConfig(Config):
         younger=True,
     )
     schemes: list[Any] = key("names, or {_target_: package.Class, ...} for a scheme of your own")
+    baselines: list[Literal["NONE", "HOLD", "DELTA"]] = key(
+        "shown beside the schemes: no estimator, the last fix, the last two fixes extrapolated; "
+        "[]: none",
+        default=[],
+        younger=True,
+    )
     ekf: FilterTuning = key("the filter of EKF", default=_ABSENT)
     mkf: FilterTuning = key("the filter of MKF", default=_ABSENT)
     hme1: FilterTuning = key("the filter of HME1", default=_ABSENT)

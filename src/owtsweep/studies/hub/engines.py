@@ -11,11 +11,12 @@ from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
 from owtsweep.results.winners import tell_winners
-from owtsweep.studies.hub import blocks, criteria, figures, prediction, scheme_names
+from owtsweep.studies.hub import baseline_names, blocks, criteria, figures, prediction
 from owtsweep.studies.hub.conditions import CONDITIONS, make_cube
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.schemes import list_entries, resolve_all
+from owtsweep.studies.hub.winners import find_winners
 from owtsweep.sweep.study import Square
 
 if TYPE_CHECKING:
@@ -58,12 +59,10 @@ class _Engine:
 
         from owtsweep.figures.terminal import grid
 
-        best, measures = tables["best_scheme"], config.measures
-        shown = grid(best, scheme_names(config), CONDITIONS, measures.criterion, measures.window)
-        cells = best[
-            (best["criterion"] == measures.criterion) & (best["window"] == measures.window)
-        ]
-        told = [Text(tell_winners(cells))] if len(cells) else []
+        criterion, window = config.measures.criterion, config.measures.window
+        table, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
+        shown = grid(table, names, CONDITIONS, criterion, window, notes=notes)
+        told = [Text(tell_winners(table))] if len(table) else []
         origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
         return Group(*(Text(line, style="bold") for line in origin), shown, *told)
 
@@ -104,7 +103,7 @@ class RecordsEngine(_Engine):
         It is "threading" if all schemes run by compiled kernels, which release the GIL. With
         engine=batch, log a warning for each scheme that has no kernel because of its constraints.
         """
-        schemes = resolve_all(config.schemes, config)
+        schemes = resolve_all(list_entries(config), config)
         for scheme in schemes:
             if config.engine == "batch" and getattr(scheme, "constrained", False):
                 logger.warning(
@@ -134,8 +133,9 @@ class RecordsEngine(_Engine):
 
         Both tables have confidence intervals.
         """
-        cube = make_cube(config, rows)
-        best = find_best_schemes(cube, config.measures.window, criteria(config))
+        cube = make_cube(config, rows, baselines=True)
+        window = config.measures.window
+        best = find_best_schemes(cube, window, criteria(config), baseline_names(config))
         return {"summary": summarise(cube), "best_scheme": best}
 
 

@@ -61,8 +61,11 @@ def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measur
     """
     names = [*SUMMED, "position", "velocity", *(EXTREMES if len(sums.squared) else ())]
     # from here on the first axis is the window: the whole record, then the settled part
-    steps, innovations = (np.array([sum(n), n[1]]) for n in (sums.steps, sums.innovations))
-    counts = np.stack([innovations if name == "nis" else steps for name in names], axis=1)
+    steps, covariances, innovations = (
+        np.array([sum(n), n[1]]) for n in (sums.steps, sums.covariances, sums.innovations)
+    )
+    of_name = {"nees": covariances, "nis": innovations}
+    counts = np.stack([of_name.get(name, steps) for name in names], axis=1)
     products = sums.products[..., chosen]
     totals = np.stack([products.sum(axis=0), products[1]])
     means = totals / np.maximum(counts[:, : totals.shape[1]], 1)[..., None, None]
@@ -71,7 +74,8 @@ def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measur
     if len(sums.squared):
         squared = (sums.squared[first:, chosen] for first in (0, int(sums.steps[0])))
         parts.append(np.stack([_extremes(errors) for errors in squared]))
-    there = counts > 0  # no innovation if no fix comes after the settling time
+    # A scheme may state no covariance; and no innovation if no fix comes after the settling time.
+    there = counts > 0
     entries = [(name, window) for window in WINDOWS for name in names]
     measures, windows = zip(*(entries[i] for i in np.flatnonzero(there)), strict=True)
     values = np.concatenate(parts, axis=1)[there]

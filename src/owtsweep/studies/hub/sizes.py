@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
+from owtsweep.studies.hub.schemes import list_entries
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
@@ -30,7 +31,7 @@ def check_grid(config: HubConfig) -> None:
 
     The bounds are `MOST_BLOCKS` blocks, and `MOST_BYTES` bytes for rows and tables.
     """
-    grid, schemes = config.grid, len(config.schemes)
+    grid, schemes = config.grid, len(list_entries(config))
     periods, amplitudes = len(grid.natural_period), len(grid.amplitude)
     records = 1 if config.engine == "expected" else grid.replicates
     each = amplitudes if config.evaluation == "direct" else 1

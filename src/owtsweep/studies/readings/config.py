@@ -30,9 +30,9 @@ class Calibration(Section):
 class ReadingsConfig(HubConfig):
     """The configuration of the study `readings`: the hub study's keys and `calibration`."""
 
-    #: Each target names its own tuning, so these keys have no effect.
+    #: Each target names its own tuning and schemes, so these keys have no effect.
     inert: ClassVar[frozenset[str]] = Config.inert | {
-        "tuning", "ekf", "mkf", "hme1", "hme2", "hme",
+        "tuning", "baselines", "ekf", "mkf", "hme1", "hme2", "hme",
     }  # fmt: skip
 
     calibration: Calibration = key("what to search")

@@ -91,6 +91,11 @@ class ReplayConfig(HubConfig):
         """Raise `InputError` if values cannot work together, e.g. both edges of replay.band."""
         require(not self.tunings, "tuning: a replay takes one tuning; run it once with each")
         super().check()
+        require(
+            not self.baselines,
+            "baselines: a replay has one of its own, last_fix; to see NONE, HOLD or DELTA too, "
+            "name them in schemes",
+        )
         band = self.replay.band
         require(
             band is None or band[0] < band[1],

@@ -11,7 +11,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.whittle import Fit, fit_lines, periodogram
-from owtsweep.studies.hub.public import Scheme, make_sensors, resolve_all
+from owtsweep.studies.hub.public import BASELINES, Scheme, make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import hash_file, load_record
@@ -133,10 +133,12 @@ def _estimate_position(config: ReplayConfig, record: ReplayRecord, scheme: Schem
 def choose_describer(config: ReplayConfig) -> int:
     """Return the index of the scheme whose estimates describe a record without reference position.
 
-    This is HME1, or the last scheme if HME1 is not among the schemes.
+    This is HME1, or the last scheme if HME1 is not among the schemes. A baseline is taken only if
+    there is no other scheme.
     """
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
-    return names.index("HME1") if "HME1" in names else len(names) - 1
+    estimators = [name for name in names if name not in BASELINES] or names
+    return names.index("HME1" if "HME1" in names else estimators[-1])
 
 
 def bridge_gaps(xy: Array) -> Array:

@@ -121,34 +121,70 @@ def judge(values: Array) -> Verdict:
     return Verdict(*(part.reshape(values.shape[1:]) for part in parts))
 
 
+def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Array]:
+    """Find where a baseline is better than the best scheme by more than `RESOLUTION`.
+
+    Parameters
+    ----------
+    values
+        MSE of the baselines, shape (baselines, periods, amplitudes).
+    mse_best
+        MSE of the best scheme, shape (periods, amplitudes).
+
+    Returns
+    -------
+    tuple of array
+        Index of the best baseline where it is better, else -1; and the logarithm of `mse_best`
+        divided by that baseline's MSE, -inf without baselines. Shape (periods, amplitudes) each.
+    """
+    if not len(values):
+        return np.full(mse_best.shape, -1), np.full(mse_best.shape, -np.inf)
+    lead = np.log(mse_best / values.min(axis=0))
+    return np.where(lead > RESOLUTION, np.argmin(values, axis=0), -1), lead
+
+
 def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Make the tables "summary" and "best_scheme" from the rows of a study without records.
 
     Since there are no records, confidence intervals are NaN and the number of replicates, n, is 0.
     In grids of more than `MOST_CELLS` cells, "summary" has only the run's criterion and window.
     """
-    from owtsweep.studies.hub import criteria, scheme_names
+    from owtsweep.studies.hub import baseline_names, criteria, scheme_names
 
     window, measure = config.measures.window, config.measures.criterion
-    best = best_scheme(rows, scheme_names(config), criteria(config), get_grid(config), window)
+    best = best_scheme(
+        rows, scheme_names(config), criteria(config), get_grid(config), window,
+        baseline_names(config),
+    )  # fmt: skip
     if len(config.grid.amplitude) * len(config.grid.natural_period) > MOST_CELLS:
         rows = rows[(rows["measure"] == measure) & (rows["window"] == window)]
-    return {"summary": summarise(make_cube(config, rows)).assign(n=0), "best_scheme": best}
+    summary = summarise(make_cube(config, rows, baselines=True)).assign(n=0)
+    return {"summary": summary, "best_scheme": best}
 
 
 def best_scheme(
-    rows: pd.DataFrame, schemes: Sequence[str], criteria: Sequence[str], grid: Grid, window: str
+    rows: pd.DataFrame,
+    schemes: Sequence[str],
+    criteria: Sequence[str],
+    grid: Grid,
+    window: str,
+    baselines: Sequence[str] = (),
 ) -> pd.DataFrame:
     """Make the table of the best scheme in every cell (natural period and amplitude).
 
     The columns are those of a study with records. With records, a confidence interval decides
     whether two schemes are distinguishable. In this table, two schemes are distinguishable if their
-    mean square errors differ by more than `RESOLUTION`, relatively. `window` is "full" or
-    "settled"; `criteria` are the measures that are compared.
+    mean square errors differ by more than `RESOLUTION`, relatively. By this rule, too, a baseline
+    wins against the best scheme. `window` is "full" or "settled"; `criteria` are the measures that
+    are compared; `baselines` are names of baselines, whose rows are compared with the best scheme.
     """
-    table = find_best_schemes(Cube.of_rows(rows, schemes, CONDITIONS, grid), window, criteria)
-    clear = table["difference"] > RESOLUTION * table["mse_best"]
-    return table.assign(distinguishable=clear)
+    cube = Cube.of_rows(rows, [*schemes, *baselines], CONDITIONS, grid)
+    table = find_best_schemes(cube, window, criteria, baselines)
+    table["distinguishable"] = table["difference"] > RESOLUTION * table["mse_best"]
+    if baselines:
+        gain = table["mse_best"] - table["mse_baseline"]
+        table["baseline_wins"] = gain > RESOLUTION * table["mse_baseline"]
+    return table
 
 
 def coinciding(

@@ -200,15 +200,19 @@ class _Prober:
 
 
 def _between(x: Array, at: Array, values: Array) -> Array:
-    """Interpolate positive curves at x, given their values (..., n) at the n nodes `at`.
+    """Interpolate curves that are nowhere negative at x, given values (..., n) at the n nodes `at`.
 
     Interpolation is by monotone cubics in the logarithms of both axes. Before the first node and
-    beyond the last node, curves are constant.
+    beyond the last node, curves are constant. A curve that is zero stays zero: a baseline has no
+    error due to noise that it does not use.
     """
     from scipy.interpolate import PchipInterpolator
 
-    logs = np.log(np.maximum(values, np.finfo(float).tiny))
+    least = np.finfo(float).tiny  # stands for 0, which has no logarithm
+    logs = np.log(np.maximum(values, least))
     if len(at) < 2:
-        return np.asarray(np.exp(np.repeat(logs, len(x), axis=-1)))
-    curve = PchipInterpolator(np.log(at), logs, axis=-1)
-    return np.asarray(np.exp(curve(np.log(np.clip(x, at[0], at[-1])))))
+        result = np.exp(np.repeat(logs, len(x), axis=-1))
+    else:
+        curve = PchipInterpolator(np.log(at), logs, axis=-1)
+        result = np.exp(curve(np.log(np.clip(x, at[0], at[-1]))))
+    return np.where(result > 2.0 * least, result, 0.0)

@@ -11,7 +11,7 @@ import numpy as np
 
 from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import OK
-from owtsweep.studies.hub import criteria, figures, scheme_names
+from owtsweep.studies.hub import baseline_names, criteria, figures, scheme_names, winners
 from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.origin import describe_origin
@@ -85,10 +85,14 @@ def draw_map(
     periods = np.linspace(min(grid.natural_period), max(grid.natural_period), FINE)
     amplitudes = np.geomspace(min(grid.amplitude), max(grid.amplitude), FINE)
     done = set(rows.loc[rows["status"] == OK, "scheme"])
-    fine = engine.rows_of(config, [name for name in names if name in done], periods.tolist())
+    baselines = baseline_names(config)
+    computed = [name for name in (*names, *baselines) if name in done]
+    fine = engine.rows_of(config, computed, periods.tolist())
     expected = answers.expected(fine, names, criterion, window)
     values = expected.at(amplitudes)
     verdict = answers.judge(values)
+    beside = answers.expected(fine, baselines, criterion, window)
+    winning, lead = answers.find_winning(beside.at(amplitudes), verdict.mse_best)
     amplitude = f"amplitude: {figures.MEANING[config.normalise]} along the waves"
     field = smooth_map.Field(
         across=NATURAL_PERIOD,
@@ -96,11 +100,14 @@ def draw_map(
         columns=periods,
         lines=amplitudes,
         values=values,
-        best=verdict.best,
+        best=np.where(winning >= 0, -1, verdict.best),
         excess=100.0 * (verdict.mse_runner_up / verdict.mse_best - 1.0),
         distinguishable=verdict.distinguishable,
         resolution=answers.RESOLUTION,
+        baseline=winning,
+        lead=lead,
     )
+    won = [name for place, name in enumerate(beside.schemes) if (winning == place).any()]
     return smooth_map.draw(
         field,
         expected.schemes,
@@ -109,4 +116,6 @@ def draw_map(
         origin="All values are expectations over all records, computed from error spectra and "
         "noise without any record.",
         coinciding=same,
+        baselines=beside.schemes,
+        notes=winners.explain(won),
     )

@@ -26,7 +26,7 @@ from owtsweep.studies.hub.expected.cache import cached
 from owtsweep.studies.hub.expected.curves import Curves, curves
 from owtsweep.studies.hub.expected.peak import RECORDS, factor_at, ladder, peak_factors
 from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
-from owtsweep.studies.hub.schemes import resolve, resolve_all
+from owtsweep.studies.hub.schemes import list_entries, resolve, resolve_all
 from owtsweep.sweep.study import Block
 
 #: Version of this engine's numbers. Raise it when they change and the study's `numerics_version`
@@ -45,6 +45,7 @@ def plan(config: HubConfig) -> list[Block]:
         del shared["seed"]  # there is no record, so nothing is random
     periods = sorted(float(period) for period in config.grid.natural_period)
     cells = len(periods) * len(config.grid.amplitude)
+    entries = list_entries(config)
     return [
         Block(
             group=scheme.name,
@@ -59,7 +60,7 @@ def plan(config: HubConfig) -> list[Block]:
             cases_per_row=cells,
             anew=sampled.explain_anew(entry, scheme),
         )
-        for entry, scheme in zip(config.schemes, resolve_all(config.schemes, config), strict=True)
+        for entry, scheme in zip(entries, resolve_all(entries, config), strict=True)
     ]
 
 
@@ -149,7 +150,7 @@ def curves_of(config: HubConfig, name: str) -> Curves:
     steps = round(config.record.duration / sensors.step)
     settled = round(config.measures.settling_time / sensors.step)
     band = (config.band[0], config.band[1])
-    entry = {resolve(entry).name: entry for entry in config.schemes}[name]
+    entry = {resolve(entry).name: entry for entry in list_entries(config)}[name]
     scheme: Any = resolve(entry)
     what = {
         "what": "curves",

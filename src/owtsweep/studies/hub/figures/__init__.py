@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
-from owtsweep.studies.hub import scheme_names
+from owtsweep.studies.hub import baseline_names, scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, make_cube
 from owtsweep.studies.hub.origin import describe_one_record, describe_origin
+from owtsweep.studies.hub.winners import find_winners
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -140,17 +141,20 @@ def draw_cells(
     """
     from owtsweep.figures import best_scheme_map
 
+    window = config.measures.window
+    best, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
     return best_scheme_map.draw(
-        tables["best_scheme"],
-        scheme_names(config),
+        best,
+        names,
         CONDITIONS,
         criterion=criterion,
-        window=config.measures.window,
+        window=window,
         tuning=config.tuning_name,
         quantity=f"{criterion} MSE (x + y)",
         coinciding=coinciding,
         replicates=replicates,
         failures=int((rows["status"] == FAILED).sum()),
+        notes=notes,
     )
 
 
@@ -170,6 +174,7 @@ def over_amplitude(
         mse_over_amplitude.draw,
         summary,
         schemes=scheme_names(config),
+        baselines=baseline_names(config),
         window=config.measures.window,
         tuning=config.tuning_name,
         coinciding=coinciding,

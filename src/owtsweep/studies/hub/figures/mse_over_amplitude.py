@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from owtsweep.figures import curves, style
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
+from owtsweep.studies.hub.schemes import BASELINES
 
 #: The panels: measure -> label of its axis.
 PANELS = {"position": "position MSE, x + y (m²)", "velocity": "velocity MSE, vx + vy (m²/s²)"}
@@ -26,6 +27,7 @@ def draw(
     window: str,
     tuning: str,
     coinciding: Sequence[Sequence[str]] = (),
+    baselines: Sequence[str] = (),
 ) -> Figure:
     """Draw position and velocity MSE of schemes against the amplitude, on log-log axes.
 
@@ -45,13 +47,17 @@ def draw(
         Name of the tuning, for the title.
     coinciding
         Groups of schemes with equal results, for the footnote.
+    baselines
+        Baselines to draw too, as thin lines.
 
     Raises
     ------
     InputError
         If `summary` has no data at that period in that window.
     """
-    shown = curves.choose(summary, schemes, window, {NATURAL_PERIOD: natural_period})
+    here = {NATURAL_PERIOD: natural_period}
+    curves.choose(summary, schemes, window, here)  # baselines alone are no figure
+    shown = curves.choose(summary, [*schemes, *baselines], window, here)
     printed = _choose_published(natural_period, shown["amplitude"], schemes)
     whole = printed.assign(measure=printed["measure"].map(PARTS), value=printed["published"])
     tables = sorted(set(printed["table"]))
@@ -69,11 +75,21 @@ def draw(
         points=whole.groupby(["scheme", "measure", "amplitude"])["value"].sum().reset_index(),
         points_label=label,
         coinciding=coinciding,
-        notes=[
+        thin=baselines,
+        notes=_explain_baselines(baselines)
+        + [
             f"Table {row['table']}, {row['scheme']}: {row['note']}."
             for row in printed[printed["note"] != ""].to_dict("records")
         ],
     )
+
+
+def _explain_baselines(baselines: Sequence[str]) -> list[str]:
+    """Write a sentence for the footnote on the baselines that are drawn."""
+    if not baselines:
+        return []
+    told = "; ".join(f"{name}, {BASELINES[name]}" for name in baselines)
+    return [f"Thin: baselines ({told}). The axes have the range of the schemes."]
 
 
 def _choose_published(

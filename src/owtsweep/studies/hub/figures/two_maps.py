@@ -27,6 +27,7 @@ from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, CRITERIA, make_cube
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
+from owtsweep.studies.hub.winners import find_winners
 
 if TYPE_CHECKING:
     from owtsweep.sweep.runs import Run
@@ -103,14 +104,13 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
     InputError
         If the run has no cell that is judged by the criterion.
     """
-    best, window = run.best_scheme(), config.measures.window
-    shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
+    window, tuning = config.measures.window, config.tuning_name
+    shown, names, notes = find_winners(config, run.best_scheme(), criterion, window)
     if shown.empty:
         raise InputError(
             f"criterion: the run {run.folder} has no {criterion} MSE in the window {window!r}; "
             "use a run with results"
         )
-    names = scheme_names(config)
     plane, rows = Plane.of(shown, CONDITIONS), run.cases()
     boundaries = _find_boundaries(rows, criterion, window)
     crossing = None if boundaries is None else _place_boundary(boundaries, plane)
@@ -123,8 +123,8 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
         fontsize=10,
     )
     same = find_coinciding(make_cube(config, rows), CRITERIA)
-    tuning = config.tuning_name
-    notes = [f"{tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in same]
+    notes = [f"{tuning}: {note}" for note in notes]
+    notes += [f"{tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in same]
     if boundaries is None or crossing is None:
         return [*notes, f"{tuning}: no boundary, since the run lacks superposed rows of it."]
     _draw_boundary(axes, crossing)

@@ -1,4 +1,4 @@
-"""Turns entries of the key `schemes` into schemes: the four of the hub study, or a user's."""
+"""Turns entries of the keys `schemes` and `baselines` into schemes: ours, or a user's."""
 
 from __future__ import annotations
 
@@ -19,6 +19,12 @@ REGISTERED = {
     "MKF": "multirate Kalman filter on the undelayed IMU",
     "HME1": "delayed MKF, online smoother, predictor",
     "HME2": "HME1 fed by a moving horizon estimator",
+}
+#: Name -> description of the baselines. They are schemes too, with modules of their own.
+BASELINES = {
+    "NONE": "no estimator: zero position, zero velocity",
+    "HOLD": "the last fix, zero velocity",
+    "DELTA": "the last fix, moved on with the velocity of the last two fixes",
 }
 
 #: Attributes and methods that a scheme may have besides name, linear and start.
@@ -42,8 +48,8 @@ def resolve(entry: Any) -> Scheme:
         `name`, `linear` or `start`, or the entry is none of these three.
     """
     if isinstance(entry, str):
-        if entry not in REGISTERED:
-            names = ", ".join(REGISTERED)
+        if entry not in REGISTERED and entry not in BASELINES:
+            names = ", ".join([*REGISTERED, *BASELINES])
             raise InputError(
                 f"schemes: there is no scheme {entry!r}; use {names} or {{_target_: package.Class}}"
             )
@@ -56,6 +62,19 @@ def resolve(entry: Any) -> Scheme:
     raise InputError(
         f"schemes: {entry!r} is neither a name nor {{_target_: package.Class}} with its arguments"
     )
+
+
+def list_entries(config: Any) -> list[Any]:
+    """Return the entries of all schemes that a configuration runs: `schemes`, then baselines."""
+    return [*config.schemes, *list_baselines(config)]
+
+
+def list_baselines(config: Any) -> list[str]:
+    """Return the names of the baselines of a configuration.
+
+    A baseline that the key `schemes` names too is a scheme like the others, and not listed.
+    """
+    return [name for name in config.baselines if name not in config.schemes]
 
 
 def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:

@@ -107,6 +107,8 @@ def _make_field(
         excess=100.0 * excess,
         distinguishable=~(excess < LEAST_MARGIN),
         resolution=LEAST_MARGIN,
+        baseline=np.full(shape, -1),  # a replay has no baselines beside its schemes
+        lead=np.full(shape, -np.inf),
     )
 
 
