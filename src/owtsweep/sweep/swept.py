@@ -9,7 +9,9 @@ from typing import Any
 from owtsweep.comparing.comparison import Pair, identify
 
 #: Sections and keys that do not count as swept: they say on which grid, where and how to run.
-NOT_SWEPT = frozenset({"grid", "schemes", "compute", "results", "name", "config_version"})
+NOT_SWEPT = frozenset(
+    {"grid", "schemes", "baselines", "compute", "results", "name", "config_version"}
+)
 #: The name of the run folder, used as a key if no other key distinguishes two runs.
 RUN = "run"
 FIRST = "first run"
