@@ -40,11 +40,14 @@ def read_map(run):
 
 
 def test_what_the_readme_says_of_the_matched_map():
-    assert "HME1 is best wherever the\nmotion is larger than .2 m, MKF at .2 m and below" in README
+    assert "run HME1 where the motion\nis larger than .2 m, and MKF at .2 m; " in README
+    assert "at .1 m and below no estimator is needed" in README
     best = read_map("matched_on_paper")
-    small = best["amplitude"] <= 0.2
-    assert set(best.loc[small, "best"]) == {"MKF"}
-    assert set(best.loc[~small, "best"]) == {"HME1"}
+    assert set(best.loc[best["amplitude"] > 0.2, "best"]) == {"HME1"}
+    assert set(best.loc[best["amplitude"] == 0.2, "best"]) == {"MKF"}
+    small = best["amplitude"] <= 0.1
+    assert (best["baseline_wins"] == small).all()
+    assert set(best.loc[small, "baseline"]) == {"NONE"}
 
 
 def test_what_the_readme_says_of_the_papers_map():
@@ -66,7 +69,7 @@ def test_what_the_readme_says_of_the_papers_map():
 
     claims = pd.read_csv(ROOT / "results/reference/paper/fidelity.csv")
     verdicts = claims.loc[claims["kind"] == "statement", "agrees"]
-    told = r"(\d+) of the paper's (\d+) statements are\nreproduced, (\d+) are not"
+    told = r"(\d+) of the paper's\n(\d+) statements are reproduced, (\d+) are not"
     ((yes, total, no),) = re.findall(told, README)
     assert len(verdicts) == int(total)
     counts = {"reproduced": int(yes), "not reproduced": int(no)}
