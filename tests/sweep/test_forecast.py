@@ -64,7 +64,7 @@ def test_the_command_line_says_it_and_writes_nothing(tmp_path, monkeypatch, caps
     words = ["grid.replicates=2", "tuning=paper", "compute.workers=2"]
     assert main(["sweep", *words, "--dry-run"]) == 0
     out = capsys.readouterr().out
-    assert "cases   480 in all, 0 stored already, 480 to compute\n" in out
+    assert "cases   660 in all, 0 stored already, 660 to compute\n" in out
     assert "on 2 workers (rough" in out
     assert main(["sweep", *words, "--dry-run", "-m", "seed=1,2"]) == 0
     out = capsys.readouterr().out
