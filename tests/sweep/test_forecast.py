@@ -64,11 +64,11 @@ def test_the_command_line_says_it_and_writes_nothing(tmp_path, monkeypatch, caps
     words = ["grid.replicates=2", "tuning=paper", "compute.workers=2"]
     assert main(["sweep", *words, "--dry-run"]) == 0
     out = capsys.readouterr().out
-    assert "cases   660 in all, 0 stored already, 660 to compute\n" in out
+    assert "cases   840 in all, 0 stored already, 840 to compute\n" in out
     assert "on 2 workers (rough" in out
     assert main(["sweep", *words, "--dry-run", "-m", "seed=1,2"]) == 0
     out = capsys.readouterr().out
-    assert "2 runs, one after the other: 960 cases, 960 to compute\n" in out
+    assert "2 runs, one after the other: 1680 cases, 1680 to compute\n" in out
     assert "folder  results/multirun-" in out
     assert main(["sweep", "--dry-run", "-m", "hydra/sweeper=other", "seed=1,2"]) == 2
     assert list(tmp_path.iterdir()) == []
