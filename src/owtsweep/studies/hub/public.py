@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes, chunks, state_chunks, trajectories
     from owtsweep.studies.hub.blocks import backend, explain_anew, scheme_content
     from owtsweep.studies.hub.chain import Chain, chain_for_runs
-    from owtsweep.studies.hub.config import Grid, HubConfig
+    from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme, Sensors
     from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
     from owtsweep.studies.hub.fidelity.score import (
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.one_pass import OnePassSeries
     from owtsweep.studies.hub.schemes import BASELINES, resolve_all
     from owtsweep.studies.hub.schemes import check_scheme as require_scheme
+    from owtsweep.studies.hub.sections import Grid
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
 
@@ -48,7 +49,7 @@ _HOMES = {
     "batch": ["Lanes", "chunks", "state_chunks", "trajectories"],
     "blocks": ["backend", "explain_anew", "scheme_content"],
     "chain": ["Chain", "chain_for_runs"],
-    "config": ["Grid", "HubConfig"],
+    "config": ["HubConfig"],
     "contract": ["Scheme", "Sensors"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse"],
     "fidelity.score": ["at_amplitude", "compare", "make_lanes", "scheme_products", "score"],
@@ -57,6 +58,7 @@ _HOMES = {
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
     "schemes": ["BASELINES", "require_scheme", "resolve_all"],
+    "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
 }
 #: Name here -> name in its module, where they differ.
