@@ -12,7 +12,7 @@ from omegaconf import OmegaConf
 
 from owtsweep.config import as_mapping
 from owtsweep.studies import compose, from_mapping
-from owtsweep.studies.hub import batch, blocks
+from owtsweep.studies.hub import batch, blocks, planning
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme, Sensors
@@ -157,7 +157,7 @@ class Key(NamedTuple):
 def rows_of(config: HubConfig) -> dict[Key, dict[str, Any]]:
     """All rows of a study; none may have failed."""
     table = {}
-    plan = blocks.plan(config)
+    plan = planning.plan(config)
     for group in dict.fromkeys(block.group for block in plan):
         for _, rows in blocks.run(config, [block for block in plan if block.group == group]):
             for row in rows.to_dict("records"):

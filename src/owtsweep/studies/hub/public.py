@@ -13,7 +13,7 @@ from owtsweep.studies.hub import ROOMS
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes, chunks, state_chunks, trajectories
-    from owtsweep.studies.hub.blocks import backend, explain_anew, scheme_content
+    from owtsweep.studies.hub.blocks import backend
     from owtsweep.studies.hub.chain import Chain, chain_for_runs
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme, Sensors
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.one_pass import OnePassSeries
+    from owtsweep.studies.hub.planning import explain_anew, scheme_content
     from owtsweep.studies.hub.schemes import BASELINES, resolve_all
     from owtsweep.studies.hub.schemes import check_scheme as require_scheme
     from owtsweep.studies.hub.sections import Grid
@@ -47,7 +48,7 @@ __all__ = [
 #: Module -> names that it provides.
 _HOMES = {
     "batch": ["Lanes", "chunks", "state_chunks", "trajectories"],
-    "blocks": ["backend", "explain_anew", "scheme_content"],
+    "blocks": ["backend"],
     "chain": ["Chain", "chain_for_runs"],
     "config": ["HubConfig"],
     "contract": ["Scheme", "Sensors"],
@@ -57,6 +58,7 @@ _HOMES = {
     "kernels.layout": ["WIDTH"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
+    "planning": ["explain_anew", "scheme_content"],
     "schemes": ["BASELINES", "require_scheme", "resolve_all"],
     "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
