@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.studies.hub import ROOMS
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.batch import Lanes, chunks, state_chunks, trajectories
+    from owtsweep.studies.hub.batch import Lanes
     from owtsweep.studies.hub.blocks import backend
     from owtsweep.studies.hub.chain import Chain, chain_for_runs
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme, Sensors
     from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
+    from owtsweep.studies.hub.estimates import chunks, state_chunks, trajectories
     from owtsweep.studies.hub.fidelity.score import (
         at_amplitude,
         compare,
@@ -47,12 +48,13 @@ __all__ = [
 
 #: Module -> names that it provides.
 _HOMES = {
-    "batch": ["Lanes", "chunks", "state_chunks", "trajectories"],
+    "batch": ["Lanes"],
     "blocks": ["backend"],
     "chain": ["Chain", "chain_for_runs"],
     "config": ["HubConfig"],
     "contract": ["Scheme", "Sensors"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse"],
+    "estimates": ["chunks", "state_chunks", "trajectories"],
     "fidelity.score": ["at_amplitude", "compare", "make_lanes", "scheme_products", "score"],
     "filter_states": ["bias_of", "has_acceleration", "lag_of"],
     "kernels.layout": ["WIDTH"],
