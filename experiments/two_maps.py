@@ -2,8 +2,8 @@
 
     python experiments/two_maps.py PAPER_RUN MATCHED_RUN [FILE_STEM]
 
-PAPER_RUN and MATCHED_RUN are the folders of two runs. The files are FILE_STEM.png and
-FILE_STEM.svg (default: two_maps in the current folder).
+PAPER_RUN and MATCHED_RUN are the folders of two runs, or twice that of a run of both tunings. The
+files are FILE_STEM.png and FILE_STEM.svg (default: two_maps in the current folder).
 """
 
 import sys
@@ -15,7 +15,10 @@ from owtsweep.studies.hub.figures import two_maps
 
 if len(sys.argv) not in (3, 4):
     sys.exit(f"usage: python {sys.argv[0]} PAPER_RUN MATCHED_RUN [FILE_STEM]")
-paper, matched = owtsweep.load(sys.argv[1]), owtsweep.load(sys.argv[2])
+paper, matched = (
+    owtsweep.load(path).by_tuning().get(tuning, owtsweep.load(path))
+    for path, tuning in zip(sys.argv[1:3], ("paper", "matched"), strict=True)
+)
 stem = Path(sys.argv[3] if len(sys.argv) == 4 else "two_maps")
 metadata = {"paper": paper.hash, "matched": matched.hash}
 for file in style.save(two_maps.draw(paper, matched), stem.parent, stem.name, metadata):

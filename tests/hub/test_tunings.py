@@ -57,6 +57,8 @@ def test_tables_are_those_of_each_tuning_alone(folder: Path, both: Run) -> None:
             part = table[table["tuning"] == tuning].drop(columns="tuning")
             alone = owtsweep.load(folder / tuning).table(name)
             pd.testing.assert_frame_equal(part.reset_index(drop=True), alone, check_exact=True)
+            of_part = both.by_tuning()[tuning].table(name)
+            pd.testing.assert_frame_equal(of_part, alone, check_exact=True)
 
 
 def test_shards_are_those_of_each_tuning_alone(folder: Path) -> None:

@@ -88,6 +88,9 @@ class Run:
         The hash of what was asked; "" if that is not known.
     home
         The run folder, if `folder` is that of a question; otherwise None.
+    tuning
+        The tuning, if this is the part of a run with several tunings that `by_tuning` returns;
+        otherwise "".
     """
 
     folder: Path
@@ -96,6 +99,7 @@ class Run:
     stored_plan: Plan | None = None
     question: str = ""
     home: Path | None = None
+    tuning: str = ""
 
     def __repr__(self) -> str:
         """Return one line with the folder, the study and the number of cases of the plan."""
@@ -162,6 +166,7 @@ class Run:
                 self,
                 config=config,
                 stored_plan={key: block for key, block in plan.items() if name in block.tunings},
+                tuning=name,
             )
             for name, config in parts.items()
         }
@@ -240,7 +245,17 @@ class Run:
         InputError
             If the run has no table of this name, or the file is damaged.
         """
-        return read_table(self.place, name)
+        return self._choose_lines(read_table(self.place, name))
+
+    def _choose_lines(self, table: pd.DataFrame) -> pd.DataFrame:
+        """Return the lines of this run's tuning, without the column `tuning`.
+
+        A run that is no part of another keeps all lines and columns.
+        """
+        if not self.tuning or "tuning" not in table:
+            return table
+        lines = table[table["tuning"] == self.tuning]
+        return lines.drop(columns="tuning").reset_index(drop=True)
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Read all tables of the run; return name -> table.
@@ -252,8 +267,7 @@ class Run:
         InputError
             If a file is damaged.
         """
-        place = self.place
-        return {path.stem: read_table(place, path.stem) for path in sorted(place.glob("*.csv"))}
+        return {path.stem: self.table(path.stem) for path in sorted(self.place.glob("*.csv"))}
 
     def make_results(self, stored: Mapping[str, pd.DataFrame]) -> dict[str, Results]:
         """Make the tables of each tuning with a succeeded case; `stored` is what `stored` returns.

@@ -63,6 +63,11 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
                 f"{argument}: {run.folder} is a run of the study {run.study.name!r}; "
                 "use a run of the study hub"
             )
+        if "" not in run.config.by_tuning():
+            raise InputError(
+                f"{argument}: {run.folder} is a run of several tunings; use one of them, e.g. "
+                "run.by_tuning()['paper']"
+            )
     runs = (paper, matched)
     configs = [cast("HubConfig", run.config) for run in runs]
     errors = [error_spectra.compute(config) for config in configs]
