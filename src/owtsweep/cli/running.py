@@ -13,9 +13,10 @@ from owtsweep.errors import InputError
 from owtsweep.freed_memory import keep_freed_memory
 
 if TYPE_CHECKING:
+    from owtsweep.sweep.results import Results
     from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import Outcome
-    from owtsweep.sweep.runs import Results, Run
+    from owtsweep.sweep.runs import Run
 
 #: Most reasons listed at the end of a sweep; run.log has all.
 MOST_REASONS = 10

@@ -9,7 +9,7 @@ from owtsweep.figures.drawings import Drawing
 from owtsweep.sweep.study import Engine, Joint
 
 if TYPE_CHECKING:
-    from owtsweep.sweep.runs import Results
+    from owtsweep.sweep.results import Results
 
 
 def list_drawings(

@@ -28,8 +28,9 @@ from owtsweep.sweep.provenance import (
     start_manifest,
     was_running,
 )
+from owtsweep.sweep.results import Results, join_tables
 from owtsweep.sweep.rows import Setback
-from owtsweep.sweep.runs import Results, Run, join_tables
+from owtsweep.sweep.runs import Run
 from owtsweep.sweep.stored_plan import NAME as PLAN
 from owtsweep.sweep.stored_plan import dump_plan
 from owtsweep.sweep.study import UNABLE, Study, WarmsUp

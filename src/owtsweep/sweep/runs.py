@@ -15,9 +15,10 @@ from owtsweep.figures.drawings import draw_each
 from owtsweep.io.tables import read_table
 from owtsweep.sweep import asked
 from owtsweep.sweep.drawing import list_drawings, name_overview
-from owtsweep.sweep.gather import as_text, join_tunings, sort_rows
+from owtsweep.sweep.gather import as_text, sort_rows
 from owtsweep.sweep.keys import run_hash
 from owtsweep.sweep.plan import Plan, count_cases, make_plan
+from owtsweep.sweep.results import Results, join_rows
 from owtsweep.sweep.rows import Setback, collect_setbacks
 from owtsweep.sweep.schema import needed_columns
 from owtsweep.sweep.store import Store
@@ -27,46 +28,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 logger = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Results:
-    """The results of a run of one tuning.
-
-    Attributes
-    ----------
-    config
-        The run's configuration.
-    rows
-        The rows of the run's cases, sorted.
-    tables
-        The tables that the study makes of the rows, by name.
-    """
-
-    config: Config
-    rows: pd.DataFrame
-    tables: dict[str, pd.DataFrame]
-
-
-def _join(stored: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
-    return stored[""] if "" in stored else join_tunings(stored)
-
-
-def join_tables(results: Mapping[str, Results]) -> dict[str, pd.DataFrame]:
-    """Return the tables of all tunings by name; with several, `tuning` is their first column."""
-    import pandas as pd
-
-    names = dict.fromkeys(name for part in results.values() for name in part.tables)
-    if "" in results:
-        return results[""].tables
-    joined = {}
-    for name in names:
-        parts = {tuning: part.tables[name] for tuning, part in results.items()}
-        whole = pd.concat(parts.values(), ignore_index=True)
-        tunings = [tuning for tuning, part in parts.items() for _ in range(len(part))]
-        whole.insert(0, "tuning", tunings)
-        joined[name] = whole
-    return joined
 
 
 @dataclass(frozen=True)
@@ -182,7 +143,7 @@ class Run:
         InputError
             If no case is stored.
         """
-        return as_text(_join(self._finished()))
+        return as_text(join_rows(self._finished()))
 
     def _finished(self) -> dict[str, pd.DataFrame]:
         """Return tuning -> rows, as `stored` does, with a warning of missing blocks.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from owtsweep.config import Config
     from owtsweep.figures.drawings import Drawing
     from owtsweep.results.conditions import Condition
-    from owtsweep.sweep.runs import Results
+    from owtsweep.sweep.results import Results
 
     C = TypeVar("C", bound=Config)
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from owtsweep.figures.drawings import Drawing
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.sweep.runs import Results
+    from owtsweep.sweep.results import Results
     from owtsweep.sweep.study import Block, Engine
 
 logger = logging.getLogger(__name__)

@@ -22,7 +22,7 @@ from owtsweep.studies.hub.origin import describe_origin
 from owtsweep.studies.hub.winners import find_winners
 
 if TYPE_CHECKING:
-    from owtsweep.sweep.runs import Results
+    from owtsweep.sweep.results import Results
 
 NAME = "best_scheme_maps"
 #: Widths and heights in inches: of a column of cells, of a row of cells, and beside the cells.
