@@ -15,6 +15,7 @@ from owtsweep.config.given_files import check_chosen_files
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
 from owtsweep.config.stored import DEEPEST, read, resolved
+from owtsweep.config.tuning_files import placed
 from owtsweep.config.tunings import holds
 from owtsweep.errors import InputError, require, shorten
 
@@ -142,7 +143,13 @@ def compose_plain(
         If Hydra refuses an override or a file, `config_dir` is no folder, a value could not be
         stored, or several tunings cannot be joined; the message is one line.
     """
-    words = [*_search_path(config_dir, overrides), *overrides]
+    with placed(overrides, tree.model.tuned) as (placed_overrides, folders):
+        words = [*_search_path(config_dir, placed_overrides, folders), *placed_overrides]
+        return _compose_tunings(tree, words, overrides)
+
+
+def _compose_tunings(tree: Tree, words: Sequence[str], overrides: Sequence[str]) -> dict[str, Any]:
+    """Compose the words, which are the user's overrides and what Hydra needs besides them."""
     names = _find_tunings(tree, words) if tree.model.tuned else []
     if len(names) < 2:
         return _compose(tree, words)
@@ -152,8 +159,13 @@ def compose_plain(
     return tunings.join(composed, tree.model.tuned)
 
 
-def _search_path(config_dir: str | None, overrides: Sequence[str]) -> list[str]:
-    """Check the overrides; return the override that makes Hydra search `config_dir` too."""
+def _search_path(
+    config_dir: str | None, overrides: Sequence[str], folders: Sequence[str]
+) -> list[str]:
+    """Check the overrides; return the override with which Hydra searches further folders.
+
+    These are the folder `config_dir` of the user, and `folders`.
+    """
     for override in overrides:
         require(
             override.partition("=")[0].strip("+~") != "",
@@ -163,12 +175,16 @@ def _search_path(config_dir: str | None, overrides: Sequence[str]) -> list[str]:
             not override.lstrip("+~").startswith("hydra"),
             f"{override}: Hydra's own settings work with --multirun only",
         )
-    if config_dir is None:
+    searched = list(folders)
+    if config_dir is not None:
+        directory = _find_folder(config_dir)
+        check_chosen_files(directory, overrides)
+        searched.append(str(directory))
+    if not searched:
         return []
-    directory = _find_folder(config_dir)
-    check_chosen_files(directory, overrides)
-    quoted = str(directory).replace("\\", "\\\\").replace("'", "\\'")
-    return [f"hydra.searchpath=['file://{quoted}']"]
+    quoted = [folder.replace("\\", "\\\\").replace("'", "\\'") for folder in searched]
+    places = ",".join(f"'file://{folder}'" for folder in quoted)
+    return [f"hydra.searchpath=[{places}]"]
 
 
 def _find_tunings(tree: Tree, words: Sequence[str]) -> list[str]:
