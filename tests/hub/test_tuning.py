@@ -20,7 +20,7 @@ from owtsweep.studies import compose
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.schemes import resolve
-from owtsweep.studies.hub.tuning import objective, rules, search
+from owtsweep.studies.hub.tuning import objective, search
 from owtsweep.studies.hub.tuning.bound import bound_of_axis, kalman_bound
 from owtsweep.studies.hub.tuning.judging import errors_on_records, judge
 from owtsweep.studies.hub.tuning.spaces import find_space
@@ -162,4 +162,3 @@ def test_a_wrong_sensor_is_named_before_any_rule() -> None:
 def test_the_score_weighs_ratios() -> None:
     assert objective.score(np.array([[1.0, 100.0]])) == pytest.approx(10.0)
     assert objective.score(np.array([[1.0, np.nan]])) == float("inf")
-    assert rules.compute_numbers(rules.DEFAULT)["hme.mhe.horizon"] == 32

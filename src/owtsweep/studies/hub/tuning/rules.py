@@ -58,29 +58,38 @@ VALID = {
     "sensors.gnss.rate": (1.0, 10.0),
     "sensors.gnss.delay": (0.0, 1.0),
     "sensors.imu.sigma": (0.01, 0.5),
-    "sensors.imu.bias_walk": (1e-5, 3e-3),
+    "sensors.imu.rate": (50.0, 200.0),
+    "sensors.imu.bias_walk": (0.0, 3e-3),
 }
 
 
-def compute_numbers(facts: Facts) -> dict[str, Any]:
-    """Return key -> number for all keys that may be `auto`."""
-    # the density of the IMU's noise, relative to the default: a filter that trusts its IMU follows
-    # the motion with less q_a
-    imu = (facts.imu_sigma / DEFAULT.imu_sigma) ** 2 * (DEFAULT.imu_rate / facts.imu_rate)
-    numbers: dict[str, Any] = {
-        "ekf.q_a": 0.455 * imu**0.85,
-        "mkf.q_a": 0.455 * imu**0.85,
-        "hme1.q_a": 1.07 * imu**0.9,
-        "hme.smoother_window": round(0.02 * facts.imu_rate),
-    }
-    if facts == DEFAULT:
-        return numbers | RECORDED
-    return numbers | {
-        "hme2.q_a": 13.5,
-        "hme2.r_gnss.scale": 0.143,
-        "hme.mhe.interval": round(facts.imu_rate / facts.gnss_rate) / facts.imu_rate,
-        "hme.mhe.horizon": 20,
-        "hme.mhe.smoother_window": round(0.2 * facts.imu_rate),
+def compute_numbers(facts: Facts, bias_walk: float) -> dict[str, Any]:
+    """Return key -> number for all keys that may be `auto`, by rule.
+
+    `bias_walk` is the intensity of the IMU's bias walk, m/s^2/sqrt(s). A property beyond the range
+    `VALID` counts as the range's end.
+    """
+    near = {key: _clip(key, value) for key, value in _name(facts, bias_walk).items()}
+    gnss = near["sensors.gnss.sigma"] / DEFAULT.gnss_sigma  # each relative to the default
+    rate = near["sensors.gnss.rate"] / DEFAULT.gnss_rate
+    imu = near["sensors.imu.sigma"] / DEFAULT.imu_sigma
+    samples = near["sensors.imu.rate"] / DEFAULT.imu_rate
+    walk = near["sensors.imu.bias_walk"] / 1e-3
+    window = round(0.02 * facts.imu_rate)
+    # The MHE does best with the shortest window. Its positions already hold the filter's own past,
+    # so they get a variance several times that of a fix; less if the bias has to be tracked fast.
+    scale = 10.0 * imu**0.5 * rate**0.5 / (1.0 + 2.0 * walk)
+    quotient = (24.0 * imu**2 + 5.5 * imu + 5.0 * walk) * samples
+    return {
+        "ekf.q_a": 0.455 * imu**1.7,
+        "mkf.q_a": 0.455 * imu**1.7,
+        "hme1.q_a": 1.07 * imu**1.8,
+        "hme.smoother_window": window,
+        "hme2.q_a": quotient * (scale + 1.5 * gnss * rate),
+        "hme2.r_gnss.scale": scale,
+        "hme.mhe.interval": max(round(facts.imu_rate / facts.gnss_rate), 1) / facts.imu_rate,
+        "hme.mhe.horizon": 1,
+        "hme.mhe.smoother_window": window,
     }
 
 
@@ -92,15 +101,15 @@ def fill_in(plain: dict[str, Any]) -> dict[str, Any]:
     """
     if not any(_holds_auto(part.get(section)) for part in _parts(plain) for section in TUNED):
         return plain
-    facts = DEFAULT
+    facts, bias_walk = DEFAULT, 0.0
     try:
         sensors = typed(SensorConfig, plain.get("sensors"))
     except InputError:
         pass  # typing the whole configuration names the fault
     else:
-        facts = _take_facts(sensors)
-        _warn(sensors)
-    numbers = compute_numbers(facts)
+        facts, bias_walk = take_facts(sensors), sensors.imu.bias_walk
+        _warn(facts, bias_walk)
+    numbers = compute_numbers(facts, bias_walk) | (RECORDED if facts == DEFAULT else {})
     filled = _fill(plain, numbers)
     if plain.get("tunings"):
         filled["tunings"] = {n: _fill(part, numbers) for n, part in plain["tunings"].items()}
@@ -130,7 +139,8 @@ def _fill(plain: Mapping[str, Any], numbers: Mapping[str, Any], path: str = "") 
     return filled
 
 
-def _take_facts(sensors: SensorConfig) -> Facts:
+def take_facts(sensors: SensorConfig) -> Facts:
+    """Return the properties of configured sensors; sigmas as standard deviations."""
     deviations = 1.0 if sensors.accuracy == "sigma" else 3.0
     return Facts(
         gnss_sigma=sensors.gnss.sigma / deviations,
@@ -141,14 +151,30 @@ def _take_facts(sensors: SensorConfig) -> Facts:
     )
 
 
-def _warn(sensors: SensorConfig) -> None:
-    """Log which properties lie beyond the range that the rules were made for."""
-    for key, (low, high) in VALID.items():
-        _, sensor, name = key.split(".")
-        value = getattr(getattr(sensors, sensor), name)
+def _warn(facts: Facts, bias_walk: float) -> None:
+    """Log which properties lie beyond the ranges that the rules were made for."""
+    for key, value in _name(facts, bias_walk).items():
+        low, high = VALID[key]
         if not low <= value <= high:
             logger.warning(
                 "%s: %g lies beyond %g to %g, for which the rules of tuning=matched were made; "
                 "`python -m owtsweep tune` finds numbers for these sensors",
                 key, value, low, high,
             )  # fmt: skip
+
+
+def _name(facts: Facts, bias_walk: float) -> dict[str, float]:
+    """Return key of the configuration -> property, for all properties with a range."""
+    return {
+        "sensors.gnss.sigma": facts.gnss_sigma,
+        "sensors.gnss.rate": facts.gnss_rate,
+        "sensors.gnss.delay": facts.delay,
+        "sensors.imu.sigma": facts.imu_sigma,
+        "sensors.imu.rate": facts.imu_rate,
+        "sensors.imu.bias_walk": bias_walk,
+    }
+
+
+def _clip(key: str, value: float) -> float:
+    low, high = VALID[key]
+    return min(max(value, low), high)

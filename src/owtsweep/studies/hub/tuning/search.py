@@ -24,7 +24,8 @@ from owtsweep.studies.hub.tuning.objective import (
     has_curves,
     score,
 )
-from owtsweep.studies.hub.tuning.spaces import Space, find_space
+from owtsweep.studies.hub.tuning.rules import compute_numbers, take_facts
+from owtsweep.studies.hub.tuning.spaces import STRUCTURE, Space, find_space
 
 #: Number of records per natural period on which a scheme without curves is judged.
 TRAINING_RECORDS = 2
@@ -73,7 +74,8 @@ def search(config: HubConfig, scheme: Any, advance: Callable[[], None]) -> tuple
     space = find_space(config, scheme.name)
     sampler = optuna.samplers.TPESampler(seed=config.tune.seed, multivariate=True)
     study = optuna.create_study(sampler=sampler)
-    study.enqueue_trial(_find_start(config, space))
+    for start in _list_starts(config, space):
+        study.enqueue_trial(start)
     best: dict[str, Any] = {}
     least, made, before = float("inf"), 0, float("inf")
     stopped = False
@@ -93,10 +95,19 @@ def search(config: HubConfig, scheme: Any, advance: Callable[[], None]) -> tuple
     return Found(best, before, least, made), stopped
 
 
-def _find_start(config: HubConfig, space: Space) -> dict[str, Any]:
-    """Return the values of the tuning to begin with, as far as they lie within their bounds."""
-    start = {key: attrgetter(key)(config) for key in space}
-    return {key: value for key, value in start.items() if _is_within(value, space[key])}
+def _list_starts(config: HubConfig, space: Space) -> list[dict[str, Any]]:
+    """Return the first trials: the tuning to begin with, and the rules of `tuning=matched`.
+
+    Of each, only the values within their bounds are kept. If both are equal, there is one.
+    """
+    current = {key: attrgetter(key)(config) for key in space}
+    imu = config.sensors.imu
+    ruled = {**STRUCTURE, **compute_numbers(take_facts(config.sensors), imu.bias_walk)}
+    starts = [
+        {key: start[key] for key in space if _is_within(start[key], space[key])}
+        for start in (current, ruled)
+    ]
+    return starts[:1] if starts[0] == starts[1] else starts
 
 
 def _is_within(value: Any, bounds: Any) -> bool:

@@ -20,6 +20,9 @@ LONGEST_HORIZON = 40
 #: The MHE takes at most this many values of T_m: the longest of those that are allowed.
 INTERVALS = 5
 
+#: The structure of HME2's MHE in `tuning=matched`, the fullest that there is.
+STRUCTURE = {"hme.mhe.arrival": "mkf", "hme.mhe.inputs": "all", "hme.mhe.weights": "full"}
+
 #: [low, high, "log" or "int"], or the list of options.
 Space = dict[str, Any]
 
