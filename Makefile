@@ -11,10 +11,8 @@ INSTALLED_TEST := $(VENV)/.installed-test
 INSTALLED_CALIBRATE := $(VENV)/.installed-calibrate
 INSTALLED_BENCH := $(VENV)/.installed-bench
 
-# Compiled kernels go with the environment that compiled them.
 # Small matrices only: BLAS threads would fight the workers for the cores.
 export OPENBLAS_NUM_THREADS := 1
-export NUMBA_CACHE_DIR := $(CURDIR)/$(VENV)/numba-cache
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -33,6 +31,7 @@ help:
 
 sweep: $(INSTALLED)
 	$(VENV_PYTHON) -m owtsweep sweep $(ARGS)
+	@echo 'next: $(VENV)/bin/owtsweep list, or $(VENV)/bin/owtsweep --help'
 
 test: $(INSTALLED_TEST)
 	$(VENV_PYTHON) tests/compile_kernels.py online & \

@@ -3,3 +3,7 @@
 `python -m benchmarks` (or `make bench`) measures everything and writes report.md; every part runs
 alone as `python -m benchmarks.<part>`. All times come from `benchmarks.timing`.
 """
+
+#: The truth and the tuning of everything that is measured, unless an override says otherwise:
+#: those of all earlier reports.
+STUDY = ("experiment=study", "tuning=paper")

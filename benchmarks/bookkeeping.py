@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import STUDY
 from benchmarks.bulk_study import BulkStudy, bulk_config
 from benchmarks.page import put
 from benchmarks.scale import made_up_rows
@@ -52,7 +53,7 @@ def measure(repeats: int = REPEATS) -> list[dict[str, Any]]:
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
         kinds = {
-            "hub, 80 cases": (hub, compose([f"grid.replicates={BLOCKS // 24 * 8}"])),
+            "hub, 80 cases": (hub, compose([*STUDY, f"grid.replicates={BLOCKS // 24 * 8}"])),
             "dummy, 80 cases": (BulkStudy(), bulk_config(place, 80 * BLOCKS, 80)),
             "dummy, 8 cases": (BulkStudy(), bulk_config(place, 8 * BLOCKS, 8)),
         }

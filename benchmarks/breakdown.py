@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import STUDY
 from benchmarks.timing import REPEATS, median_time, samples
 from owtsweep.studies import compose
 from owtsweep.studies.hub import batch
@@ -31,7 +32,7 @@ def measure(repeats: int = REPEATS, duration: float = 2000.0) -> list[dict[str, 
 
     The parts are in the order in which they run. `duration` is the length of a record in s.
     """
-    config: Any = compose([f"record.duration={duration:g}"])
+    config: Any = compose([*STUDY, f"record.duration={duration:g}"])
     replicates = list(range(BLOCK))
     records = make_records(config, 4.0, replicates)
     settled = round(config.measures.settling_time / records.sensors.step)

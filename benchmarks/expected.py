@@ -27,6 +27,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 import owtsweep
+from benchmarks import STUDY
 from benchmarks.timing import REPEATS, seconds, timed
 from owtsweep.studies import compose
 from owtsweep.studies.hub.expected import answers, cache, engine
@@ -41,7 +42,7 @@ def compare(folder: Path, overrides: list[str]) -> pd.DataFrame:
     Each row has the mean of the records, the expectation, their `ratio`, the `half_width` of the
     99.9 % interval of the mean relative to the mean, and whether the expectation lies `inside`.
     """
-    common = [*overrides, f"results={folder}"]
+    common = [*STUDY, *overrides, f"results={folder}"]
     if not any(part.startswith("grid.replicates=") for part in overrides):
         common.append("grid.replicates=200")
     records = owtsweep.run(common).summary()
@@ -80,7 +81,7 @@ def worst(table: pd.DataFrame) -> pd.DataFrame:
 
 def map_of(overrides: Sequence[str]) -> None:
     """Compute the best-scheme map of 200 x 200 cells with engine=expected, without writing it."""
-    config: Any = compose([*overrides, "engine=expected"])
+    config: Any = compose([*STUDY, *overrides, "engine=expected"])
     periods = np.linspace(3.0, 8.0, FINE)
     amplitudes = np.geomspace(0.05, 10.0, FINE)
     names = [block.content["scheme"] for block in engine.plan(config)]

@@ -33,6 +33,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import STUDY
 from benchmarks.machine import Limits, best, thread_counts
 from benchmarks.timing import together
 
@@ -96,7 +97,7 @@ def prepared(scheme: str, series: int, steps: int, tuning: str) -> tuple[Any, An
     from owtsweep.studies.hub.schemes import resolve
     from owtsweep.vectors import uses_vectors
 
-    config: Any = compose([f"tuning={tuning}", f"compute.vectors={uses_vectors()}"])
+    config: Any = compose([STUDY[0], f"tuning={tuning}", f"compute.vectors={uses_vectors()}"])
     sensors = sensing.sensors(config.sensors)
     chain = resolve(scheme).kernel(sensors, config, 200_000)  # type: ignore[attr-defined]
     lead = chunk_of(chain)[1]

@@ -11,6 +11,7 @@ import json
 import sys
 import tempfile
 
+from benchmarks import STUDY
 from benchmarks.scale import peak_megabytes
 from benchmarks.timing import timed
 from owtsweep.freed_memory import keep_freed_memory
@@ -25,7 +26,7 @@ def run(overrides: list[str]) -> dict[str, float]:
     `bytes`, the size of all shards; and `cases`, the number of cases computed.
     """
     with tempfile.TemporaryDirectory() as results:
-        config = compose([*overrides, f"results={results}"])
+        config = compose([*STUDY, *overrides, f"results={results}"])
         outcome, time = timed(lambda: sweep(get_study(config.study), config))
         shards = (outcome.run.folder / "cases").glob("*.parquet")
         return {

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import STUDY
 from benchmarks.timing import REPEATS, seconds
 from owtsweep.studies import compose
 from owtsweep.studies.hub import batch
@@ -46,7 +47,7 @@ class Job:
 
 def make_job(seconds_of_record: float) -> Job:
     """Make the job from the first record of the default study, for MKF with tuning=matched."""
-    config: Any = compose(["tuning=matched", f"record.duration={seconds_of_record}"])
+    config: Any = compose([STUDY[0], "tuning=matched", f"record.duration={seconds_of_record}"])
     records = make_records(config, 4.0, [0])
     chain = SCHEME.kernel(records.sensors, config, records.steps)
     force, fixes = batch.Lanes(records).at(0.5)

@@ -18,8 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import STUDY
 from benchmarks.timing import REPEATS, seconds
-from owtsweep.estimation.mhe import CasadiWindow, WindowWeights, square_root_information, window_map
+from owtsweep.estimation.casadi_window import CasadiWindow
+from owtsweep.estimation.mhe import WindowWeights, square_root_information, window_map
 from owtsweep.studies import compose
 from owtsweep.studies.hub.horizon import horizon
 from owtsweep.studies.hub.sensors import sensors
@@ -55,7 +57,7 @@ Solver = Callable[[Window], np.ndarray]
 
 def make_window(intervals: int = 20) -> Window:
     """Make a window with the model of HME2 (tuning=matched) and random data."""
-    config: Any = compose(["tuning=matched"])
+    config: Any = compose([STUDY[0], "tuning=matched"])
     weights = horizon(config.hme.mhe, sensors(config.sensors)).weights
     random = np.random.default_rng(1)
     return Window(

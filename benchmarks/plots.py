@@ -7,6 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from benchmarks.goals import SHARE
+
 OURS, OTHERS, LIMIT = "#0072B2", "#999999", "#D55E00"
 DPI = 100
 
@@ -60,7 +62,9 @@ def _kernels(results: dict[str, Any]) -> Any:
         label = "1 thread" if n == 1 else f"{n} threads"
         bars = right.bar(at + 0.4 * i - 0.2, shares, 0.38, color=(OURS, "#56B4E9")[i], label=label)
         right.bar_label(bars, [f"{share:.0f}" for share in shares], fontsize=8)
-    right.axhline(60, color=LIMIT, linestyle="--", label="goal, all threads: 60 %")
+    goal = 100 * SHARE
+    label = f"goal, all threads: {goal:.0f} %"
+    right.axhline(goal, color=LIMIT, linestyle="--", label=label)
     right.set(xticks=at, xticklabels=names, ylim=(0, 135), yticks=range(0, 101, 20))
     right.set(ylabel="% of bandwidth or arithmetic peak")
     right.set_title("The kernels' limit over their time")

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import STUDY
 from benchmarks.timing import REPEATS, median_time, timed
 from owtsweep.studies import compose
 from owtsweep.studies.hub import blocks
@@ -38,7 +39,7 @@ def measure(
     the estimator runs for `lead` GNSS intervals.
     """
     needed = lead + repeats * intervals
-    config: Any = compose(["engine=reference", *settings, f"record.duration={needed}"])
+    config: Any = compose([*STUDY, "engine=reference", *settings, f"record.duration={needed}"])
     records = make_records(config, 4.0, [0])
     sensors = records.sensors
     moved = observe(records.motion[0], records.direction, sensors)

@@ -23,11 +23,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import STUDY
 from owtsweep.studies import compose, get_study
 from owtsweep.sweep.plan import count_cases, make_plan
 from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.run import sweep
-from owtsweep.sweep.runs import Results, Run
+from owtsweep.sweep.runs import Run
 from owtsweep.sweep.shard import encode
 
 
@@ -93,7 +94,8 @@ def hub(replicates: int) -> dict[str, Any]:
     clock = Clock()
     study = get_study("hub")
     with tempfile.TemporaryDirectory() as folder:
-        config = compose([f"grid.replicates={replicates}", f"results={folder}"])
+        words = [*STUDY, "baselines=[]", f"grid.replicates={replicates}", f"results={folder}"]
+        config = compose(words)
         with clock.stage("plan"):
             plan = make_plan(study, config)
         run = Run(Path(folder) / "run", config, study)
@@ -103,18 +105,17 @@ def hub(replicates: int) -> dict[str, Any]:
         with clock.stage("status"):
             done = sum(run.store.status(key) == "done" for key in plan)
         with clock.stage("read"):
-            rows, missing = run.stored()
-        assert rows is not None
+            stored, missing = run.stored()
         with clock.stage("aggregate"):
-            tables = run.engine.tables(config, rows)
+            results = run.make_results(stored)
         with clock.stage("map"):
-            files = run.draw(run.engine.overview(config), Results(rows, tables))
+            files = run.draw(results=results, overview=True)
         correct = done == len(plan) and not missing and len(files) > 0
-        correct &= set(tables["summary"]["n"]) == {replicates}
+        correct &= set(results[""].tables["summary"]["n"]) == {replicates}
     return {
         "blocks": len(plan),
         "cases": count_cases(plan),
-        "rows": len(rows),
+        "rows": len(stored[""]),
         "correct": bool(correct),
         "seconds": clock.seconds,
     }

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from benchmarks import STUDY
 from benchmarks import reference as stepwise
 from benchmarks.page import put
 from benchmarks.timing import REPEATS, median_time, timed
@@ -66,7 +67,7 @@ def seconds(
     times = []
     for _ in range(1 + repeats):
         with tempfile.TemporaryDirectory() as folder:
-            config = compose([*overrides, f"results={folder}"])
+            config = compose([*STUDY, *overrides, f"results={folder}"])
             outcome, time = timed(lambda config=config: sweep(get_study("hub"), config))
             assert not outcome.failed
             times.append(time)

@@ -18,6 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 from statistics import fmean
 from typing import Any
 
+from benchmarks import STUDY
 from benchmarks.timing import Time, timed
 from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.studies import compose, get_study
@@ -40,7 +41,7 @@ def measure(studies: Sequence[Turns], rounds: int) -> list[dict[str, list[float]
     results: list[dict[str, list[float]]] = [
         {"wall": [], "compute": [], "compute_wall": []} for _ in studies
     ]
-    configs = [compose([*overrides]) for overrides, _ in studies]
+    configs = [compose([*STUDY, *overrides]) for overrides, _ in studies]
     for config in configs:
         compute(config, 1)
     most = max(times for _, times in studies)
@@ -68,7 +69,7 @@ def _computed(config: Any) -> Time:
 
 def _whole(overrides: Sequence[str]) -> float:
     with tempfile.TemporaryDirectory() as results:
-        config = compose([*overrides, f"results={results}"])
+        config = compose([*STUDY, *overrides, f"results={results}"])
         return timed(lambda: sweep(get_study(config.study), config))[1].wall
 
 

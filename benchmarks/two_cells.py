@@ -11,6 +11,7 @@ import json
 import sys
 import tempfile
 
+from benchmarks import STUDY
 from benchmarks.timing import timed
 
 
@@ -27,6 +28,7 @@ def two_cells(*, again: bool) -> dict[str, float]:
 
             owtsweep.run(
                 [
+                    *STUDY,
                     f"results={results}",
                     f"name={name}",
                     "grid.natural_period=[4.0]",

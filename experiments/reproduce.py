@@ -27,9 +27,9 @@ from owtsweep.studies.hub.figures import two_maps
 REFERENCE = Path("results/reference")
 #: Run -> its overrides. `matched_on_paper` has the truth of `paper`: only the tuning differs.
 RUNS = {
-    "default": ["grid.replicates=20"],
+    "default": ["experiment=study", "tuning=paper", "grid.replicates=20"],
     "paper": ["experiment=paper", "tuning=paper"],
-    "matched": ["tuning=matched"],
+    "matched": ["experiment=study", "tuning=matched"],
     "matched_on_paper": ["experiment=paper", "tuning=matched"],
 }
 #: The paper's reading with one thing changed, for HME1 and HME2: shows what shapes the map.
@@ -40,7 +40,7 @@ ABLATIONS = {
 TABLES = ("config.yaml", "manifest.json", "best_scheme.csv", "fidelity/fidelity.csv")
 ALL = (
     *TABLES, "summary.csv", "figures/figure_*.png", "figures/error_spectra.png", "figures/*.csv",
-    "figures/*.md", "fidelity/*.csv", "fidelity/*.md",
+    "figures/*.md", "fidelity/*.csv", "fidelity/*.md", "fidelity/figures/*.png",
 )  # fmt: skip
 KEPT = {
     "readings": ("config.yaml", "manifest.json", "*.csv", "figures/*.png"),
@@ -120,7 +120,7 @@ class Reproduction:
             self.report(name)
             self.keep(name)
         for name, overrides in ABLATIONS.items():
-            words = ["experiment=paper", "schemes=[HME1,HME2]"]
+            words = ["experiment=paper", "tuning=paper", "schemes=[HME1,HME2]"]
             self.sweep(name, *words, f"grid.replicates={self.replicates}", *overrides)
             self.keep(name)
         paper, matched = (owtsweep.load(self.results / n) for n in ("paper", "matched_on_paper"))
@@ -139,7 +139,14 @@ def run_command(*words: str) -> None:
 
 
 def copy_small(source: Path, target: Path) -> None:
-    """Copy a file; a PNG is reduced to 192 colours, a third of the size and alike to the eye."""
+    """Copy a file into the one folder of a run in results/reference.
+
+    A PNG is reduced to 192 colours, a third of the size and alike to the eye. Links of a report to
+    its pictures lead to the pictures beside it.
+    """
+    if source.suffix == ".md":
+        target.write_text(source.read_text("utf-8").replace("](figures/", "]("), "utf-8")
+        return
     if source.suffix != ".png":
         shutil.copy(source, target)
         return

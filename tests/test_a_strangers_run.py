@@ -17,8 +17,9 @@ from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 
 TINY = (
+    "experiment=study", "tuning=paper",
     "grid.natural_period=[4.0]", "grid.amplitude=[0.2,1.0]", "grid.replicates=2",
-    "record.duration=30", "measures.settling_time=5", "compute.backend=threading",
+    "record.duration=30", "measures.settling_time=5", "compute.backend=threading", "baselines=[]",
 )  # fmt: skip
 USERS = "schemes=[MKF,{_target_:user_schemes.HoldLastFix}]"
 HARMFUL = ("os.system", "subprocess.Popen", "subprocess.call", "user_schemes.Touching")
@@ -124,7 +125,7 @@ def test_a_run_of_before_plans_shows_its_tables_only(stranger, capsys):
         (lambda plan: {**plan, "blocks": [["../../secret", "a", 1, 1]]}, "no plan"),
         (lambda plan: {**plan, "blocks": [[plan["blocks"][0][0], "a", -1, 1]]}, "no plan"),
         (lambda plan: {**plan, "code": []}, "other schemes"),
-        (lambda plan: {**plan, "code": [{"name": 3, "linear": True}] * 2}, "without a name"),
+        (lambda plan: {**plan, "code": [{"name": 3, "linear": True}] * 2}, "lacks the name"),
     ],
 )
 def test_a_plan_is_checked_as_what_it_is(stranger, change, says):

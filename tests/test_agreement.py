@@ -61,3 +61,15 @@ def test_a_shorter_table_differs(compare, made):
     table = made / "best_scheme.csv"
     table.write_text("\n".join(table.read_text().splitlines()[:-1]) + "\n")
     assert "best_scheme.csv" in compare(made, KEPT)
+
+
+def test_the_pictures_of_a_kept_report_stand_beside_it(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
+    from reproduce import copy_small
+
+    report = tmp_path / "report.md"
+    square = "0.3 m\N{SUPERSCRIPT TWO}"
+    report.write_text(f"![one](figures/one.png) [two](other/two.csv) {square}", "utf-8")
+    copy_small(report, tmp_path / "kept.md")
+    kept = (tmp_path / "kept.md").read_text("utf-8")
+    assert kept == f"![one](one.png) [two](other/two.csv) {square}"

@@ -18,6 +18,9 @@ SMALL = [
     "grid.amplitude=[0.2,1.0]",
     "grid.replicates=2",
     "record.duration=40",
+    "experiment=study",
+    "tuning=paper",
+    "baselines=[]",
 ]
 
 
@@ -38,7 +41,7 @@ def test_sweep_writes_what_the_readme_says(capsys):
     run = only_run()
     assert {path.name for path in run.iterdir()} == {
         "config.yaml", "plan.json", "manifest.json", "cases", "summary.csv", "best_scheme.csv",
-        "figures", "run.log",
+        "figures", "run.log", "asked",
     }  # fmt: skip
     assert {path.name for path in (run / "figures").iterdir()} == {
         "figure_18_best_scheme.png",
@@ -107,8 +110,9 @@ def test_list_names_everything_there_is(capsys):
 @pytest.mark.parametrize("place", [0, 2, 5])
 def test_multirun_works_anywhere_in_the_line(place, capsys):
     words = ["schemes=[MKF]", "sensors.gnss.delay=0.1,0.2,0.4", *SMALL[:2], "record.duration=30"]
+    words.append("tuning=paper")
     words.insert(place, "--multirun" if place else "-m")
-    assert main(["sweep", *words, "grid.replicates=1"]) == 0
+    assert main(["sweep", *words, "grid.replicates=1", "baselines=[]"]) == 0
     configs = [yaml.safe_load(p.read_text()) for p in Path("results").glob("*/*/config.yaml")]
     assert sorted(c["sensors"]["gnss"]["delay"] for c in configs) == [0.1, 0.2, 0.4]
     for log in Path("results").glob("*/*/run.log"):

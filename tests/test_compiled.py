@@ -52,3 +52,12 @@ def test_a_folder_that_cannot_be_written_stops_nobody(tmp_path, monkeypatch) -> 
     monkeypatch.setenv("TMPDIR", str(tmp_path))  # where kernels go then: there are none yet
     told = _errors(CALLED, occupied / "kernels", monkeypatch)
     assert "owtsweep-kernels-" in told
+
+
+def test_kernels_go_with_the_virtual_environment(tmp_path, monkeypatch) -> None:
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "user"))
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    assert compiled.cache_directory().parent == tmp_path / "numba-cache"
+    monkeypatch.setattr(sys, "prefix", sys.base_prefix)
+    assert compiled.cache_directory().parent == tmp_path / "user" / "owtsweep"

@@ -14,8 +14,9 @@ from owtsweep.cli import main
 
 ROOT = Path(__file__).parents[1]
 SMALL = [
+    "experiment=study", "tuning=paper",
     "grid.natural_period=[4.0]", "grid.amplitude=[1.0]", "grid.replicates=1",
-    "record.duration=25", "schemes=[MKF]",
+    "record.duration=25", "schemes=[MKF]", "baselines=[]",
 ]  # fmt: skip
 DELAYS = "sensors.gnss.delay=0.2,0.4"
 
@@ -24,6 +25,28 @@ DELAYS = "sensors.gnss.delay=0.2,0.4"
 def _elsewhere(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(ROOT / "tests"))
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["seed=range(1,1000000)"], "ask for 999999 runs, and a multirun has at most 10000; give "),
+        (["seed=range(999999)", "record.duration=range(25,30,0.001)"], "ask for 5e+09 runs"),
+        (["seed=range(1,inf)"], "ask for inf runs"),
+        (["seed=range(1,5,0)"], "ask for inf runs"),
+        (["seed=" + "1," * 100 + "1", "tuning=" + "paper," * 100 + "paper"],
+         "ask for 10201 runs"),
+        (["seed=" + "9" * 100_000], "9999: a number has at most 4000 digits"),
+        ([""], "'': this is no override; use key=value"),
+        (["="], "'=': this is no override; use key=value"),
+    ],
+)  # fmt: skip
+def test_what_is_no_multirun_is_one_line(words, says, capsys, tmp_path):
+    assert main(["sweep", "-m", *SMALL, *words]) == 2
+    err = capsys.readouterr().err
+    assert says in err
+    assert err.count("\n") == 1
+    assert not any(tmp_path.iterdir())
 
 
 def record():
@@ -62,7 +85,15 @@ def test_a_multirun_can_be_compared(capsys):
 
 def test_failed_runs_are_listed_with_the_command_that_retries_just_them(capsys):
     broken = "schemes=[MKF,{_target_:user_schemes.Broken,how:raising}]"
-    words = ["sweep", "-m", *SMALL[:-1], DELAYS, broken, "compute.backend=threading"]
+    words = [
+        "sweep",
+        "-m",
+        *SMALL[:-2],
+        DELAYS,
+        broken,
+        "baselines=[]",
+        "compute.backend=threading",
+    ]
     assert main(words) == 1
     err = capsys.readouterr().err
     listed = [line for line in err.splitlines() if line.startswith("failed: study-")]
@@ -70,7 +101,8 @@ def test_failed_runs_are_listed_with_the_command_that_retries_just_them(capsys):
     assert len(listed) == len(retries) == 2
     assert all("case failed" in line for line in listed)
     folder, written = record()
-    command = shlex.split(retries[1].removeprefix("  retry: python -m owtsweep "))
+    command = shlex.split(retries[1])
+    command = command[command.index("sweep") :]
     assert main(command) == 1
     assert "1 were there" in capsys.readouterr().out  # in the same run folder, not a new one
     assert len(list(folder.glob("*/config.yaml"))) == len(written["runs"]) == 2

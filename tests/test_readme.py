@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pandas as pd
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
@@ -24,8 +26,63 @@ def test_the_readings_name_every_key():
 
 
 def test_links_lead_somewhere():
-    documents = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    kept = (ROOT / "results" / "reference").rglob("*.md")
+    documents = [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *kept]
     for document in documents:
         links = re.findall(r"\]\((?!https?:)([^)#]+)\)", document.read_text(encoding="utf-8"))
         for link in links:
-            assert (document.parent / link).exists(), f"{document.name}: {link}"
+            assert (document.parent / link).exists(), f"{document.relative_to(ROOT)}: {link}"
+
+
+def read_map(run):
+    best = pd.read_csv(ROOT / f"results/reference/{run}/best_scheme.csv")
+    return best[best["criterion"] == "position"]
+
+
+def test_what_the_readme_says_of_the_matched_map():
+    assert "run HME1 where the motion\nis larger than .2 m, and MKF at .2 m; " in README
+    assert "at .1 m and below no estimator is needed" in README
+    best = read_map("matched_on_paper")
+    assert set(best.loc[best["amplitude"] > 0.2, "best"]) == {"HME1"}
+    assert set(best.loc[best["amplitude"] == 0.2, "best"]) == {"MKF"}
+    small = best["amplitude"] <= 0.1
+    assert (best["baseline_wins"] == small).all()
+    assert set(best.loc[small, "baseline"]) == {"NONE"}
+
+
+def test_what_the_readme_says_of_the_papers_map():
+    best = read_map("paper")
+    (percent,) = re.findall(r"MKF comes within (\d+) % of HME2 at \.1 m and below", README)
+    near = best[best["amplitude"] <= 0.1]
+    assert set(near["best"]) == {"HME2"}
+    assert set(near["runner_up"]) == {"MKF"}
+    assert (near["mse_runner_up"] / near["mse_best"]).max() < 1.0 + int(percent) / 100
+    assert set(best["best"]) == {"HME1", "HME2"}
+    largest = best[best["best"] == "HME2"].groupby("natural_period")["amplitude"].max()
+    assert largest.is_monotonic_increasing  # small and slow
+
+    numbers = pd.read_csv(ROOT / "results/reference/paper/fidelity_numbers.csv")
+    told = r"The (\d+) numbers are met to a median factor of ([\d.]+)\."
+    ((count, factor),) = re.findall(told, README)
+    assert len(numbers) == int(count)
+    assert f"{2 ** numbers['log2'].abs().median():.2f}" == factor
+
+    claims = pd.read_csv(ROOT / "results/reference/paper/fidelity.csv")
+    verdicts = claims.loc[claims["kind"] == "statement", "agrees"]
+    told = r"(\d+) of the paper's\n(\d+) statements are reproduced, (\d+) are not"
+    ((yes, total, no),) = re.findall(told, README)
+    assert len(verdicts) == int(total)
+    counts = {"reproduced": int(yes), "not reproduced": int(no)}
+    assert verdicts.value_counts().to_dict() == counts
+
+
+def test_the_readme_names_the_truth_of_its_maps():
+    from owtsweep.config.stored import read_stored
+
+    for run in ("paper", "matched_on_paper"):
+        config, _ = read_stored(ROOT / f"results/reference/{run}/config.yaml")
+        imu, records = config["sensors"]["imu"], config["grid"]["replicates"]
+        told = (config["record"]["duration"], imu["bias_initial"], imu["bias_walk"], records)
+        assert told == (1000.0, 0.02, 1e-4, 100)
+        assert config["seed"] == 2019
+    assert "records of 1000 s, IMU bias .02 m/s² with a walk of 1e-4 m/s²/√s, 100 records" in README

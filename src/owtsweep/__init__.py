@@ -1,7 +1,7 @@
 """owtsweep: run estimation schemes under many conditions, and map which scheme is best where.
 
-The names in `__all__` are the public interface; everything else is private. A name is imported on
-first use, so importing the package is fast.
+The names in `__all__` are the public interface; everything else is private. Each of these names is
+imported on its first use, so importing the package is fast.
 """
 
 from __future__ import annotations

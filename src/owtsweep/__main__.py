@@ -1,4 +1,4 @@
-"""`python -m owtsweep`: run one command in this process, obey signals, and end the process."""
+"""`owtsweep`, `python -m owtsweep`: run one command, obey signals, and end the process."""
 
 import os
 import signal
@@ -11,6 +11,8 @@ from typing import NoReturn
 
 #: The signals that stop a command: Ctrl-C, `kill`, and the end of the terminal (not on Windows).
 STOPS = ("SIGINT", "SIGTERM", "SIGHUP")
+#: The variables by which the libraries of linear algebra learn how many threads they may start.
+BLAS_THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 #: A stopped command may take this many seconds to end. Threads and processes that schemes have
 #: started may outlive the command by as many seconds.
 GRACE = 5
@@ -23,6 +25,7 @@ def run() -> NoReturn:
 
     The exit code is that of the command, or 128 plus the number of the signal that stopped it.
     """
+    _use_one_blas_thread()
     present = [getattr(signal, name) for name in STOPS if hasattr(signal, name)]
     # A signal that is ignored stays ignored (`nohup`, or a background job of a script).
     numbers = [number for number in present if signal.getsignal(number) is not signal.SIG_IGN]
@@ -50,11 +53,21 @@ def run() -> NoReturn:
     sys.exit(code)
 
 
-def _open_missing_streams() -> None:
-    """Open the null device for each standard stream that is closed, e.g. by `>&-`.
+def _use_one_blas_thread() -> None:
+    """Let linear algebra run on one thread, unless the user has set the number of threads.
 
-    Otherwise the next opened file would get the stream's number, and thus all that libraries and
-    other processes print.
+    The matrices are small: threads that wait for each other take up to a hundred times longer. The
+    libraries read the variables when they are loaded, so this must happen before NumPy is imported.
+    """
+    for name in BLAS_THREADS:
+        os.environ.setdefault(name, "1")
+
+
+def _open_missing_streams() -> None:
+    """Open the null device for each standard stream that is closed, e.g. by `>&-` in a shell.
+
+    Otherwise the next file that is opened would get the number of the closed stream. Everything
+    that libraries and child processes print would then go into this file.
     """
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
@@ -73,9 +86,10 @@ def _flush() -> None:
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
-    """Handle a signal: stop the command by `KeyboardInterrupt`, so that it says what is stored.
+    """Handle a signal: raise `KeyboardInterrupt`, so that the command says what is stored and ends.
 
-    At the second call, end the process at once.
+    At a second signal, or if the command has not ended after `GRACE` seconds, end the process at
+    once. `number` is the signal's number; `frame` is not used.
     """
     global _stopped_by
     if _stopped_by:
@@ -89,7 +103,10 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 
 def _end_late(code: int) -> None:
-    """End the process after `GRACE` seconds; the interpreter might wait for a thread for ever."""
+    """End the process with the exit code `code`, after `GRACE` seconds.
+
+    Python's interpreter alone might wait for ever for a thread that does not end.
+    """
     time.sleep(GRACE)
     _say("a thread or process that was started here does not end, and is ended")
     _end(code)
@@ -101,7 +118,11 @@ def _say(text: str) -> None:
 
 
 def _end(code: int) -> NoReturn:
-    """End this process at once, and also the processes of a pool with their children."""
+    """End this process at once with the exit code `code`.
+
+    Before that, end the worker processes of joblib, and all processes that the workers have
+    started.
+    """
     _flush()
     if "joblib" in sys.modules:
         from multiprocessing import active_children

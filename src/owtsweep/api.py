@@ -1,4 +1,4 @@
-"""The Python interface: what the command line does, without the terminal."""
+"""The Python interface: functions that do what the command line does, without a terminal."""
 
 from __future__ import annotations
 
@@ -18,24 +18,27 @@ __all__ = ["load", "replay", "run"]
 
 
 def run(overrides: Sequence[str] = ()) -> Run:
-    """Run a study and return the run; if a run was interrupted, compute what is missing.
+    """Run a study and return the run.
+
+    If a run of the same configuration was interrupted, only what is missing is computed.
 
     Parameters
     ----------
     overrides
         Hydra overrides as on the command line, e.g. `["grid.replicates=2", "tuning=matched"]`.
+        Without overrides, the default configuration is run.
 
     Returns
     -------
     Run
-        The run, with `config`, `cases()`, `summary()` and `best_scheme()`. The cases include those
-        that failed, with the status "failed" and a reason, and those that a scheme cannot compute,
-        with the status "unable".
+        The run. Its methods `cases()`, `summary()` and `best_scheme()` return tables; `config` is
+        its configuration. In the table of `cases()`, the status is "failed" where a scheme failed,
+        and "unable" where a scheme cannot work under the conditions; the column `reason` says why.
 
     Raises
     ------
     InputError
-        If the overrides are wrong; nothing has been written then.
+        If an override is wrong. Nothing has been written in this case.
     """
     from owtsweep.sweep.run import sweep
 
@@ -44,12 +47,14 @@ def run(overrides: Sequence[str] = ()) -> Run:
 
 
 def load(path: str | PathLike[str]) -> Run:
-    """Open the run in a folder; nothing that the folder names is imported or executed.
+    """Open the run in a folder, without importing or executing any code that the folder names.
+
+    `path` is the path of the folder.
 
     Raises
     ------
     InputError
-        If the folder holds no run, or one that this version cannot read.
+        If the folder holds no run, or a run that this version of owtsweep cannot read.
     """
     from owtsweep.studies.opening import open_run
 
@@ -62,8 +67,9 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     Parameters
     ----------
     files
-        A path or pattern, or a list of them. An empty list stands for the files in the table that
-        the key `replay.table` names.
+        A path, a pattern such as "data/*.csv", or a list of paths and patterns. An empty list
+        stands for the files that a table lists; the override `replay.table=FILE.csv` names this
+        table.
     overrides
         Hydra overrides as on the command line, e.g. `["columns.position_x=TwHt1TPxi",
         "sensors.gnss.rate=5"]`.
@@ -71,13 +77,13 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     Returns
     -------
     Replay
-        The result, with `errors()`, `advice()`, `records()` and `estimates()` as DataFrames, and
-        the `run` itself.
+        The result. Its methods `errors()`, `advice()`, `records()` and `estimates()` return
+        DataFrames; its attribute `run` is the run.
 
     Raises
     ------
     InputError
-        If a file or an override is wrong; nothing has been written then.
+        If a file or an override is wrong. Nothing has been written in this case.
     """
     from owtsweep.studies.replay.running import Replay, configure, execute
 

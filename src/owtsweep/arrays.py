@@ -1,4 +1,4 @@
-"""Defines the array type of all signatures (real, double precision); makes aligned arrays."""
+"""Defines `Array`, the type of arrays in signatures, and makes arrays aligned in memory."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ LINE = 64
 
 
 def aligned(*shape: int) -> Array:
-    """Return zeros of the given shape that begin at a cache line, for use by compiled kernels.
+    """Return an array of zeros whose memory begins at a cache line, for use by compiled kernels.
 
-    A row of eight numbers is as long as a cache line. A row that began elsewhere would lie across
-    two cache lines, and every access would touch both.
+    `shape` gives the lengths of the axes. A row of eight numbers is as long as a cache line. A row
+    that began inside a cache line would lie across two cache lines, and each access to the row
+    would touch both.
     """
     size = 8 * math.prod(shape)
     raw = np.zeros(size + LINE, dtype=np.uint8)

@@ -1,8 +1,9 @@
-"""Compiles kernels with numba and caches them so that no stale code is used.
+"""Compiles kernels with numba, and caches them so that no outdated code is used.
 
-A kernel is a function compiled by numba; all kernels import `njit` from here. numba's own cache
-does not notice edits in helper functions of other files. The cache folder is therefore named by a
-hash of every source file that kernels are made of: after any edit, kernels use a new folder.
+A kernel is a function that numba compiles; all modules with kernels import `njit` from here.
+numba's own cache does not notice when a kernel calls a helper function of another file, and that
+file is edited. Therefore, the name of the cache folder holds a hash of every source file that
+kernels are made of. After any edit of these files, kernels are compiled into a new folder.
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ variant = ""
 def kernel_sources() -> tuple[Path, ...]:
     """Return the package's files that kernels are made of, sorted by path.
 
-    These are the files that import this module, and all files of the package that they import,
-    directly or through others.
+    A kernel is a function that numba compiles. The files are those that import this module,
+    `compiled`, and all files of the package that they import, directly or through other files.
     """
     texts = {path: path.read_text("utf-8") for path in _PACKAGE.rglob("*.py")}
     todo = [p for p, text in texts.items() if Path(__file__).resolve() in _imported(text)]
@@ -44,7 +45,7 @@ def kernel_sources() -> tuple[Path, ...]:
 
 
 def _imported(text: str) -> Iterator[Path]:
-    """Yield the files of this package that a source text imports from."""
+    """Yield the files of this package from which the Python source `text` imports."""
     for name in _IMPORT.findall(text):
         path = _PACKAGE.joinpath(*name.split("."))
         yield path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
@@ -52,7 +53,7 @@ def _imported(text: str) -> Iterator[Path]:
 
 @cache
 def source_hash() -> str:
-    """Return a hash of all kernel sources and of numba's version, in hexadecimal digits."""
+    """Return a hash of the files in `kernel_sources()` and numba's version, as hexadecimal text."""
     import numba
 
     digest = hashlib.blake2b(numba.__version__.encode(), digest_size=8)
@@ -63,13 +64,17 @@ def source_hash() -> str:
 
 
 def cache_directory() -> Path:
-    """Return the folder of compiled kernels, whose name contains `source_hash`.
+    """Return the folder for compiled kernels, whose name contains `source_hash()`.
 
-    The folder lies in NUMBA_CACHE_DIR if that variable is set, else in the user's cache folder.
+    The folder lies in the folder that NUMBA_CACHE_DIR names, if this environment variable is set.
+    Otherwise it lies in the virtual environment that runs this process, if there is one and it can
+    be written, or else in the user's cache folder.
     """
     home = os.environ.get("NUMBA_CACHE_DIR")
     if home:
         base = Path(home)
+    elif sys.prefix != sys.base_prefix and os.access(sys.prefix, os.W_OK):
+        base = Path(sys.prefix) / "numba-cache"  # as in the Makefile
     else:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "owtsweep"
     return base / f"kernels-{source_hash()}{variant}"
@@ -87,14 +92,14 @@ def announce(directory: Path) -> None:
 def _announce_when_compiling() -> None:
     """Make numba call `announce` whenever it compiles a kernel of this package.
 
-    Reading a kernel from the cache does not count.
+    When numba reads a compiled kernel from the cache, `announce` is not called.
     """
     from numba.core import event
 
     class Listener(event.Listener):  # type: ignore[misc]
         def on_start(self, started: Any) -> None:
             if str(started.data["dispatcher"].py_func.__module__).startswith("owtsweep."):
-                announce(_usable_directory())
+                announce(usable_directory())
 
         def on_end(self, ended: Any) -> None:
             pass
@@ -102,8 +107,11 @@ def _announce_when_compiling() -> None:
     event.register("numba:compile", Listener())
 
 
-def _usable_directory() -> Path:
-    """Make the cache folder and return it; if that fails, return a folder for temporary files."""
+def usable_directory() -> Path:
+    """Make the folder for compiled kernels and return its path.
+
+    If the folder cannot be made, return a path in the system's folder for temporary files.
+    """
     directory = cache_directory()
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -113,12 +121,16 @@ def _usable_directory() -> Path:
 
 
 def njit(function: Callable[..., Any]) -> Any:
-    """Compile a function by `numba.njit`: cached, without the GIL, exact (no fastmath)."""
+    """Return a function compiled by `numba.njit`; numba compiles it when it is first called.
+
+    The compiled function is cached on disk, runs without Python's global lock (GIL), and computes
+    in the order that the source says (no fastmath).
+    """
     import numba
 
     _announce_when_compiling()
     previous = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_usable_directory())
+    numba.config.CACHE_DIR = str(usable_directory())
     try:
         return numba.njit(cache=True, nogil=True, fastmath=False, error_model="numpy")(function)
     finally:

@@ -8,8 +8,8 @@ class InputError(ValueError):
     """The error for bad input; its message names the argument, what is wrong, and what would work.
 
     The command line prints the message without a traceback and exits with code 2. The message may
-    quote a file of another person. So it is made one printable line (`printable`), and the middle
-    of a long message is left out (`shorten`).
+    quote a file that another person made. Therefore, the message is made one printable line
+    (`printable`), and the middle of a long message is left out (`shorten`).
     """
 
     def __init__(self, message: str) -> None:
@@ -23,7 +23,11 @@ def require(condition: bool, message: str) -> None:
 
 
 def as_text(error: BaseException) -> str:
-    """Return the type and the message of an exception in one printable line."""
+    """Return the type and the message of an exception in one printable line.
+
+    If the exception cannot make its message, the line says so. The middle of a long line is left
+    out.
+    """
     try:
         message = str(error)
     except Exception:  # an exception class of a user's may have a broken __str__

@@ -1,4 +1,7 @@
-"""Sets whether the process keeps memory that it has freed; has an effect with glibc only."""
+"""Sets whether the process keeps memory that it has freed.
+
+This works only with glibc, the C library of most Linux systems. Elsewhere nothing happens.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +18,15 @@ _LARGEST_KEPT = 2**30
 def keep_freed_memory() -> None:
     """Make glibc keep freed memory for later use instead of returning it to the system.
 
-    Every block of a sweep needs arrays of the same sizes as the block before it. By default glibc
-    returns large arrays at once, and the system clears each page again at its next use. Clearing
-    takes a tenth of the time of a sweep on one thread, and more on several. Peak memory stays that
-    of the largest block. All threads share one arena (glibc's pool of memory), which holds less
-    than one arena for each thread would. The setting holds for the whole process, so only
-    processes that belong to a sweep should call this.
+    A sweep computes its cases in blocks. Each block needs arrays of the same sizes as the block
+    before. By default, glibc (the C library of most Linux systems) returns large arrays to the
+    system at once, and the system clears each page of memory at its next use. Clearing takes a
+    tenth of the time of a sweep on one thread, and more on several threads. The peak of memory use
+    remains that of the largest block. All threads are made to share one arena (a pool of memory in
+    glibc), because one arena for each thread would keep more memory.
+
+    The setting holds for the whole process, so only processes that belong to a sweep should call
+    this function. Without glibc, nothing happens.
     """
     mallopt = _glibc("mallopt")
     if mallopt is None:
@@ -31,14 +37,17 @@ def keep_freed_memory() -> None:
 
 
 def give_back_freed_memory() -> None:
-    """Make glibc release its kept memory to the operating system: some hundred MB per thread."""
+    """Make glibc return the memory that it has kept to the system: some hundred MB per thread.
+
+    glibc is the C library of most Linux systems. Without it, nothing happens.
+    """
     trim = _glibc("malloc_trim")
     if trim is not None:
         trim(0)
 
 
 def _glibc(name: str) -> Any:
-    """Return a function of glibc by name; return None on other systems and C libraries."""
+    """Return the function `name` of the C library; None if it has none, or not on Linux."""
     if sys.platform != "linux":
         return None
     return getattr(ctypes.CDLL(None), name, None)

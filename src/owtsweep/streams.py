@@ -14,8 +14,8 @@ def stream(
     """Return the random generator of one named quantity of one record.
 
     Every stream has its own spawn key. Therefore, drawing more numbers from one stream (for a
-    longer record or a faster GNSS) changes no other stream. Changing a sigma, a delay or a tuning
-    changes no stream at all.
+    longer record or a faster GNSS) changes no other stream. Changing a standard deviation, a delay
+    or a setting of a scheme changes no stream at all.
 
     Parameters
     ----------
@@ -24,10 +24,11 @@ def stream(
     study
         The study's name.
     conditions
-        The values of those conditions of the record that must change the draws. All calls of a
-        study give the same conditions in the same order. Numbers are rounded to a millionth.
+        Values of the record's conditions, but only of those conditions that must change the random
+        numbers. All calls for a study give the same conditions in the same order. Numbers are
+        rounded to a millionth.
     replicate
-        Number of the record.
+        Number of the record among the records with equal conditions.
     name
         What is drawn, e.g. "phase" or "imu_x".
     """
@@ -36,5 +37,8 @@ def stream(
 
 
 def encode_value(value: float | str) -> int:
-    """Return a condition's value as a part of a spawn key: an integer that is not negative."""
+    """Return a condition's value as a part of a spawn key: an integer that is not negative.
+
+    A number becomes its millionths, modulo 2^64; a text becomes its CRC-32 checksum.
+    """
     return crc32(value.encode()) if isinstance(value, str) else round(value * 1e6) % 2**64

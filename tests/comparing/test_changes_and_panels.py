@@ -43,3 +43,15 @@ def test_panels_put_the_first_key_across_and_leave_holes():
     assert one == [[0, 1, 2, 3], [4, 5, None, None]]
     assert arrange(comparison([{"a": 1, "b": 2, "c": i} for i in range(2)])) is None
     assert arrange(comparison([{"a": float(i)} for i in range(31)])) is None
+
+
+def test_tables_hold_the_swept_values_whole():
+    values = {"walk": 1.2345678901234e-05, "rate": 5, "grid": list(range(40)), "flag": True}
+    values |= {"name": "x" * 50, "none": None}
+    (run,) = comparison([values]).runs
+    assert run.written == {
+        "walk": 1.2345678901234e-05, "rate": 5, "grid": str(list(range(40))).replace(" ", ""),
+        "flag": "true", "name": "x" * 50, "none": "null",
+    }  # fmt: skip
+    assert run.shown["walk"] == "1.23456789e-05"
+    assert run.shown["name"].endswith("...")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from owtsweep.config.composition import compose_plain
-from owtsweep.config.given_files import check_chosen_files
 from owtsweep.errors import LONGEST, InputError, as_text
 from owtsweep.studies.registry import find_tree
 
@@ -20,6 +20,7 @@ OVERRIDES = [
     (f"schemes={DEEP}", "more than 20 deep"),
     ("schemes=" + "[" * 200 + "]" * 200, "too deep"), ("seed=${nowhere}", "not found"),
     ("hydra.run.dir=x", "with --multirun only"),
+    ("seed=" + "9" * 5000, "at most 4000 digits"), ("=", "no override"),
 ]  # fmt: skip
 
 
@@ -41,21 +42,34 @@ FILES = [
 ]  # fmt: skip
 
 
+def write_group(folder: Path, **files: str | bytes) -> None:
+    """Write files of the group `tuning`: name -> content."""
+    (folder / "tuning").mkdir()
+    for name, content in files.items():
+        data = content if isinstance(content, bytes) else content.encode()
+        (folder / "tuning" / f"{name}.yaml").write_bytes(data)
+
+
+def compose_from(folder: Path, *overrides: str) -> dict[str, Any]:
+    return compose_plain(find_tree("hub"), overrides, str(folder))
+
+
+@pytest.mark.parametrize("first", ["mine", "/tuning/mine", "mine@_global_.extra"])
 @pytest.mark.parametrize(("content", "message"), FILES)
-def test_a_group_file_is_looked_at_before_hydra_reads_it(tmp_path, content, message) -> None:
-    (tmp_path / "tuning").mkdir()
-    path = tmp_path / "tuning" / "mine.yaml"
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    with pytest.raises(InputError, match=message) as caught:
-        check_chosen_files(tmp_path, ["seed=1", "+tuning@x=[paper, mine]"])
-    assert str(caught.value).startswith(f"{path}: ")
+def test_a_group_file_is_looked_at_before_hydra_reads_it(tmp_path, content, message, first) -> None:
+    write_group(tmp_path, mine=content, first=f"defaults: [{first}]\n")
+    for chosen in ("mine", "first"):
+        with pytest.raises(InputError, match=message) as caught:
+            compose_from(tmp_path, "seed=1", f"tuning={chosen}")
+        assert str(caught.value).startswith(f"{tmp_path / 'tuning' / 'mine.yaml'}: ")
 
 
 def test_other_files_and_few_aliases_are_left_alone(tmp_path: Path) -> None:
-    (tmp_path / "tuning").mkdir()
-    (tmp_path / "tuning" / "mine.yaml").write_text("a: &a [1, 2]\nb: [*a, *a]\n")
-    (tmp_path / "tuning" / "other.yaml").write_text("{bad")
-    check_chosen_files(tmp_path, ["tuning=mine", "tuning=nowhere"])
+    few = "# @package _global_\ntuning: mine\nband: &a [0.1, 0.3]\nfit_band: *a\n"
+    write_group(tmp_path, mine=few, other="{bad")
+    assert compose_from(tmp_path, "tuning=mine")["fit_band"] == [0.1, 0.3]
+    with pytest.raises(InputError, match=r"^tuning: there is no 'nowhere'"):
+        compose_from(tmp_path, "tuning=nowhere")
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ from owtsweep.config import (
     typed,
     with_values,
 )  # fmt: skip
+from owtsweep.config.section import unit_of
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 
@@ -165,3 +166,16 @@ def test_config_yaml_is_read_back(tmp_path) -> None:
 def test_what_spans_keys_is_checked_after_typing() -> None:
     with pytest.raises(InputError, match=r"^config_version: 9 is not known"):
         checked(Model, {"study": "x", "config_version": 9})
+
+
+def test_the_unit_of_a_key_is_found_by_its_dotted_name() -> None:
+    class Sensor(Section):
+        rate: float = key("samples", unit="Hz")
+        name: str = key("a name")
+
+    class Model(Config):
+        sensor: Sensor = key("one sensor")
+
+    assert unit_of(Model, "sensor.rate") == "Hz"
+    for without in ("sensor.name", "sensor", "sensor.rate.more"):
+        assert unit_of(Model, without) == ""

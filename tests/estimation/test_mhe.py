@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from dense import Array, whitener
-from owtsweep.estimation.mhe import CasadiWindow, WindowWeights, square_root_information, window_map
+from owtsweep.estimation.casadi_window import CasadiWindow
+from owtsweep.estimation.mhe import (
+    WindowWeights,
+    square_root_information,
+    window_map,
+    window_maps,
+)
 
 T = 1.0
 Q_F, Q_B = 2.25e-4, 1e-6
@@ -110,6 +116,17 @@ def test_an_undetermined_window_is_refused(arrival: bool) -> None:
             arrival_covariance=None,
             use_first_fix=not arrival,
         )
+
+
+@pytest.mark.parametrize("fixed", [False, True])
+@pytest.mark.parametrize("intervals", [1, 7])
+def test_windows_made_together_are_those_made_alone(intervals: int, fixed: bool) -> None:
+    arrivals = [None] * 3 if fixed else [ARRIVAL, 2.0 * np.eye(3), ARRIVAL]
+    kind = {"fixed_arrival": fixed, "use_first_fix": False}
+    together = list(window_maps(WEIGHTS, intervals, arrivals, **kind))
+    alone = [window_map(WEIGHTS, intervals, arrival_covariance=P, **kind) for P in arrivals]
+    np.testing.assert_array_equal(together, alone)
+    assert fixed or not np.array_equal(together[0], together[1])
 
 
 @pytest.mark.parametrize("intervals", [0, 1, 6])

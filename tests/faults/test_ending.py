@@ -17,6 +17,7 @@ from owtsweep.errors import InputError
 from owtsweep.sweep.run import sweep
 
 TINY = (
+    "experiment=study", "tuning=paper",
     "grid.natural_period=[4.0]", "grid.amplitude=[0.2,1.0]", "grid.replicates=2",
     "record.duration=30", "measures.settling_time=5", "schemes=[MKF]",
 )  # fmt: skip
@@ -74,7 +75,7 @@ def test_every_way_to_stop_is_told_and_leaves_no_process(tmp_path, number, group
     assert process.returncode == 128 + number
     first, second = err.splitlines()
     assert " of 80 cases are stored in " in first
-    assert second.startswith("  python -m owtsweep sweep")
+    assert "owtsweep sweep" in second
     wait_until_all_are_gone(process.pid)
 
 

@@ -41,6 +41,18 @@ def test_saved_files_are_small_reproducible_and_know_their_run(tmp_path, monkeyp
     assert svg.stat().st_size < 500 * 1024
 
 
+def test_the_files_are_what_savefig_writes(tmp_path):
+    saved = style.save(plain_figure(), tmp_path, "drawn")
+    described = {"Date": None, "Description": "{}"}
+    for file, options in zip(
+        saved, ({"dpi": style.RESOLUTION}, {"metadata": described}), strict=True
+    ):
+        slow = tmp_path / f"slow{file.suffix}"
+        with style.context():
+            plain_figure().savefig(slow, **options)
+        assert file.read_bytes() == slow.read_bytes()
+
+
 def test_a_large_svg_is_written_again_with_letters_as_text(tmp_path, monkeypatch):
     figure = plain_figure()
     _, outlined = style.save(figure, tmp_path, "outlined")

@@ -71,7 +71,7 @@ def test_accumulated_errors_are_the_sum_over_time_and_axes():
     panel = show_accumulated({"one": (TIME, error)}, NAMES, "velocity", 12.0)
     total = 0.1 * np.abs(error).sum()
     assert panel.marks[0].line[0][1][-1] == pytest.approx(total)
-    assert panel.note == f"over the whole record; at its end: one {total:.3g}"
+    assert panel.note == f"over the whole record; at its end: one {total:.3g} m"
     assert panel.view == (0.0, 12.0)
     assert panel.label.endswith("x + y (m)")
 

@@ -22,7 +22,9 @@ from owtsweep.cli.program import main
 Copy = Callable[[str], Path]
 
 #: The files of a run that a reader of the run opens; cases/* stands for the first shard.
-RUN_FILES = ("config.yaml", "plan.json", "manifest.json", "cases/*", "summary.csv")
+RUN_FILES = (
+    "config.yaml", "plan.json", "manifest.json", "cases/*", "summary.csv", "asked/*/config.yaml",
+)  # fmt: skip
 #: Name -> value to store at each of the `KEYS`, most of which expect another kind of value.
 VALUES = {
     "null": None, "text": "much", "empty": "", "list": [], "mapping": {"a": 1}, "true": True,
@@ -167,6 +169,8 @@ WORDS = {
     "seed": ["seed=-1"], "huge_seed": ["seed=" + "9" * 40], "nan": ["sensors.gnss.sigma=nan"],
     "band": ["band=[0.3,0.3000001]"], "horizon": ["hme.mhe.horizon=1000000000"],
     "bomb": ["+x=" + BOMB.replace("\n", " ")], "many": [f"+k{n}=1" for n in range(300)],
+    "digits": ["seed=" + "9" * 100_000], "range": ["record.duration=range(1,1000000)"],
+    "endless_range": ["record.duration=range(1,2,0)"],
 }  # fmt: skip
 
 

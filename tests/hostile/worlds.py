@@ -12,6 +12,7 @@ import writers
 from owtsweep.cli.program import main
 
 TINY = (
+    "experiment=study", "tuning=paper",
     "grid.natural_period=[4.0]", "grid.amplitude=[0.2,1.0]", "grid.replicates=2",
     "record.duration=30", "measures.settling_time=5", "compute.backend=threading",
     "schemes=[MKF,HME1]",

@@ -19,7 +19,7 @@ from owtsweep.studies.hub.sensors import sensors
 
 @pytest.fixture(scope="module")
 def default() -> dict:
-    return as_mapping(compose([]))
+    return as_mapping(compose(["experiment=study", "tuning=paper"]))
 
 
 def message_of(error: InputError, key: str) -> str:
@@ -130,7 +130,7 @@ VALUES = [
     ("hme.mhe.q_a=0", "must be a finite number above zero"),
     ("hme.mhe.p0=[1,1]", "three finite variances above zero"),
     ("schemes=[MKF,MKF]", "stands there twice"),
-    ("schemes=[FOO]", "no scheme 'FOO'; use EKF, MKF, HME1, HME2 or"),
+    ("schemes=[FOO]", "no scheme 'FOO'; use EKF, MKF, HME1, HME2, NONE, HOLD, DELTA or"),
     ("schemes=[{_target_: hold_last_fix.Missing}]", "cannot be made .AttributeError"),
     ("schemes=[{_target_: hold_last_fix.HoldLastFix, gain: 2}]", "cannot be made .TypeError"),
     ("schemes=[{_target_: decimal.Decimal}]", "no class with a method start"),

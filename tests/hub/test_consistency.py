@@ -36,8 +36,8 @@ SPACING = 6007
 @cache
 def setting(delay: float) -> tuple[HubConfig, Records]:
     config = compose(
-        ["tuning=matched", "record.duration=1200", f"sensors.gnss.delay={delay}",
-         "sensors.yaw=37", "sensors.gravity=[0.05,-0.03]"]
+        ["experiment=study", "tuning=matched", "record.duration=1200",
+         f"sensors.gnss.delay={delay}", "sensors.yaw=37", "sensors.gravity=[0.05,-0.03]"]
     )  # fmt: skip
     assert isinstance(config, HubConfig)
     return config, make_records(config, PERIOD, REPLICATES)

@@ -164,7 +164,7 @@ def test_refusals() -> None:
     with pytest.raises(InputError, match=r"^frequencies: give a list of positive"):
         error_spectrum(chain, sensors, np.array([0.3, 0.2]))
     flat = ErrorSpectrum(np.array([0.1, 0.5]), np.ones(2), np.ones(2))
-    with pytest.raises(InputError, match=r"^band: \[0.05, 0.5\] Hz is wider than the error"):
+    with pytest.raises(InputError, match=r"^band: \[0.05, 0.5\] Hz reaches beyond the error"):
         expected_mse(flat, np.ones_like, (0.05, 0.5))
     assert expected_mse(flat, np.ones_like, (0.1, 0.5), rms=2.0) == pytest.approx((4.0, 4.0))
 

@@ -44,6 +44,7 @@ def test_the_command_writes_the_report(tmp_path, monkeypatch, capsys):
         "grid.natural_period=[4.0,8.0]", "grid.amplitude=[0.2,1.0]", "grid.replicates=3",
         "record.duration=40", "sensors.imu.rate=20", "measures.settling_time=5",
         "hme.smoother_window=5", "hme.mhe.horizon=4", "name=small",
+        "experiment=study", "tuning=paper",
     ]  # fmt: skip
     owtsweep.run(small)
     assert main(["fidelity", "results/small"]) == 0

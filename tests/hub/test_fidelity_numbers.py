@@ -17,11 +17,15 @@ from fidelity_worlds import (
 )
 from scipy import stats
 
-from owtsweep.studies.hub.fidelity.evidence import HubEvidence
+from owtsweep.figures import style
+from owtsweep.studies.hub.fidelity.contents import FREEDOM
+from owtsweep.studies.hub.fidelity.evidence import SCHEMES, HubEvidence
 from owtsweep.studies.hub.fidelity.numbers import compare_numbers
-from owtsweep.studies.hub.fidelity.report import judge_all
-from owtsweep.studies.hub.fidelity.statements import STATEMENTS
+from owtsweep.studies.hub.fidelity.report import MEASURES, PANELS, judge_all
+from owtsweep.studies.hub.fidelity.statements import STATEMENTS, TABLE_CELLS
 from owtsweep.studies.hub.fidelity.summaries import fidelity_table
+from owtsweep.verdicts import plots
+from owtsweep.verdicts.consistency import judge_consistency
 from owtsweep.verdicts.inference import REPRODUCED, all_of
 from owtsweep.verdicts.numbers import lies_within_records
 
@@ -127,3 +131,31 @@ def test_distances_are_quantiles_of_log_ratios(scattered):
         assert table[f"80th percentile |log2 ratio|, {name}"] == pytest.approx(
             np.percentile(own, 80)
         )
+
+
+@pytest.mark.parametrize(
+    ("schemes", "value"),
+    [
+        (SCHEMES, 0.0), (("EKF",), 1e-299),
+        *(
+            pytest.param(("EKF",), value, marks=pytest.mark.faults)
+            for value in (0.0, -1.0, 1e139)
+        ),
+    ],
+)  # fmt: skip
+def test_values_of_a_perfect_scheme_and_of_a_forged_run_are_told_without_a_warning(schemes, value):
+    """Warnings are errors in tests."""
+    evidence = world(
+        {**EQUAL, **dict.fromkeys(schemes, (value, value))}, measures=EVERYTHING, periods=(4.0, 8.0)
+    )
+    numbers, judged = compare_numbers(evidence), judge_all(evidence)
+    table = fidelity_table(evidence, numbers, judged).set_index("item")
+    judge_consistency(evidence, FREEDOM)
+    shown = table.loc["table 8 EKF x", "reproduced"]
+    assert shown == pytest.approx(2.0 * value)
+    with style.context():
+        for figure in (
+            plots.scatter(numbers, SCHEMES, PANELS),
+            plots.ratios(numbers, SCHEMES, MEASURES, TABLE_CELLS),
+        ):
+            figure.canvas.draw()

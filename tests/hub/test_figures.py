@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import itertools
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -17,11 +16,14 @@ from tools import configure
 
 from owtsweep.config import changed
 from owtsweep.errors import InputError
-from owtsweep.figures import best_scheme_map, style, terminal
+from owtsweep.figures import best_scheme_map, margin, style, terminal
+from owtsweep.figures.best_scheme_map import Crossing
 from owtsweep.figures.drawings import draw_each
+from owtsweep.figures.plane import Plane
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.cube import Cube
 from owtsweep.results.summary import summarise
+from owtsweep.studies import compose
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA
 from owtsweep.studies.hub.fidelity.history_errors import measure_history_errors
@@ -114,15 +116,42 @@ def test_map_colours_and_hatches_every_cell_as_the_table_says(periods, amplitude
     assert len(colours) == len(table)
     for row in table.to_dict("records"):
         place = periods.index(row["natural_period"]), amplitudes.index(row["amplitude"])
-        expected = LOOKS[row["best"]].color.lower()
-        assert to_hex(colours[place].get_facecolor()) == expected
+        expected = margin.fill_cell(LOOKS[row["best"]], 1.25)  # mse_runner_up / mse_best
+        assert to_hex(colours[place].get_facecolor()) == expected.lower()
         assert (place in hatches) == (not row["distinguishable"])
     shown = texts(figure)
     assert "+25 %" in shown
+    assert margin.EXPLANATION in shown
     for part in ("position MSE", "full record", "tuning: paper", "20 records per cell", "Hatched"):
         assert part in shown
     axes = figure.axes[0]
     assert [label.get_text() for label in axes.get_yticklabels()] == [f"{a:g}" for a in amplitudes]
+
+
+def test_labels_of_a_map_lie_beside_the_line_that_crosses_it():
+    """The line and its bars run through the middle of the columns; labels are at the left."""
+    table, schemes = best_table([3.0, 4.0, 5.0], [0.2, 1.0, 10.0]), ["HME1", "HME2"]
+    plane = Plane.of(table, CONDITIONS)
+    heights = np.array([0.1, 1.0, 0.9])
+    line = Crossing(np.arange(3.0), heights, heights - 0.1, np.array([0.2, 1.1, 1.8]))
+    with style.context():
+        figure = style.new_figure(6.0, 3.0)
+        axes = figure.add_subplot()
+        rows = table.to_dict("records")
+        best_scheme_map.draw_cells(axes, rows, schemes, plane, labels="best", crossing=line)
+    figure.draw_without_rendering()
+    moved = set()
+    for text in axes.texts:
+        box = text.get_window_extent().transformed(axes.transData.inverted())
+        column, row = round(text.get_position()[0] + 0.2), round(text.get_position()[1])
+        middle = np.linspace(box.x0, box.x1, 9)
+        inside = np.interp(middle, line.columns, line.heights)
+        assert not np.any((inside > box.y0) & (inside < box.y1)), (column, row)
+        if box.x0 < column < box.x1:
+            assert line.high[column] < box.y0 or line.low[column] > box.y1, (column, row)
+        else:
+            moved.add((column, row))
+    assert moved == {(0, 0), (1, 1), (2, 1), (2, 2)}
 
 
 def test_map_names_coinciding_schemes_together_and_explains_holes():
@@ -244,12 +273,9 @@ def run(monkeypatch):
     """Arguments of `drawings` for a small run."""
     periods, amplitudes = [4.0, 5.0], [0.2, 1.0]
     rows = run_rows(SCHEMES, periods)
-    config = SimpleNamespace(
-        measures=SimpleNamespace(window="full", criterion="position"),
-        grid=SimpleNamespace(natural_period=periods, amplitude=amplitudes, replicates=3),
-        tuning="paper",
-        schemes=SCHEMES,
-    )
+    words = [f"grid.natural_period={periods}", f"grid.amplitude={amplitudes}", "grid.replicates=3"]
+    words += [f"schemes=[{','.join(SCHEMES)}]", "baselines=[]", "tuning=paper"]
+    config = compose(words)
     # what is drawn from the configuration alone: tests/hub/test_more_figures.py
     monkeypatch.setattr("owtsweep.studies.hub.figures._illustrations", lambda *_: {})
     cube = Cube.of_rows(rows, SCHEMES, CONDITIONS, {"amplitude": amplitudes})

@@ -170,6 +170,14 @@ def test_time_histories(record: Histories, quantity: str, zoom: bool) -> None:
     shown = texts(figure)
     for part in ("natural period 3.8 s", "amplitude 0.5 m", "tuning: paper", "HME2", "is our"):
         assert part in shown
+    part = {"position": "0 to 120 s", "velocity": "105 to 120 s", "acceleration": "114 to 120 s"}
+    if quantity == "bias":
+        assert "Accelerometer bias estimate natural period" in shown  # the whole record
+        assert "before, lines may leave them" in shown
+    else:
+        assert f"estimate, {part[quantity]} of 150 s natural period" in shown
+    assert ("Not shown: IMU alone" in shown) == (quantity == "velocity")
+    assert "Not drawn, as in the paper: EKF." in shown
     last = figure.axes[2]
     lines = [line for line in last.get_lines() if len(line.get_xdata()) > 2]
     assert len(lines) == 3

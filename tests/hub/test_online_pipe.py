@@ -75,7 +75,7 @@ def test_each_estimate_comes_before_the_next_sample() -> None:
     ("0,0,0\n\n0.05,0,east\n", "line 3: 'east' is not a number"),
     ("0,nan,0\n", "line 1: 'nan' is not finite"),
     ("0,0,0\n0.2,0,0\n", "line 2: time: 0.2 s is not one IMU step of 0.05 s after 0 s"),
-    ("0,0,0,1,1\n0.05,0,0,1,1\n", "line 2: position: a fix came at step 1, and HME2 takes fixes "),
+    ("0,0,0,1,1\n0.05,0,0,1,1\n", "line 2: position: a fix came at step 1, but HME2 takes fixes "),
 ])  # fmt: skip
 def test_a_bad_line_is_named(
     text: str, message: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -23,6 +23,8 @@ Array = NDArray[np.float64]
 
 #: Low rates and short windows: everything that the default study has, in some hundred steps.
 SMALL = (
+    "experiment=study",
+    "tuning=paper",
     "sensors.imu.rate=20",
     "sensors.gnss.rate=2",
     "sensors.yaw=37",
@@ -35,6 +37,7 @@ SMALL = (
     "grid.natural_period=[4.0]",
     "grid.amplitude=[0.05,0.7,10.0]",
     "grid.replicates=1",
+    "baselines=[]",
 )
 
 

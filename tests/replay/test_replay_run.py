@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +13,10 @@ from replay_tools import motion_file, sensor_file
 
 import owtsweep
 from owtsweep.cli import main
+from owtsweep.studies.replay import facts
 from owtsweep.studies.replay.running import configure, execute, expand
+from owtsweep.sweep.keys import run_folder, run_hash
+from owtsweep.sweep.runs import Run
 
 QUICK = ["schemes=[MKF,HME1]", "replay.replicates=2", "measures.settling_time=5", "tuning=matched"]
 
@@ -95,6 +100,22 @@ def test_many_records_resume_and_equal_single_ones():
     motion_file(Path("r1.csv"), duration=25.0, rms=0.7, seed=9)  # another record, the same name
     changed = execute(configure(["r0.csv", "r1.csv", "r2.csv"], QUICK))
     assert (changed.computed, changed.reused) == (3, 6)
+
+
+def test_records_of_one_name_do_not_share_a_folder():
+    for number, folder in enumerate("ab"):
+        Path(folder).mkdir()
+        motion_file(Path(folder, "r.csv"), duration=20.0, seed=number)
+    a, b = (configure([f"{folder}/r.csv"], [*QUICK, "schemes=[MKF]"]) for folder in "ab")
+    assert run_folder(a) != run_folder(b)
+    assert run_hash(a) == run_hash(b)  # of the settings
+    old = execute(a).run.folder
+    before = Path("results", f"replay-r-{run_hash(a)}")  # a folder from before names had a digest
+    old.rename(before)
+    assert run_folder(a) == before
+    assert re.fullmatch(rf"replay-r-[0-9a-f]{{8}}-{run_hash(a)}", old.name)
+    assert run_folder(b).name not in (before.name, old.name)
+    assert execute(a).computed == 0
 
 
 def test_a_table_of_sea_states_becomes_a_map(capsys):
@@ -205,3 +226,50 @@ def test_files_and_patterns():
         Path(name).write_text("x")
     found = [Path(file).name for file in expand(["b.csv", "*.csv", "a[1].csv"])]
     assert found == ["b.csv", "a.csv", "a[1].csv"]
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("estimates", "file"), ("estimates", "pipe"), ("estimates", "link"),
+        ("estimates.parquet", "folder"), ("estimates/MKF.csv", "folder"), ("report.md", "folder"),
+        pytest.param("figures", "file", marks=pytest.mark.faults),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_written_is_told_and_no_case_is_lost(name, content, capsys, monkeypatch):
+    if name != "figures":  # drawing takes most of the time
+        monkeypatch.setattr(Run, "draw", lambda *args, **options: [])
+    motion_file(Path("a.csv"), duration=25.0)
+    path = Path("results/r", name)
+    path.parent.mkdir(parents=True)
+    {
+        "file": path.touch, "folder": path.mkdir, "pipe": lambda: os.mkfifo(path),
+        "link": lambda: path.symlink_to("nowhere"),
+    }[content]()  # fmt: skip
+    words = ["replay", "a.csv", *QUICK[1:], "schemes=[MKF]", "replay.replicates=1", "name=r"]
+    assert main(words) == 1
+    out, err = capsys.readouterr()
+    (line,) = [line for line in err.splitlines() if line.startswith("failed: ")]
+    assert f"results/r/{name}: cannot be written (" in line
+    assert "tmp" not in line
+    assert "cases computed" in out
+    (path.rmdir if content == "folder" else path.unlink)()
+    assert main(words) == 0
+    assert "0 cases computed" in capsys.readouterr().out
+    assert not list(Path("results/r").rglob("*.tmp"))
+
+
+def test_the_baseline_hold_is_the_last_fix_and_describes_no_record():
+    motion_file(Path("tower.csv"), duration=30.0)
+    overrides = ["schemes=[MKF,HOLD]", "replay.replicates=2", "measures.settling_time=5"]
+    replayed = owtsweep.replay("tower.csv", overrides)
+    errors = replayed.errors().set_index(["scheme", "measure", "window"])["mean"]
+    for window in ("full", "settled"):
+        held = errors["HOLD", "position", window]
+        assert held == pytest.approx(errors["last_fix", "position", window], rel=1e-9)
+    assert not {"nees", "nis"} & set(errors["HOLD"].index.get_level_values("measure"))
+    assert facts.choose_describer(replayed.run.config) == 0
+    with pytest.raises(
+        owtsweep.InputError, match=r"^baselines: a replay has one of its own, last_fix"
+    ):
+        owtsweep.replay("tower.csv", ["baselines=[NONE]"])

@@ -35,5 +35,5 @@ def test_labels_that_do_not_fit_together_are_refused_before_memory_is_asked_for(
     rows = superposed_rows(("MKF",), 1).iloc[[0] * 3000].reset_index(drop=True)
     names = [f"m{number}" for number in range(3000)]
     rows = rows.assign(measure=names, window=names, replicate=range(3000))
-    with pytest.raises(InputError, match=r"^rows: 3000 values for 27000000000 cases; "):
+    with pytest.raises(InputError, match=r"^rows: 3000 values for an array of 27000000000; "):
         tabulate(rows)

@@ -48,3 +48,15 @@ def test_pairing_counts_only_what_both_have_and_little_data_claims_nothing():
     assert (thrice.low[0], thrice.high[0]) == pytest.approx((3.0, 3.0), rel=1e-9)
     same = gap(np.array([[0.0, 0.0], [1.0, 1.0]]))
     assert same.p.tolist() == [1.0, 0.0]
+
+
+@pytest.mark.parametrize("paired", [True, False])
+def test_what_is_not_positive_or_very_large_has_no_interval_and_raises_no_warning(paired):
+    one = np.array([[0.0, 0.0], [0.0, 0.0], [1e139, 2e139], [-1.0, -2.0]])
+    other = np.array([[1.0, 2.0], [0.0, 0.0], [1e-139, 2e-139], [1.0, 2.0]])
+    times = ratio(one, other, paired=paired)
+    assert times.value.tolist()[::3] == [np.inf, -1.0]
+    assert np.isnan(times.value[1])
+    assert times.value[2] == pytest.approx(1e-278)
+    assert np.isnan(times.low[[0, 1, 3]]).all()
+    assert difference(one, other, paired=paired).value[2] == -1.5e139

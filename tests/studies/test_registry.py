@@ -96,9 +96,9 @@ def test_studies_that_do_not_work_leave_the_others_alone(
 ) -> None:
     for name, says in (
         ("missing", r"ModuleNotFoundError: No module named 'no_such_module'"),
-        ("lacking", r"it lacks .*config_type, .*schema_version"),
-        ("renamed", r"it calls itself 'stranger'"),
-        ("untyped", r"its configuration is no Config"),
+        ("lacking", r"the study lacks .*config_type, .*schema_version"),
+        ("renamed", r"the study's `name` is 'stranger'"),
+        ("untyped", r"config_type\(\) returns no subclass of Config"),
     ):
         told = rf"^study: '{name}' of the package broken-study does not work \({says}"
         with pytest.raises(InputError, match=told) as caught:
@@ -176,7 +176,7 @@ def test_runs_of_two_studies_are_not_compared(capsys: pytest.CaptureFixture[str]
         (["grid.replicates=[{log:[1,2,3]}]"], "grid.replicates: [{'log': [1, 2, 3]}] is not a who"),
         (["grid.amplitude={log:[1,2,3]}"], "grid.amplitude: {log:[1,2,3]} is no list; use e.g. gr"),
         (["sensors.imu=[1]"], "sensors.imu: [1] is a list where keys are expected; use sensors.im"),
-        (["study=hub", "experiment=readings"], "study: 'hub' is named, but its files or another "),
+        (["study=hub", "experiment=readings"], "study: 'hub' is named, but the study's files or "),
     ],
 )
 def test_wrong_axes_and_mixed_studies_are_one_line(
@@ -204,7 +204,7 @@ def test_a_study_without_a_tree_says_where_it_belongs(stranger: Path) -> None:
         (["study=hub,readings"], r"study: 'hub,readings' are several studies; run one at a time"),
         (["study="], r"study=: name a study, e\.g\. study=hub$"),
         (["+study=hub"], r"\+study=hub: name a study"),
-        (["study=replay"], r"study: 'replay' needs records; use `python -m owtsweep replay FILE`"),
+        (["study=replay"], r"study: 'replay' needs records; use `owtsweep replay FILE`"),
     ],
 )
 def test_a_wrong_study_is_one_line(overrides: list[str], says: str) -> None:

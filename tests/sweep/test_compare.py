@@ -219,3 +219,35 @@ def test_names_are_told_in_printable_text(run, tmp_path, capsys):
     for line in (out + err + report).split("\n"):
         assert line.isprintable(), repr(line)
     assert show("a\x1b") == r"a\x1b"
+
+
+def test_folders_whose_names_are_not_utf_8_are_compared(run, capsys):
+    first, second = run(name="one"), run(name="two", level=[1.0])
+    Path(first).rename(Path(first).with_name("on\udcff"))
+    assert main(["compare", str(Path(first).with_name("on\udcff")), second]) == 0
+    out = capsys.readouterr().out
+    assert r"on\udcff" in out
+    assert out.isascii()
+
+
+@pytest.mark.parametrize(
+    ("answer", "says"),
+    [
+        (lambda: {}["soil"], r"KeyError: 'soil'"),
+        (lambda: None, r"AttributeError: 'NoneType' object has no attribute"),
+        (lambda: Findings({"means": [1]}, pd.DataFrame()), r"AttributeError: 'list' object has no"),
+    ],
+)
+def test_a_study_of_another_package_that_cannot_compare_is_named(
+    run, monkeypatch, capsys, tmp_path, answer, says
+):
+    monkeypatch.setattr(ComparableStudy, "compare", lambda *args, **options: answer())
+    folders = [run(sigma=0.1), run(sigma=0.2)]
+    before = sorted(tmp_path.rglob("*"))
+    assert main(["compare", *folders]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith(
+        f"owtsweep: study: 'dummy' of the package test_compare does not work ({says}"
+    )
+    assert err.count("\n") == 1
+    assert sorted(tmp_path.rglob("*")) == before

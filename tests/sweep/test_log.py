@@ -31,7 +31,7 @@ def test_a_chatty_task_is_cut(monkeypatch):
         for number in range(MOST_ENTRIES + 7):
             logger.info("line %d", number)
     assert len(records) == MOST_ENTRIES + 1
-    assert records[-1].message == "7 more records of this task were left out"
+    assert records[-1].message == "7 more messages of this task were left out"
 
 
 HOSTILE = "red \x1b[31m\n2026-01-01T00:00:00Z INFO done: \u202e"

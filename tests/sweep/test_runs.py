@@ -43,7 +43,7 @@ def test_tables_are_all_tables_by_name(study, faulty, config):
 
 
 def test_folder_without_config_is_no_run(tmp_path):
-    with pytest.raises(InputError, match=r"there is no config\.yaml in it"):
+    with pytest.raises(InputError, match=r"holds no config\.yaml"):
         load(tmp_path)
 
 
@@ -172,5 +172,5 @@ def test_tables_that_cannot_be_made_lose_no_case(study, config):
     outcome = sweep(study, config())
     (failure,) = outcome.failed
     assert "of the package dummy_study does not work (KeyError: 'soil')" in failure.reason
-    assert outcome.results is None
+    assert outcome.results == {}
     assert len(outcome.run.cases()) == outcome.computed > 0

@@ -52,7 +52,7 @@ def test_aggregating_the_hub_study_takes_a_fixed_memory_per_row(tmp_path: Path) 
 
 
 def test_a_plan_of_two_million_cases_shares_what_its_blocks_have_in_common() -> None:
-    config = compose(["grid.replicates=10000"])
+    config = compose(["grid.replicates=10000", "tuning=paper", "baselines=[]"])
     plan = make_plan(get_study("hub"), config)
     assert count_cases(plan) == 2_400_000
     one, other = (block.content for block in list(plan.values())[:5:4])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -16,6 +17,7 @@ from owtsweep.sweep import shard
 from owtsweep.sweep.run import sweep
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.schema import WrongRows
+from owtsweep.sweep.study import Square
 
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 
@@ -57,13 +59,15 @@ WRONG = {
     "mappings": put("extra", {"a": 1}),
     "dates": put("extra", pd.Timestamp("2020-01-01")),
     "bytes": put("extra", b"\xff"),
+    "square that no study makes": put("value", 1e-320),
+    "square that no study makes, negative": put("value", -1e-301),
     "text where others have flags": put("flag", "yes"),
 }
 
 
 @pytest.fixture
 def run(study: Any, config: Any, monkeypatch: pytest.MonkeyPatch) -> Run:
-    types = {"scheme": str, "value": float}
+    types = {"scheme": str, "value": Square}
     monkeypatch.setattr(type(study), "row_types", types, raising=False)
     original = type(study).run
 
@@ -79,7 +83,8 @@ def test_rows_of_another_shape_count_as_missing(run, kind, monkeypatch, caplog):
     reseal(run, WRONG[kind], monkeypatch)
     if kind.startswith("text where"):  # what belongs there is known by the other shards alone
         monkeypatch.setattr(Run, "plan", lambda self: dict(reversed(run.stored_plan.items())))
-    rows, missing = run.stored()
+    stored, missing = run.stored()
+    rows = stored[""]
     assert missing == 1
     assert len(rows) == 6
     assert set(run.engine.tables(run.config, rows)) == {"order", "summary"}
@@ -97,11 +102,23 @@ def test_a_sweep_computes_them_again(run, monkeypatch):
     pd.testing.assert_frame_equal(again.run.cases(), before)
 
 
-@pytest.mark.parametrize("change", [put("value", 7), put("replicate", 0.5), put("more", 1)])
+def test_the_line_names_file_and_column(run, monkeypatch, caplog):
+    reseal(run, put("value", 1e-320), monkeypatch)
+    run.stored()
+    assert re.search(r"part-\w+\.parquet holds .*: its column value holds 1e-320, ", caplog.text)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        *(put("value", value) for value in (7, 0.0, -1.0, 1e-299, None)),
+        put("replicate", 0.5), put("more", 1), put("more", 1e-320),
+    ],
+)  # fmt: skip
 def test_other_numbers_are_no_damage(run, change, monkeypatch):
     reseal(run, change, monkeypatch)
-    rows, missing = run.stored()
-    assert (len(rows), missing) == (8, 0)
+    stored, missing = run.stored()
+    assert (len(stored[""]), missing) == (8, 0)
 
 
 def test_whole_numbers_too_large_for_a_column_of_fractions_are_told(run, monkeypatch):

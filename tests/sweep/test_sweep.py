@@ -299,7 +299,7 @@ def test_missing_extra_is_told_before_anything_is_written(study, config, tmp_pat
 @pytest.mark.parametrize(
     ("backend", "scheduler", "says"),
     [
-        ("dask", None, "compute.scheduler: compute.backend=dask needs one; give tcp://host:port"),
+        ("dask", None, "compute.scheduler: compute.backend=dask needs an address; give tcp://"),
         ("loky", "tcp://a:1", "compute.scheduler: 'tcp://a:1' needs compute.backend=dask"),
         ("dask", "a:1", "compute.scheduler: 'a:1' is no address"),
         ("dask", "tcp://a", "compute.scheduler: 'tcp://a' is no address"),
@@ -343,3 +343,19 @@ def test_a_pipe_in_place_of_a_file_is_refused(study, config, name):
     os.mkfifo(run.folder / name)
     with pytest.raises(InputError, match=f"{name}: this is a pipe or a device where a file"):
         sweep(study, config())
+
+
+@pytest.mark.parametrize("name", ["means.csv", "summary.csv", "other.csv"])
+def test_a_folder_in_place_of_a_table_is_refused_before_anything_is_written(study, config, name):
+    folder = run_folder(config())
+    (folder / name).mkdir(parents=True)
+    with pytest.raises(InputError, match=f"{name}: this is a folder where a file belongs; move"):
+        sweep(study, config())
+    assert [path.name for path in folder.iterdir()] == [name]
+
+
+def test_a_csv_file_of_the_users_own_in_the_run_folder_stops_no_sweep(study, config):
+    (sweep(study, config()).run.folder / "notes.csv").write_text("a,b\n1\n")
+    again = sweep(study, config())
+    assert again.results[""].tables
+    assert not again.failed

@@ -45,7 +45,7 @@ def test_a_block_in_which_another_case_failed_is_tried_again(faulty, config):
 
 def test_a_run_without_any_number_has_no_tables_and_is_no_failure(faulty, config):
     nothing = sweep(faulty(**{"A1.0": "blind", "B1.0": "blind"}), config(level=[1.0]))
-    assert (nothing.computed, nothing.failed, nothing.results) == (4, [], None)
+    assert (nothing.computed, nothing.failed, nothing.results) == (4, [], {})
     assert [setback.label for setback in nothing.unable] == ["A1.0", "B1.0"]
     assert nothing.run.tables() == {}
 

@@ -18,7 +18,8 @@ def test_both_forms_give_the_same_rows(changes: list[str], tmp_path: Path) -> No
         done = subprocess.run(
             [
                 sys.executable, "-m", "owtsweep", "sweep", "grid=small", "grid.replicates=3",
-                "record.duration=60", f"results={tmp_path}", f"name=vectors-{vectors}",
+                "tuning=paper", "record.duration=60",
+                f"results={tmp_path}", f"name=vectors-{vectors}",
                 f"compute.vectors={vectors}", *changes,
             ],
             capture_output=True, text=True,

@@ -127,7 +127,7 @@ def test_a_product_is_a_vector_where_a_branch_makes_it_one() -> None:
 
 
 def test_the_form_stays_once_kernels_are_imported() -> None:
-    with pytest.raises(InputError, match=r"compute\.vectors: this process has compiled"):
+    with pytest.raises(InputError, match=r"compute\.vectors: this process has already compiled"):
         choose(not uses_vectors())
     choose(uses_vectors())
 

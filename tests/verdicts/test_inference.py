@@ -41,6 +41,16 @@ def test_a_single_record_and_a_scattered_denominator_decide_nothing():
     assert Claim("", (one,)).verdict == Claim("", (wild,)).verdict == UNDECIDED
 
 
+@pytest.mark.parametrize("size", [1.0, 1e139])
+def test_a_perfect_scheme_has_a_ratio_without_a_warning(size):
+    some, none = size * np.array([10.0, 11.0, 12.0]), np.zeros(3)
+    assert mean_ratio("", some, none, 1.0, "above").value == np.inf
+    assert mean_ratio("", none, some, 1.0, "below").value == 0.0
+    assert np.isnan(mean_ratio("", none, none, 1.0, "below").value)
+    assert np.isnan(mean_ratio("", some[:1], none[:1], 1.0, "above").low)
+    assert mean_ratio("", some, some[::-1], 1.0, "above").value == pytest.approx(1.0)
+
+
 def test_many_cells_are_corrected_by_holm():
     holds = mean_ratio("", np.array([1.0, 1.1, 0.9]), np.array([2.0, 2.2, 2.1]), 1.0, "below")
     fails = mean_ratio("", np.array([1.00, 1.30, 1.14]), np.array([0.8, 0.9, 0.9]), 1.0, "below")

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
+import pytest
 
 from owtsweep.figures import style
 from owtsweep.verdicts.page import Bullets, Heading, Paragraph, Picture, TextTable
 from owtsweep.verdicts.report import write_report
-from owtsweep.verdicts.sections import consistency_section, count_verdicts, missing_section
+from owtsweep.verdicts.sections import (
+    consistency_section,
+    count_verdicts,
+    format_ratio,
+    missing_section,
+)
 from owtsweep.verdicts.summary import Item, distance_rows, make_table
 
 
@@ -60,6 +67,17 @@ def test_a_summary_has_a_row_per_item_and_their_ratio():
     assert incomplete.agrees == "missing"
 
 
+def test_an_infinite_distance_leaves_blanks_and_does_not_agree():
+    """A perfect scheme has it; warnings are errors in tests."""
+    numbers = pd.DataFrame({"scheme": ["A"] * 3, "log2": [-float("inf")] * 2 + [0.1]})
+    median, percentile = distance_rows(numbers, {("A",): 0.35})
+    assert not np.isfinite([median.reproduced, percentile.reproduced]).any()
+    assert (median.agrees, percentile.agrees) == ("no", "")
+    assert median.why == "over 3 of 3 numbers; agreement: at most 0.35"
+    far = pd.DataFrame({"scheme": ["A"], "log2": [-1053.0]})
+    assert "a factor of inf" in next(iter(distance_rows(far, {("A",): 0.35}))).why
+
+
 def test_sections_without_anything_to_tell_are_left_out():
     complete = pd.DataFrame({"table": [1], "scheme": ["A"], "reproduced": [1.0]})
     assert missing_section(complete, []) == []
@@ -80,3 +98,10 @@ def test_consistency_is_told_per_scheme():
     *_, text, grid = consistency_section(table, ["A"], {"nees": 4.0, "nis": 2.0})
     assert text.text.startswith("Mean NEES over 4 and mean NIS over 2 in each cell")
     assert grid.rows == [["A", "0.9 to 1.2", "–", "mixed 2"]]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "text"), [(0.0042, "0.0042"), (0.1, "0.10"), (1.0, "1.00"), (354.749, "354.75")]
+)
+def test_no_ratio_is_shown_as_zero(ratio, text):
+    assert format_ratio(ratio) == text

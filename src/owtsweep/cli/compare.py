@@ -1,4 +1,4 @@
-"""`compare`: show how results differ between the runs of a multirun, or between given runs."""
+"""The command `compare`: show how the results of several runs of one study differ."""
 
 from __future__ import annotations
 
@@ -12,7 +12,15 @@ from owtsweep.errors import printable
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Write the comparison of the runs, print a short form of the comparison, and return 0."""
+    """Compare the runs named in `options.runs`: write files, print an overview, and return 0.
+
+    `options` are the parsed arguments of the command; `argv` is not used.
+
+    Raises
+    ------
+    InputError
+        If a run cannot be read, the runs cannot be compared, or a file cannot be written.
+    """
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line
     from owtsweep.sweep.compare import compare

@@ -1,4 +1,4 @@
-"""`fidelity`: compare a run with the published results."""
+"""The command `fidelity`: compare a run with the published results of its study."""
 
 from __future__ import annotations
 
@@ -11,17 +11,22 @@ from owtsweep.errors import InputError, printable
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Write tables, figures and the report into the run's folder fidelity/, and return 0.
+    """Compare the run `options.run` with published results; write a report, and return 0.
+
+    Tables, figures and the report are written into the subfolder fidelity/ of the run's folder.
+    `options` are the parsed arguments of the command; `argv` is not used.
 
     With several tunings, each has a folder of its own: fidelity/<tuning>/.
 
     Raises
     ------
     InputError
-        If the run's study has no published results, or the run has no records or no succeeded case.
+        If the run's study has no published results, the run holds expected values instead of
+        records, or no case of the run has succeeded.
     """
     from owtsweep.api import load
     from owtsweep.io.files import refuse_in_one_line
+    from owtsweep.io.steps import show_steps
     from owtsweep.sweep.study import OK, Judged, blame
 
     opened = load(options.run)
@@ -29,11 +34,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     if not isinstance(study, Judged):
         raise InputError(
             f"{opened.folder}: this is a run of study {study.name!r}, which has no published "
-            "results; name a run of a study that has"
+            "results; name a run of a study with published results"
         )
     require(
         opened.engine.samples,
-        f"{opened.folder}: this run has no records, so nothing has an interval to be judged by; "
+        f"{opened.folder}: this run has no records, so its results have no intervals; "
         "name a run with engine=batch",
     )
     parts = {tuning: (part, part.cases()) for tuning, part in opened.by_tuning().items()}
@@ -42,8 +47,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         f"{opened.folder}: no case of this run has succeeded; run its sweep again",
     )
     for tuning, (part, rows) in parts.items():
-        folder = opened.folder / "fidelity" / tuning
-        with refuse_in_one_line(folder), blame(study):
+        folder = opened.place / "fidelity" / tuning
+        with refuse_in_one_line(folder), show_steps(), blame(study):
             files = study.write_fidelity(part.config, rows, folder, metadata=opened.metadata())
         print(f"{len(files)} files: {printable(str(folder / 'fidelity.html'))}")
     return DONE

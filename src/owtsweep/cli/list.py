@@ -1,4 +1,4 @@
-"""`list`: print the available studies, schemes and config groups."""
+"""The command `list`: print the available studies, schemes and config groups."""
 
 from __future__ import annotations
 
@@ -19,7 +19,11 @@ PLURALS = {"spectrum": "spectra", "sensors": "sensors", "compute": "compute"}
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Print all studies, then the schemes and config groups of each study, and return 0."""
+    """Print all studies, then the schemes and config groups of each study, and return 0.
+
+    A study of another package that cannot be loaded is listed with its error. The arguments
+    `options` and `argv` are not used.
+    """
     print("studies (study=...):")
     choices: dict[Path, list[str]] = {}
     for name in names():
@@ -50,7 +54,10 @@ def _list_choices(study: str, tree: Tree) -> list[str]:
 
 
 def _purpose(study: str) -> str:
-    """Return the first line of the docstring of a study's module; "" if there is no docstring."""
+    """Return the first line of the docstring of the module that defines a study.
+
+    `study` is the study's name. Without a docstring, return "".
+    """
     lines = (sys.modules[type(get_study(study)).__module__].__doc__ or "").splitlines()
     return lines[0] if lines else ""
 

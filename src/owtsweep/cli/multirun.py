@@ -1,4 +1,4 @@
-"""`sweep --multirun`: run one whole study per combination of overrides, through Hydra."""
+"""The command `sweep --multirun`: make one run for each combination of overrides, with Hydra."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import argparse
 import hashlib
 import json
 import logging
+import math
 import os
 import shlex
 import shutil
@@ -16,10 +17,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, PROGRAM, raise_interrupt
+from owtsweep.cli.dry_run import foretell
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here, raise_interrupt
 from owtsweep.cli.running import run_one
-from owtsweep.config import Config, Tree, dump
-from owtsweep.config.composition import compose_hydra, quote_home
+from owtsweep.config import Config, Tree, changed, dump_with_units
+from owtsweep.config.composition import compose_hydra, quote_home, require_readable
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.tuning_files import names_file
 from owtsweep.config.tunings import GROUP
@@ -39,34 +41,51 @@ OUTCOMES = ".outcomes"
 NOT_FINISHED = "not finished"
 #: Most bytes of the file of an outcome.
 MOST_BYTES = 10_000_000
+#: Most runs of a multirun: the configurations of all are made and checked before the first run.
+MOST_RUNS = 10_000
 
 
 def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Check all combinations of overrides, then run all, even if one fails; return the exit code.
+    """Check all combinations of overrides, make a run for each, and return the exit code.
 
-    The exit code is the largest among those of the runs. Only a multirun goes through `hydra.main`,
-    so that Hydra's sweepers and launchers work. All run folders lie in one folder. The name of this
-    folder depends only on the overrides, so the same command finds the folder again.
+    If a run fails, the others are still made. The exit code is the largest exit code of a run.
+    The runs are made through `hydra.main`, so that Hydra's sweepers and launchers work. All run
+    folders lie in one folder, the multirun folder. Its name depends only on the overrides, so a
+    repeated command finds the folder again.
+
+    Parameters
+    ----------
+    options
+        The parsed arguments of the command `sweep`. With `options.cfg`, the configurations are
+        printed, and nothing is run.
+    argv
+        The words of the command line, which each run stores.
 
     Raises
     ------
     InputError
-        If an override is refused, or two runs would share a folder.
+        If `--fresh` is given, an override is refused, two runs would share a folder, or the
+        multirun folder cannot be written.
     """
     if options.fresh:
-        raise InputError("--fresh: this works on one run; name it without --multirun")
+        raise InputError("--fresh: this does not work with --multirun; leave out one of the two")
     _refuse_tuning_files(options.overrides)
     located = locate(options.overrides)
     combinations = _combinations(options.overrides, located.tree)
     configs = [compose(words, options.config_dir) for words, _ in combinations]
     _check_folders(configs, [words for words, _ in combinations])
     if options.cfg:
-        print("---\n".join(dump(config) for config in configs), end="")
+        print("---\n".join(dump_with_units(config) for config in configs), end="")
         return DONE
     given = [o.partition("=")[2] for o in options.overrides if _is_results(o)]
     results = configs[0].results if configs else ["results", *given][-1]
     digest = hashlib.blake2b("\n".join(sorted(options.overrides)).encode(), digest_size=5)
     folder = Path(results) / f"multirun-{digest.hexdigest()}"
+    if options.dry_run:
+        require(
+            bool(configs), "--dry-run: this works with Hydra's basic sweeper only; leave it out"
+        )
+        return foretell([changed(config, results=str(folder)) for config in configs])
     planned = [
         PlannedRun(run_folder(config).name, [o for o in words if not _is_results(o)], values)
         for config, (words, values) in zip(configs, combinations, strict=True)
@@ -92,15 +111,17 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
 @dataclass(frozen=True)
 class Job:
-    """The task that Hydra calls for each run: a plain object, so that launchers can pickle it.
+    """The task that Hydra calls once for each run of a multirun.
 
-    A call writes the outcome of the run to a file in the multirun folder. An error in the run does
-    not leave the call, since it would stop the rest of a launcher's queue; an interrupt does.
+    A call makes one run and writes the outcome of this run to a file in the multirun folder. An
+    error in the run is stored in that file, not raised, because a raised error would stop the
+    launcher's other runs. Only an interrupt is raised. The task is a plain object, not a closure,
+    so that launchers can pickle it.
 
     Attributes
     ----------
     folder
-        The folder of the multirun.
+        The multirun folder, in which all run folders lie.
     argv
         The words of the command line.
     study
@@ -139,9 +160,9 @@ class Job:
 
 @dataclass(frozen=True)
 class JobOutcome:
-    """The outcome of one run, which is stored as a small file in the multirun folder.
+    """The outcome of one run of a multirun, stored as a small file in the multirun folder.
 
-    Runs may be computed in other processes or on other machines (joblib, submitit), so their
+    Runs may be computed in other processes or on other machines (joblib, submitit), so the
     outcomes are passed in files, not in memory.
 
     Attributes
@@ -149,11 +170,11 @@ class JobOutcome:
     folder
         Name of the run folder inside the multirun folder.
     overrides
-        The overrides of this run, without `results`.
+        The overrides of this run, without the override of the key `results`.
     code
         The exit code that this run would have had outside a multirun.
     reason
-        Why the code is not 0, in one line; "" if the code is 0.
+        One line that says why `code` is not 0; "" if `code` is 0.
     """
 
     folder: str
@@ -163,9 +184,9 @@ class JobOutcome:
 
 
 def _describe_failures(run_folder: Path) -> str:
-    """Return in words how many cases failed, according to the manifest of the run.
+    """Return a text with the number of failed cases in a run's manifest, e.g. "3 cases failed".
 
-    If the manifest does not hold that number, return "some cases failed".
+    If the manifest does not hold this number, return "some cases failed".
     """
     try:
         failed = int(read_manifest(run_folder)["cases"]["failed"])
@@ -175,7 +196,11 @@ def _describe_failures(run_folder: Path) -> str:
 
 
 def _read_outcome(file: Path) -> JobOutcome:
-    """Return the outcome that a file holds; for a damaged file, a failure with that reason."""
+    """Return the outcome that a file holds.
+
+    If the file cannot be read or holds no outcome, return an outcome with exit code 1 and the
+    fault of the file as the reason.
+    """
     try:
         match read_json(file, MOST_BYTES):
             case {
@@ -193,9 +218,18 @@ def _read_outcome(file: Path) -> JobOutcome:
 def _tell(
     folder: Path, planned: Sequence[PlannedRun], options: argparse.Namespace, *, stopped: bool
 ) -> list[JobOutcome]:
-    """Print to stderr which runs failed, why, and how to retry them; return all outcomes.
+    """Print to stderr which runs failed, why, and how to retry each; return all outcomes.
 
-    With `stopped`, because the user has stopped the multirun, also print how many runs are done.
+    Parameters
+    ----------
+    folder
+        The multirun folder, from which the outcomes are read.
+    planned
+        The runs of the multirun. A planned run without a stored outcome counts as failed.
+    options
+        The parsed arguments of the command.
+    stopped
+        Whether the user has stopped the multirun. If so, also print how many runs are done.
     """
     silent = NOT_FINISHED if stopped else "its process ended without a word; see its run.log"
     by_run = {run.folder: JobOutcome(run.folder, run.overrides, FAILED, silent) for run in planned}
@@ -214,7 +248,7 @@ def _tell(
         extra = ["--config-dir", options.config_dir] if options.config_dir else []
         command = shlex.join(["sweep", *extra, *outcome.overrides, f"results={folder}"])
         print(f"failed: {outcome.folder}: {outcome.reason}", file=sys.stderr)
-        print(f"  retry: {PROGRAM} {command}", file=sys.stderr)
+        print(f"  retry: {program_here()} {command}", file=sys.stderr)
     if bad and not stopped:
         print(f"{len(bad)} of {len(outcomes)} runs failed", file=sys.stderr)
     return outcomes
@@ -236,14 +270,25 @@ def _is_results(override: str) -> bool:
 
 
 def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[str]]) -> None:
-    """Raise `InputError` if two runs would share a run folder, or if results folders differ.
+    """Check that the runs of a multirun have one results folder but different run folders.
 
-    In a shared folder one run would overwrite the tables of the other. `combinations` holds the
-    overrides of each of the `configs`.
+    Two runs in one run folder would overwrite each other's tables.
+
+    Parameters
+    ----------
+    configs
+        The configuration of each run.
+    combinations
+        The overrides of each run, for the error message.
+
+    Raises
+    ------
+    InputError
+        If two runs would share a run folder, or the runs name different results folders.
     """
     require(
         len({config.results for config in configs}) <= 1,
-        "results: one multirun has one results folder; give one value",
+        "results: the runs of a multirun have one results folder; give one value",
     )
     seen: dict[Path, Sequence[str]] = {}
     for config, overrides in zip(configs, combinations, strict=True):
@@ -262,15 +307,27 @@ def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str],
 
     The list is empty if the overrides choose another sweeper than Hydra's basic one, because the
     combinations of other sweepers are not known in advance.
+
+    Raises
+    ------
+    InputError
+        If an override cannot be read, or there are more than `MOST_RUNS` combinations.
     """
     from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
     from hydra.core.override_parser.overrides_parser import OverridesParser
 
+    require_readable(overrides)
     if any(o.startswith("hydra/sweeper=") and o != "hydra/sweeper=basic" for o in overrides):
         return []
     with hydra_in_one_line(tree):
         parsed = OverridesParser.create().parse_overrides([quote_home(o) for o in overrides])
         keys = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
+        number = math.prod(map(_count_values, keys))
+        require(
+            number <= MOST_RUNS,
+            f"--multirun: the overrides ask for {number:.6g} runs, and a multirun has at most "
+            f"{MOST_RUNS}; give fewer values",
+        )
         batches = BasicSweeper.split_arguments(keys, max_batch_size=None)
     swept = {o.get_key_element() for o in keys if o.is_sweep_override()}
     combinations = []
@@ -278,6 +335,20 @@ def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str],
         pairs = [word.partition("=")[::2] for word in words]
         combinations.append((words, {key: value for key, value in pairs if key in swept}))
     return combinations
+
+
+def _count_values(override: Any) -> float:
+    """Return how many values an override that Hydra has parsed gives its key; infinite: no end.
+
+    The values themselves are not made.
+    """
+    value = override.value()
+    if override.is_range_sweep():
+        try:
+            return float(max(math.ceil((value.stop - value.start) / value.step), 0))
+        except (ArithmeticError, ValueError):  # a step of zero, an end that is infinite or NaN
+            return math.inf
+    return float(len(value.list)) if hasattr(value, "list") else 1.0
 
 
 def _through_hydra(job: Job, options: argparse.Namespace, folder: Path, located: Located) -> None:

@@ -1,6 +1,7 @@
-"""Parse the command line and run a subcommand, whose module is imported on demand.
+"""Parse the command line and run the subcommand that it names.
 
-Exit codes: 0 done, 1 some cases failed, 2 bad input, 130 interrupted.
+Only the module of this subcommand is imported. Exit codes: 0 done, 1 some cases failed, 2 bad
+input, 130 interrupted.
 """
 
 from __future__ import annotations
@@ -10,10 +11,12 @@ import errno
 import logging
 import os
 import shlex
+import shutil
 import sys
 from collections.abc import Mapping, Sequence
 from importlib import import_module
 from itertools import pairwise
+from pathlib import Path
 from typing import NoReturn
 
 from owtsweep import __version__
@@ -22,7 +25,8 @@ from owtsweep.io.log_lines import Lines
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
-PROGRAM = "python -m owtsweep"
+#: The name in usage lines and examples; `program_here` returns what works in the user's shell.
+PROGRAM = "owtsweep"
 
 DESCRIPTION = """\
 Sweeps conditions x estimation schemes for offshore wind installation, and maps which scheme is
@@ -30,12 +34,19 @@ best where. Reproduces the sensitivity study of Ren et al. (2019)."""
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line; `commands` holds its subcommands' parsers."""
+    """An argument parser that raises `InputError` with one line, instead of exiting.
+
+    Attributes
+    ----------
+    commands
+        Name of a subcommand -> its parser. Only the parser of the whole command line has this
+        attribute.
+    """
 
     commands: Mapping[str, Parser]
 
     def error(self, message: str) -> NoReturn:
-        """Raise `InputError` with a message of argparse, instead of printing and exiting."""
+        """Raise `InputError` with the message of argparse, followed by a hint to `--help`."""
         raise InputError(f"{message}; see `{self.prog} --help`")
 
 
@@ -82,9 +93,10 @@ def _add_overrides(parser: Parser, example: str) -> None:
 
 
 def _add_run_options(parser: Parser) -> None:
-    _add_flag(parser, "--cfg", help="print the resolved configuration and stop")
+    _add_flag(parser, "--cfg", help="print the resolved configuration with units and stop")
+    _add_flag(parser, "--dry-run", help="say what would be computed, in what time, and stop")
     _add_config_dir(parser)
-    _add_flag(parser, "--fresh", help="delete this run's stored cases and start over")
+    _add_flag(parser, "--fresh", help="delete this run's cases, tables and figures, and start over")
     _add_flag(parser, "--yes", help="do not ask before deleting")
 
 
@@ -148,7 +160,7 @@ COMMANDS = {
 
 
 def make_parser() -> Parser:
-    """Return the parser of the whole command line."""
+    """Return the parser of the whole command line, with a parser for each subcommand."""
     parser = Parser(prog=PROGRAM, description=DESCRIPTION)
     parser.add_argument(
         "--version", action="version", version=__version__, help="print the version and stop"
@@ -164,7 +176,10 @@ def make_parser() -> Parser:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command line, `sys.argv` if none is given, and return its exit code."""
+    """Run a command line and return the exit code; errors are printed to stderr.
+
+    `argv` holds the words after the program's name; None means those of `sys.argv`.
+    """
     arguments = list(sys.argv[1:] if argv is None else argv)
     _warnings_to_stderr()
     try:
@@ -192,13 +207,39 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def same_command(arguments: Sequence[str]) -> str:
-    """Return the command line that continues a stopped command, quoted for a shell."""
+    """Return the command line that continues a stopped command, quoted for a shell.
+
+    `arguments` are the words of the stopped command. `--fresh` and `--yes` are left out, because
+    they would delete the stored cases.
+    """
     words = [word for word in arguments if word not in ("--fresh", "--yes")]
-    return f"{PROGRAM} {shlex.join(words)}"
+    return f"{program_here()} {shlex.join(words)}"
+
+
+def program_here() -> str:
+    """Return the words that start this program in the user's shell and current folder.
+
+    They are `owtsweep` if the shell finds this environment's script by that name; else the path of
+    the script, e.g. `.venv/bin/owtsweep`; without a script, `python -m owtsweep`.
+    """
+    script: str | None = sys.argv[0]
+    if Path(sys.argv[0]).name != PROGRAM or not Path(sys.argv[0]).is_file():
+        script = shutil.which(PROGRAM, path=str(Path(sys.executable).parent))
+    if script is None:
+        return "python -m owtsweep"
+    found = shutil.which(PROGRAM)
+    if found is not None and os.path.samefile(found, script):
+        return PROGRAM
+    from_here = os.path.relpath(script)
+    below = os.sep in from_here and not from_here.startswith(os.pardir)
+    return shlex.quote(from_here if below else script)
 
 
 def _warnings_to_stderr() -> None:
-    """Print warnings (e.g. a damaged shard, a missing block) to stderr in addition to run.log."""
+    """Print logged warnings to stderr too, except those that begin with "failed: ".
+
+    A warning says, for example, that a file of stored cases is damaged.
+    """
     logger = logging.getLogger("owtsweep")
     if not logger.handlers:
         handler = logging.StreamHandler()
@@ -229,9 +270,10 @@ def _run(arguments: list[str]) -> int:
 
 
 def raise_interrupt(error: BaseException) -> None:
-    """Raise `KeyboardInterrupt` if an interrupt led to this error; otherwise return.
+    """Raise `KeyboardInterrupt` if `error` was raised while an interrupt was handled.
 
-    A library that is interrupted may raise an error of its own while it handles the interrupt.
+    Otherwise return. A library that is interrupted may raise an error of its own, which would
+    hide the interrupt.
     """
     earlier = error.__context__
     while earlier is not None and not isinstance(earlier, KeyboardInterrupt):
@@ -248,6 +290,9 @@ def _here_exists() -> bool:
 
 
 def _without_cfg_kind(arguments: list[str]) -> list[str]:
-    """Return the arguments after the subcommand, with `--cfg job` (Hydra's form) as `--cfg`."""
+    """Return the arguments without the first, the subcommand's name.
+
+    The word "job" after `--cfg` is left out too: `--cfg job` is Hydra's form of `--cfg`.
+    """
     pairs = pairwise(arguments)
     return [word for before, word in pairs if (before, word) != ("--cfg", "job")]

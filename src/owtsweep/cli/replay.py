@@ -1,4 +1,4 @@
-"""`replay`: run all schemes on recorded motion or recorded sensors."""
+"""The command `replay`: run all schemes on recorded motion or on recorded sensor signals."""
 
 from __future__ import annotations
 
@@ -6,30 +6,50 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from owtsweep.cli.program import BAD_INPUT, DONE
+from owtsweep.cli.dry_run import foretell
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED
 from owtsweep.cli.running import may_start, print_answer, tell_end
-from owtsweep.config import dump, require
+from owtsweep.config import dump_with_units, require
+from owtsweep.errors import InputError
+from owtsweep.io.files import refuse_in_one_line
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Describe or replay record files, and return the exit code.
+    """Replay record files, or only describe their channels, and return the exit code.
 
-    A replay writes tables, estimates, figures and a report.
+    A replay runs all schemes on the records, and writes tables, estimates, figures and a report.
+
+    Parameters
+    ----------
+    options
+        The parsed arguments of the command. `options.words` are the files and the overrides. With
+        `options.describe` the files are described; with `options.cfg` the configuration is
+        printed. In both cases nothing is run.
+    argv
+        The words of the command line.
+
+    Raises
+    ------
+    InputError
+        If a file or an override is refused.
     """
     files = [word for word in options.words if "=" not in word]
     overrides = [word for word in options.words if "=" in word]
     if options.describe:
         return _describe(files, overrides, options.config_dir)
-    from owtsweep.studies.replay.running import compose_replay, configure, execute
+    from owtsweep.studies.replay.running import compose_replay, configure, execute, verify
     from owtsweep.sweep.progress import make_progress
 
     if options.cfg and not files:  # printing the keys needs no record
-        print(dump(compose_replay(overrides, options.config_dir)), end="")
+        print(dump_with_units(compose_replay(overrides, options.config_dir)), end="")
         return DONE
     config = configure(files, overrides, options.config_dir)
     if options.cfg:
-        print(dump(config), end="")
+        print(dump_with_units(config), end="")
         return DONE
+    if options.dry_run:
+        verify(config)
+        return foretell([config], fresh=options.fresh)
     if not may_start(options, config):
         return BAD_INPUT
     outcome = execute(
@@ -42,11 +62,18 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     for note in list_spectrum_notes(config):
         print(f"note: {note}", file=sys.stderr)
     replayed, results = outcome.run, outcome.results
+    written = True
     if results:
-        tables = results[""].tables
-        report.write(config, tables, replayed.draw(results=results), replayed.folder)
-        print_answer(replayed, results, width=None if sys.stdout.isatty() else 120)
-    return tell_end(outcome, argv, f"{replayed.folder}/report.md")
+        try:
+            with refuse_in_one_line(replayed.place):
+                figures = replayed.draw(results=results)
+                report.write(config, results[""].tables, figures, replayed.place)
+        except InputError as error:  # what was computed is stored
+            print(f"failed: the report could not be written: {error}", file=sys.stderr)
+            written = False
+        written &= print_answer(replayed, results, width=None if sys.stdout.isatty() else 120)
+    code = tell_end(outcome, argv, f"{replayed.place}/report.md")
+    return code if written else FAILED
 
 
 def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | None) -> int:

@@ -1,4 +1,4 @@
-"""The steps before and after a run that `sweep`, `sweep --multirun` and `replay` share."""
+"""What the commands `sweep` and `replay` do before and after a run."""
 
 from __future__ import annotations
 
@@ -23,9 +23,17 @@ MOST_LABELS = 3
 
 
 def may_start(options: argparse.Namespace, config: Config) -> bool:
-    """Return whether the run may start; ask the user before `--fresh` deletes stored cases.
+    """Return whether a run may start; ask the user before `--fresh` deletes the run's cases.
 
-    Without `--fresh`, with `--yes`, or without stored cases, return True and ask nothing.
+    Without `--fresh`, with `--yes`, or if the run has no stored cases, return True and ask
+    nothing. If the user says no, print that nothing was done, and return False.
+
+    Parameters
+    ----------
+    options
+        The parsed arguments of the command.
+    config
+        The configuration of the run.
 
     Raises
     ------
@@ -38,8 +46,10 @@ def may_start(options: argparse.Namespace, config: Config) -> bool:
     if not options.fresh or options.yes or not (folder / "cases").is_dir():
         return True
     if not sys.stdin.isatty():
-        raise InputError(f"--fresh: this would delete the cases in {folder}; add --yes")
-    answer = input(f"Delete the cases in {folder} and start over? [y/N] ")
+        raise InputError(
+            f"--fresh: this would delete the cases, tables and figures in {folder}; add --yes"
+        )
+    answer = input(f"Delete the cases, tables and figures in {folder} and start over? [y/N] ")
     if answer.strip().lower() in ("y", "yes"):
         return True
     print("owtsweep: nothing was deleted, nothing was run", file=sys.stderr)
@@ -47,7 +57,20 @@ def may_start(options: argparse.Namespace, config: Config) -> bool:
 
 
 def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
-    """Run one study, draw its overview and print the result; return the exit code."""
+    """Make one run, draw its overview figure, print its result, and return the exit code.
+
+    The result is printed only if stdout is a terminal. The exit code is 1 if a case failed or the
+    figure or the result could not be made, otherwise 0.
+
+    Parameters
+    ----------
+    config
+        The configuration of the run.
+    argv
+        The words of the command line, which the run stores.
+    fresh
+        Whether to delete the run's stored cases first.
+    """
     from owtsweep.studies import get_study
     from owtsweep.sweep.progress import make_progress
     from owtsweep.sweep.run import sweep
@@ -58,20 +81,21 @@ def run_one(config: Config, argv: Sequence[str], *, fresh: bool = False) -> int:
     shown = _draw_overview(outcome) if outcome.results else True
     if outcome.results and sys.stdout.isatty():
         shown &= print_answer(outcome.run, outcome.results)
-    code = tell_end(outcome, argv, f"{outcome.run.folder}/")
+    code = tell_end(outcome, argv, f"{outcome.run.place}/")
     return code if shown else FAILED
 
 
 def _draw_overview(outcome: Outcome) -> bool:
-    """Draw the run's overview figure; return True, or False if it could not be drawn.
+    """Draw the overview figure of a run; return whether the figure could be drawn.
 
-    The reason of a failure is printed to stderr; what the run has computed is kept.
+    If the figure could not be drawn, the reason is printed to stderr. The run's stored cases and
+    tables are kept.
     """
     from owtsweep.io.files import refuse_in_one_line
 
     run = outcome.run
     try:
-        with refuse_in_one_line(run.folder / "figures"):
+        with refuse_in_one_line(run.place / "figures"):
             run.draw(results=outcome.results, overview=True)
     except InputError as error:
         print(f"failed: the map could not be drawn: {error}", file=sys.stderr)
@@ -108,10 +132,11 @@ def print_answer(run: Run, results: Mapping[str, Results], width: int | None = N
 
 
 def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
-    """Print how a run ended and return its exit code: 1 if cases failed, else 0.
+    """Print how a run ended, and return the exit code: 1 if cases failed, else 0.
 
-    Printed are the cases that failed or that a scheme cannot compute, with the reasons, then the
-    number of computed cases, and `place`, where the results are.
+    First, cases that failed or that a scheme cannot compute are printed to stderr, with reasons.
+    Then the number of computed cases is printed, with the text `place`, which says where the
+    results are. `argv` are the words of the command line, to be repeated if cases failed.
     """
     for line in setback_lines("unable", outcome.unable) + setback_lines("failed", outcome.failed):
         print(line, file=sys.stderr)
@@ -128,8 +153,10 @@ def tell_end(outcome: Outcome, argv: Sequence[str], place: str) -> int:
 def setback_lines(word: str, setbacks: Sequence[Setback]) -> list[str]:
     """Return lines about cases without a result: one line per reason, the commonest reason first.
 
-    A line holds `word`, the number of cases, the reason, and the labels of some blocks. After
-    `MOST_REASONS` lines, one more line says how many reasons are left.
+    A line holds `word` (e.g. "failed"), the number of cases with this reason, the reason, and the
+    labels of at most `MOST_LABELS` of their blocks. A block is a group of cases computed
+    together. If there are more than `MOST_REASONS` reasons, a last line says how many are left
+    out. A setback is a number of cases of one block that have no result for one reason.
     """
     by_reason: dict[str, list[Setback]] = {}
     for setback in setbacks:

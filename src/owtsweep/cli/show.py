@@ -1,4 +1,4 @@
-"""`show`: print how a run was made and what its folder holds."""
+"""The command `show`: print how a run was made and what the run's folder holds."""
 
 from __future__ import annotations
 
@@ -10,26 +10,46 @@ from owtsweep.cli.program import DONE
 from owtsweep.errors import InputError, printable
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from owtsweep.sweep.asked import Question
     from owtsweep.sweep.runs import Run
 
 #: In a manifest, sections nested deeper than `DEEPEST` are not shown, and names longer than
 #: `WIDEST` characters are not aligned.
 DEEPEST, WIDEST = 20, 60
+#: Most questions that are listed, and most characters of a question's line.
+MOST_QUESTIONS, LONGEST_LINE = 50, 400
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Print a run's manifest and what the run's folder holds now, and return 0."""
+    """Print how the run `options.run` was made and what the run's folder holds, and return 0.
+
+    How the run was made is read from the manifest in the run's folder. `options` are the parsed
+    arguments of the command; `argv` is not used.
+
+    Raises
+    ------
+    InputError
+        If the folder holds no run, or the manifest cannot be read.
+    """
     from owtsweep.api import load
     from owtsweep.sweep.provenance import read_manifest
 
     opened = load(options.run)
     manifest = read_manifest(opened.folder)
-    _print({**_shorten(manifest, opened), "now": _describe_folder(opened)}, 0)
+    shown = {**_shorten(manifest, opened), "now": _describe_folder(opened)}
+    origin, questions = opened.config.describe_origin(), _describe_questions(opened)
+    parts = {"origin": origin, **shown, "asked": questions}
+    _print({name: part for name, part in parts.items() if part not in ("", {})}, 0)
     return DONE
 
 
 def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
-    """Return the manifest without the configuration and without the list of blocks."""
+    """Return a run's manifest without the list of blocks, and with less on the configuration.
+
+    In place of the configuration stands the path of config.yaml. `opened` is the run.
+    """
     shown = dict(manifest)
     if shown.get("state") == "running":
         shown["state"] = "running, or killed: its end is not written"
@@ -41,14 +61,71 @@ def _shorten(manifest: dict[str, Any], opened: Run) -> dict[str, Any]:
 
 
 def _describe_folder(opened: Run) -> dict[str, Any]:
-    """Return the case counts, the tables and the figures of the run folder; reads all shards."""
-    figures = opened.folder / "figures"
+    """Return how many cases, tables and figures a run's folder holds, as entries to print.
+
+    All stored cases of the run are read, which may take some time.
+    """
+    figures = opened.place / "figures"
     drawn = len(list(figures.glob("*.png"))) if figures.is_dir() else 0
     return {
         **_count_cases(opened),
-        "tables": [path.name for path in sorted(opened.folder.glob("*.csv"))] or "none yet",
+        "tables": [path.name for path in sorted(opened.place.glob("*.csv"))] or "none yet",
         "figures": f"{drawn} in {figures}" if drawn else "none yet",
     }
+
+
+def _describe_questions(opened: Run) -> dict[str, str]:
+    """Return a line on each question of the run folder, by the name of the question's folder.
+
+    Of more than `MOST_QUESTIONS`, the last line counts the others.
+    """
+    from owtsweep.sweep.asked import is_shown, list_questions
+
+    home = opened.home or opened.folder
+    found = list(list_questions(home))
+    lines = {
+        one.hash: f"{'* ' if is_shown(home, one.hash) else ''}{_describe_question(home, one)}"
+        for one in found[:MOST_QUESTIONS]
+    }
+    left = len(found) - len(lines)
+    notes = {"*": "shown by the root of the run folder"} if lines else {}
+    return lines | ({"...": f"{left} more"} if left else {}) | notes
+
+
+def _describe_question(home: Path, question: Question) -> str:
+    """Return when a question was asked last, its tunings, the sizes of its grid, and its schemes.
+
+    Whatever the stored configuration holds there is taken as text.
+    """
+    from owtsweep.sweep.asked import question_folder
+    from owtsweep.sweep.provenance import read_manifest
+
+    if question.trouble:
+        return question.trouble
+    try:
+        when = str(read_manifest(question_folder(home, question.hash)).get("started"))
+    except InputError:
+        when = "time unknown"
+    grid, schemes = question.config.get("grid"), question.config.get("schemes")
+    parts = [when]
+    if question.config.get("tuning"):
+        parts.append(f"tuning {_as_line(question.config['tuning'], 0)}")
+    if isinstance(grid, Mapping):
+        parts += [f"{name} {_count(value)}" for name, value in grid.items()]
+    if isinstance(schemes, list):
+        parts.append("schemes " + " ".join(map(_name_scheme, schemes)))
+    return ", ".join(parts)[:LONGEST_LINE]
+
+
+def _count(value: Any) -> str:
+    return f"({len(value)})" if isinstance(value, list) else str(value)
+
+
+def _name_scheme(entry: Any) -> str:
+    """Return the name of an entry of the key `schemes`; a user's class is not imported."""
+    if isinstance(entry, Mapping):
+        return str(entry.get("name", str(entry.get("_target_")).rpartition(".")[-1]))
+    return str(entry)
 
 
 def _count_cases(opened: Run) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""`spectrum`: draw the schemes' error spectra and noise floors, without any record."""
+"""The command `spectrum`: draw the schemes' error spectra and noise floors, without a record."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     config = compose(options.overrides, options.config_dir)
     study = get_study(config.study)
     if not isinstance(study, Spectral):
-        raise InputError(f"study: {config.study!r} has no error spectra; use one that has")
+        raise InputError(f"study: {config.study!r} has no error spectra; use another study")
     from rich.console import Console
 
     metadata = {"run": run_hash(config)}

@@ -1,30 +1,46 @@
-"""`sweep`: run a study and draw its map."""
+"""The command `sweep`: run a study and draw its map of the best schemes."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
 
+from owtsweep.cli.dry_run import foretell
 from owtsweep.cli.program import BAD_INPUT, DONE
 from owtsweep.cli.running import may_start, run_one
 
 
 def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
-    """Run one study, or all runs of a multirun, and return the exit code.
+    """Make one run of a study, or with `--multirun` several runs, and return the exit code.
 
-    With `--cfg`, print the configuration instead.
+    With `--cfg`, print the configuration and run nothing; with `--dry-run`, print what the sweep
+    would do.
+
+    Parameters
+    ----------
+    options
+        The parsed arguments of the command.
+    argv
+        The words of the command line.
+
+    Raises
+    ------
+    InputError
+        If the configuration is refused.
     """
     if options.multirun:
         from owtsweep.cli.multirun import run_all
 
         return run_all(options, argv)
-    from owtsweep.config import dump
+    from owtsweep.config import dump_with_units
     from owtsweep.studies import compose
 
     config = compose(options.overrides, options.config_dir)
     if options.cfg:
-        print(dump(config), end="")
+        print(dump_with_units(config), end="")
         return DONE
+    if options.dry_run:
+        return foretell([config], fresh=options.fresh)
     if not may_start(options, config):
         return BAD_INPUT
     return run_one(config, argv, fresh=options.fresh)

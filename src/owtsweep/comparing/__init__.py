@@ -1,5 +1,6 @@
 """Compare runs of one study: best schemes, boundaries, and their changes, with 95 % intervals.
 
-The package works on the rows of a run and on the study's description of the run
-(`aspects.Aspects`). It does not depend on any study.
+A boundary is the value of a condition above which the second of two schemes is better than the
+first. The package needs the rows of a run's results and a description of the run
+(`aspects.Aspects`), which the study makes. The package does not depend on any study.
 """

@@ -1,4 +1,4 @@
-"""A study's description of a run, used to compare the run with others."""
+"""The description of a run that a study makes, so that runs can be compared."""
 
 from __future__ import annotations
 
@@ -19,24 +19,29 @@ class Aspects:
 
     Attributes
     ----------
-    conditions, grid
-        The study's conditions, and the run's values of each.
+    conditions
+        The conditions of the study, i.e. the axes of its grid.
+    grid
+        Name of a condition -> the run's values of this condition.
     schemes
-        Names of the schemes, in order.
-    criterion, window
-        The measure by which the run judges its schemes, e.g. position, and the part of each record
-        over which this measure is averaged ("full" or "settled").
+        Names of the run's schemes, in the study's order.
+    criterion
+        The measure by which the run judges its schemes, e.g. "position" for the mean squared
+        position error.
+    window
+        The part of each record over which the criterion is averaged: "full" or "settled".
     pairing
-        Configuration key -> its value. These keys, with conditions and replicate, determine a
-        record's motion and noise. Two runs in which all these values are equal have the same
-        records, so their replicates are compared in pairs.
+        Configuration key -> its value, for all keys that determine the motion and noise of the
+        records. If two runs agree in all these values, records with equal conditions and replicate
+        are equal too, and the runs are compared record by record.
     boundary
-        Names of two schemes: the first is expected to be better below, and the second above, a
-        value of the condition that expands (`Condition.expands`). None if there is no such pair.
+        Names of two schemes: the first is expected to be better at small values of the last
+        condition, the second at large values. None if no two schemes are expected to differ so.
     best_of
-        Function that makes the best-scheme table of a run with expected values instead of records.
-        Its arguments are the run's rows, the common values of the conditions, the schemes and the
-        criterion. None for a run with records.
+        For a run with expected values instead of records: a function that makes the table of best
+        schemes. The arguments of the function are the run's rows, the values of the conditions
+        that all compared runs have, the names of the schemes, and the criterion. None for a run
+        with records.
     """
 
     conditions: tuple[Condition, ...]
@@ -55,5 +60,5 @@ class Aspects:
 
     @property
     def size(self) -> int:
-        """The number of cells, i.e. combinations of values of the conditions."""
+        """The number of cells; a cell is a combination of one value of each condition."""
         return math.prod(len(self.grid[name]) for name in self.names)

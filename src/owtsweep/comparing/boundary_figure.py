@@ -1,4 +1,7 @@
-"""Draw how the boundary between two schemes moves with a swept configuration key."""
+"""Draw how the boundary between two schemes depends on a swept configuration key.
+
+The boundary is the value of a condition above which the second of two schemes is better.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ import numpy as np
 
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.comparison import Comparison
+from owtsweep.config.section import unit_of
 from owtsweep.figures import style
 from owtsweep.results.conditions import Condition
 
@@ -30,21 +34,23 @@ def draw(
     *,
     subtitle: str,
 ) -> Figure:
-    """Draw the boundary against the first swept key, one line per cell.
+    """Draw the boundary between two schemes against the first swept key, one line per cell.
 
-    If the runs differ in a second key, there is one panel for each value of this key. A cell is one
-    value of each condition except the one that expands. The vertical axis shows the condition that
-    expands. A boundary far outside the values of this condition is a hollow mark at the axis limit.
+    The boundary is the value of the last condition above which the second scheme is better. A cell
+    is one value of each other condition. The horizontal axis shows the values of the first swept
+    key; if the runs differ in a second key, each value of the second key has its own panel. The
+    vertical axis shows the last condition. A boundary far outside the run's values of the last
+    condition is drawn as a hollow mark at the end of the vertical axis.
 
     Parameters
     ----------
     boundaries
-        Tables of `results.boundary.find_boundary` of all runs as one, with a column `index`: the
-        number of the run in `comparison`. At least one boundary exists.
+        One row per run and cell, as from `results.boundary.find_boundary`, with a further column
+        `index`: the index of the run in `comparison.runs`. In at least one row a boundary exists.
     comparison
         The runs, which differ in one or two keys.
     shared
-        What the runs have in common.
+        The conditions, values and schemes that all runs have.
     subtitle
         The end of the title, which says by what the schemes are judged.
     """
@@ -65,6 +71,7 @@ def draw(
         edges = (min(values) / BEYOND, max(values) * BEYOND)
         ends = np.clip(ends[np.isfinite(ends) & (ends > 0.0)], *edges)
         narrow = bool(ends.max() < 8.0 * ends.min())  # too few round values on a log scale
+        unit = unit_of(type(comparison.runs[0].config), keys[0])
         numeric = all(isinstance(run.values[keys[0]], int | float) for run in comparison.runs)
         for number, axes in enumerate(grid):
             places = {index: across[index] for index, row in enumerate(down) if row == number}
@@ -78,12 +85,12 @@ def draw(
             _say_why_empty(axes, boundaries, places, expanded)
             axes.set_xticks(list(labels), list(labels.values()))
             axes.set_xlim(-0.5, len(labels) - 0.5)
-            axes.set_xlabel(keys[0])
+            axes.set_xlabel(f"{keys[0]} ({unit})" if unit else keys[0])
             if len(keys) == 2:
                 text = comparison.runs[down.index(number)].shown[keys[1]]
                 axes.set_title(f"{keys[1]} = {text}", loc="left", fontsize=9)
-        unit = f" ({expanded.unit})" if expanded.unit else ""
-        grid[0].set_ylabel(f"{expanded.word} of the boundary{unit}")
+        of_boundary = f" ({expanded.unit})" if expanded.unit else ""
+        grid[0].set_ylabel(f"{expanded.word} of the boundary{of_boundary}")
         title = f"{'/'.join(shared.boundary or ())} boundary {subtitle}"
         title += "".join(f"; {condition.label}:" for condition in outer)
         handles, _ = grid[0].get_legend_handles_labels()
@@ -93,7 +100,10 @@ def draw(
 
 
 def _list_cells(boundaries: pd.DataFrame, outer: Sequence[Condition]) -> dict[str, pd.DataFrame]:
-    """Split the boundaries of all runs by cell; the keys name the cells in the legend."""
+    """Split the table `boundaries` by cell; return the cell's name in the legend -> its rows.
+
+    A cell is one value of each of the conditions `outer`.
+    """
     names = [condition.name for condition in outer]
     groups: Any = boundaries.groupby(names) if names else [((), boundaries)]
     return {
@@ -135,9 +145,18 @@ def _draw_panel(
 def _say_why_empty(
     axes: Axes, boundaries: pd.DataFrame, places: dict[int, int], expanded: Condition
 ) -> None:
-    """Write a message, with the reason, at each run in which no cell has a boundary.
+    """Write into a panel why there is no boundary, for each run without any boundary.
 
-    If no run of the panel has a boundary, there is one message in the middle of the panel.
+    If no run of the panel has a boundary, write one message in the middle of the panel.
+
+    Parameters
+    ----------
+    boundaries
+        One row per run and cell; the column `index` is the run's index.
+    places
+        Index of a run -> its place on the horizontal axis, for the runs of this panel.
+    expanded
+        The condition on the vertical axis.
     """
     in_panel = boundaries[boundaries["index"].isin(list(places))]
     if not (in_panel["wins"] == "").any():
@@ -167,7 +186,7 @@ def _explain(boundaries: pd.DataFrame, shared: Aspects, edges: tuple[float, floa
     text = (
         f"Below the boundary {lower} has the smaller mean MSE of the two, above it {upper}; bars:"
         " 95 % interval (bootstrap over the records), left out where an end is infinite. Points of"
-        " one value stand side by side."
+        " one tick are shifted sideways, so that their bars do not hide each other."
     )
     exists = boundaries.loc[boundaries["wins"] == "", "boundary"]
     if not exists.between(*edges).all():

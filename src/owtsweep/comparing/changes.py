@@ -1,4 +1,4 @@
-"""Compute changes from one run to another: best schemes, boundaries, and each scheme's MSE."""
+"""Compute what changes from one run to another: best schemes, boundaries, each scheme's MSE."""
 
 from __future__ import annotations
 
@@ -33,14 +33,19 @@ Winners = Mapping[tuple[Value, ...], str]
 
 
 def list_winners(best: pd.DataFrame, names: Sequence[str]) -> dict[tuple[Value, ...], str]:
-    """Return the best scheme of every cell; a cell is a tuple of the values of `names`.
+    """Return the best scheme of every cell of a run.
 
     Parameters
     ----------
     best
-        A run's best-scheme table.
+        The run's table of best schemes, one row per cell.
     names
-        Names of the conditions: columns of `best`.
+        Names of the conditions, which are columns of `best`.
+
+    Returns
+    -------
+    dict
+        Cell, as a tuple of one value of each condition in `names` -> name of its best scheme.
     """
     cells = zip(*(best[name].tolist() for name in names), strict=True)
     return dict(zip(cells, best["best"].tolist(), strict=True))
@@ -54,28 +59,30 @@ def compare_cells(
     *,
     paired: bool,
 ) -> list[dict[Any, Any]]:
-    """List the cells whose best scheme in the first run is not that in the second.
+    """List the cells in which the best scheme of the first run is not best in the second.
 
-    If P is the best scheme in the first run and Q in the second, the gap of a run is
-    MSE(Q) - MSE(P). The gap is positive in the first run and negative in the second. The change is
-    established if both signs are: the larger p-value of the two gaps (an intersection-union test)
-    passes Holm's correction over all common cells.
+    A cell is one value of each condition. Let P be the cell's best scheme in the first run and Q
+    in the second. The gap of a run is MSE(Q) - MSE(P) in that run. The change from P to Q is
+    established if the gap is shown to be positive in the first run and negative in the second: the
+    larger p-value of the two gaps (an intersection-union test) passes Holm's correction over all
+    cells that have a best scheme in both runs.
 
     Parameters
     ----------
     first, second
-        The `samples` of both runs (`common.Judged`), with the same rows and columns.
+        The MSE in the two runs: one row per scheme and cell, one column per replicate, NaN where a
+        scheme did not finish a replicate. Both tables have the same rows and columns.
     best_first, best_second
-        Cell -> best scheme, for both runs.
+        Cell -> name of the best scheme, for the first and for the second run.
     paired
-        Whether equal replicates saw the same motion and noise in both runs.
+        Whether replicates of equal number have the same motion and noise in both runs.
 
     Returns
     -------
     list of dict
         One row per changed cell: the conditions and `CHANGED_COLUMNS` without `criterion`.
-        `change` is the gap of the second run minus that of the first. The columns ending in `_low`
-        and `_high` are the ends of 95 % intervals.
+        `change` is the gap in the second run minus the gap in the first. The columns ending in
+        `_low` and `_high` are the ends of 95 % intervals. The list is empty if no cell changed.
     """
     import pandas as pd
 
@@ -112,19 +119,24 @@ def compare_schemes(
 ) -> list[dict[Any, Any]]:
     """Compute the difference and the ratio of each scheme's MSE between two runs, cell by cell.
 
+    A cell is one value of each condition.
+
     Parameters
     ----------
-    first, second, paired
-        As for `compare_cells`.
+    first, second
+        The MSE in the two runs: one row per scheme and cell, one column per replicate, NaN where a
+        scheme did not finish a replicate. Both tables have the same rows and columns.
+    paired
+        Whether replicates of equal number have the same motion and noise in both runs.
 
     Returns
     -------
     list of dict
         One row per scheme and cell: scheme, conditions and `SCHEME_COLUMNS` without `criterion`.
-        The difference is the second run's MSE minus the first run's, the ratio the second run's
-        divided by the first run's. `verdict` is "better" ("worse") if the second run's MSE is shown
-        to be smaller (larger) under Holm's correction over all rows; otherwise "". Rows without a
-        finite difference are left out.
+        `difference` is the MSE in the second run minus the MSE in the first; `ratio` is the MSE in
+        the second run divided by the MSE in the first. `verdict` is "better" if the MSE is shown
+        to be smaller in the second run, and "worse" if it is shown to be larger, both under Holm's
+        correction over all rows; otherwise "". Rows without a finite difference are left out.
     """
     a, b = first.to_numpy(), second.to_numpy()
     if paired:
@@ -145,31 +157,37 @@ def compare_schemes(
 
 
 def _name_columns(name: str, contrast: Contrast) -> dict[str, Any]:
-    """Return the values and interval ends of an estimate as columns name, name_low, name_high."""
+    """Return the columns `<name>`, `<name>_low` and `<name>_high` of a table.
+
+    The columns hold the values of an estimated contrast and the ends of its 95 % intervals.
+    """
     return {name: contrast.value, f"{name}_low": contrast.low, f"{name}_high": contrast.high}
 
 
 def compare_boundaries(
     first: pd.DataFrame, second: pd.DataFrame, *, paired: bool
 ) -> list[dict[Any, Any]]:
-    """Divide the boundary in the second run by that in the first, cell by cell.
+    """Compute the ratio of the boundaries in two runs, second run to first run, cell by cell.
 
-    A cell is one value of each condition except the one that expands. The ends of the 95 % interval
-    are percentiles of a bootstrap over the records. For paired runs, both boundaries of a resample
-    use the same records, from those that both schemes finished in both runs. Otherwise the records
-    of each run are resampled independently.
+    A boundary is the value of the last condition above which the second of two schemes is better
+    than the first. A cell is one value of each other condition. The ends of the 95 % interval are
+    percentiles of a bootstrap over the records. If the runs are paired, each resample draws the
+    same records for both runs, among the records that both schemes finished in both runs.
+    Otherwise each run's records are resampled independently.
 
     Parameters
     ----------
     first, second
-        The results of `results.boundary.subtract_schemes` for both runs.
+        For each run, the difference of the two schemes' results in every record, as
+        `results.boundary.subtract_schemes` returns it.
     paired
-        As for `compare_cells`.
+        Whether replicates of equal number have the same motion and noise in both runs.
 
     Returns
     -------
     list of dict
         One row per cell with a boundary in both runs: the cell's conditions and `SHIFT_COLUMNS`.
+        The list is empty if there is no such cell.
     """
     if paired:
         common = first.index.intersection(second.index)

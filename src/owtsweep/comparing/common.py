@@ -1,4 +1,4 @@
-"""Find what compared runs have in common, and each run's results in the common cells."""
+"""Find the conditions and schemes that all compared runs have, and each run's results there."""
 
 from __future__ import annotations
 
@@ -20,25 +20,28 @@ if TYPE_CHECKING:
 
 
 def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[Aspects, list[str]]:
-    """Find the values of the conditions and the schemes that all runs have.
+    """Find the schemes, and the values of each condition, that all runs have.
 
     Parameters
     ----------
-    runs, aspects
-        The runs, and the study's description of each.
+    runs
+        The runs.
+    aspects
+        The study's description of each run.
 
     Returns
     -------
     tuple
-        First, the description of the first run, with the common schemes and the common values of
-        the conditions; its window, pairing and `best_of` are those of the first run alone. Second,
-        sentences on what was left out.
+        The first item is the description of the first run, but with only those schemes and values
+        of conditions that all runs have. The second item is a list of sentences for the user: what
+        was left out, and what runs without records lack.
 
     Raises
     ------
     InputError
-        If the runs share no cell or no scheme, have different conditions, are judged by different
-        criteria, or if some runs have records and others have expected values only.
+        If the runs have no scheme or no value of some condition in common, have different
+        conditions, are judged by different criteria, or if some runs have records and others have
+        expected values only.
     """
     first = aspects[0]
     without = " or ".join(
@@ -46,18 +49,18 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
     )
     require(
         len({a.best_of is None for a in aspects}) == 1,
-        f"engine: some runs are of engine={without}, which has no records to pair with those of "
-        f"the others; compare runs of records with each other, and {without} ones with each other",
+        f"engine: some runs are of engine={without}, which has no records, and other runs have "
+        f"records; compare only runs with records, or only runs of engine={without}",
     )
     criteria = list(dict.fromkeys(a.criterion for a in aspects))
     require(
         len(criteria) == 1,
-        f"measures.criterion: the runs are judged by {' and '.join(criteria)}, which are no one "
-        "quantity; compare runs of one criterion",
+        f"measures.criterion: the runs are judged by {' and '.join(criteria)}, which are different "
+        "quantities; compare runs with one criterion",
     )
     require(
         all(a.conditions == first.conditions for a in aspects),
-        "grid: the runs have different conditions; compare runs of the same ones",
+        "grid: the runs have different conditions; compare runs with equal conditions",
     )
     notes = []
     if without:
@@ -70,13 +73,13 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
         axes = [set(a.grid[name]) for a in aspects]
         shared = axes[0].intersection(*axes[1:])
         key = f"grid.{name}"
-        require(bool(shared), f"{key}: the runs have no value in common; run common ones")
+        require(bool(shared), f"{key}: the runs have no value in common; compare other runs")
         grid[name] = order_values(list(shared), first.grid[name])
         if any(axis != shared for axis in axes):
             kept = ", ".join(map(show_value, grid[name]))
             notes.append(f"{key} differs between the runs; compared is what all have: {kept}")
     schemes = [name for name in first.schemes if all(name in a.schemes for a in aspects)]
-    require(bool(schemes), "schemes: the runs have no scheme in common; run common ones")
+    require(bool(schemes), "schemes: the runs have no scheme in common; compare other runs")
     left_out = sorted({name for a in aspects for name in a.schemes} - set(schemes))
     if left_out:
         notes.append(f"schemes that not all runs have are left out: {', '.join(left_out)}")
@@ -87,23 +90,29 @@ def find_common(runs: Sequence[Candidate], aspects: Sequence[Aspects]) -> tuple[
 class Judged:
     """A run's results in the cells and schemes that all compared runs have.
 
+    A cell is one value of each condition. A boundary is the value of the last condition above
+    which the second of two schemes is better than the first.
+
     Attributes
     ----------
-    run, aspects
-        The run, and the study's description of the run.
+    run
+        The run.
+    aspects
+        The study's description of the run.
     best
-        The best scheme of every cell; columns as in best_scheme.csv.
+        A table with the best scheme of every cell; columns as in best_scheme.csv.
     samples
-        Values of the criterion: one row per (scheme, *conditions), one column per replicate. NaN
-        where a scheme did not finish a replicate.
+        The MSE by which schemes are judged: one row per scheme and cell, one column per replicate.
+        NaN where a scheme did not finish a replicate.
     boundaries
-        The boundary in every cell, as `results.boundary.find_boundary` returns it. None if no
-        boundary is asked for, or if it cannot be computed.
+        The boundaries of the run, as `results.boundary.find_boundary` returns them. None if the
+        study names no two schemes for a boundary, or if the boundaries cannot be computed.
     products
         The data from which the boundaries are computed, as `results.boundary.subtract_schemes`
-        returns them. None where `boundaries` is.
+        returns them. None if `boundaries` is None.
     no_boundary
-        The reason why an asked boundary cannot be computed; otherwise "".
+        A sentence that says why the boundaries cannot be computed; "" if they can be computed or
+        the study names no two schemes for a boundary.
     """
 
     run: Candidate
@@ -116,14 +125,20 @@ class Judged:
 
 
 def judge(run: Candidate, aspects: Aspects, shared: Aspects) -> Judged:
-    """Compute a run's best schemes, samples and boundaries in the cells and schemes of `shared`.
+    """Compute the results of a run for the conditions and schemes that all compared runs have.
+
+    The results are the best scheme of every cell (one value of each condition), the MSE of every
+    record, and the boundaries between two schemes.
 
     Parameters
     ----------
-    run, aspects
-        The run, and the study's description of the run.
+    run
+        The run.
+    aspects
+        The study's description of the run.
     shared
-        What all compared runs have in common, as `find_common` returns it.
+        The description with the conditions and schemes that all compared runs have, as
+        `find_common` returns it.
     """
     rows, criterion = run.rows, shared.criterion
     for condition in shared.conditions:

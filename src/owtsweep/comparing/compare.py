@@ -1,4 +1,4 @@
-"""Compare runs of one study: make the tables, figures and text."""
+"""Compare runs of one study: make the tables, the figures and the text of the report."""
 
 from __future__ import annotations
 
@@ -24,21 +24,23 @@ def compare(
 ) -> Findings:
     """Make tables, figures and text on how best scheme, boundary and errors change between runs.
 
+    The figures are written into `folder`. Tables and text are returned, but not written.
+
     Parameters
     ----------
     comparison
-        The runs, and the pairs of them to compare.
+        The runs, and the pairs of runs to compare.
     folder
-        Folder for the figures, which are written here; the tables are only returned.
+        Folder for the figures.
     describe
         Function that returns the study's description of a run.
     metadata
-        Texts by name to store inside the figures' files.
+        Name -> text; these texts are stored inside the files of the figures.
 
     Raises
     ------
     InputError
-        As `common.find_common`, if the runs cannot be compared.
+        If the runs cannot be compared, for example because they have no scheme in common.
     """
     import pandas as pd
 
@@ -49,7 +51,7 @@ def compare(
     runs = [judge(run, told, shared) for run, told in zip(comparison.runs, aspects, strict=True)]
     tables = {
         "runs": pd.DataFrame(
-            [{"folder": run.name, "hash": run.hash} | run.shown for run in comparison.runs]
+            [{"folder": run.name, "hash": run.hash} | run.written for run in comparison.runs]
         ),
         "best_schemes": _gather(comparison.runs, [run.best for run in runs]),
         "boundaries": _gather(comparison.runs, [run.boundaries for run in runs]),
@@ -67,15 +69,15 @@ def compare(
 
 
 def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame:
-    """Join the runs' tables into one, with each run's folder and swept values as first columns.
+    """Join the tables of several runs; the first columns are the run's folder and swept values.
 
-    A run whose table is None is left out.
+    `tables` has one table per run. A run whose table is None is left out.
     """
     import pandas as pd
 
     return pd.DataFrame(
         [
-            {"folder": run.name} | run.shown | row
+            {"folder": run.name} | run.written | row
             for run, table in zip(runs, tables, strict=True)
             if table is not None
             for row in table.to_dict("records")
@@ -86,7 +88,23 @@ def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) ->
 def _compare_pairs(
     pairs: Sequence[Pair], runs: Sequence[Judged], shared: Aspects
 ) -> tuple[dict[str, pd.DataFrame], list[str]]:
-    """Make the tables on pairs of runs, by name, and a note if pairs do not share their records."""
+    """Make the tables that compare pairs of runs.
+
+    Parameters
+    ----------
+    pairs
+        The pairs to compare.
+    runs
+        The results of all runs.
+    shared
+        The conditions, values and schemes that all runs have.
+
+    Returns
+    -------
+    tuple
+        The tables by name; and a list with a sentence for the user if the runs of some pair do not
+        have the same motion and noise, otherwise an empty list.
+    """
     import pandas as pd
 
     from owtsweep.comparing import changes
@@ -136,7 +154,10 @@ def _draw(
     folder: Path,
     metadata: Mapping[str, str],
 ) -> tuple[list[Path], list[str]]:
-    """Draw and save the figures; return the files, and notes on figures that were not drawn."""
+    """Draw and save the figures of a comparison.
+
+    Return the files, and sentences that name each figure that was not drawn, with the reason.
+    """
     import pandas as pd
 
     from owtsweep.comparing import boundary_figure, maps

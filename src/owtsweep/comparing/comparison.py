@@ -1,7 +1,7 @@
 """The types that the sweep package and the studies share to compare runs.
 
-`owtsweep.sweep.compare` finds the runs, the keys in which they differ, and the pairs to compare. A
-study that is `Comparable` turns these into findings.
+`owtsweep.sweep.compare` finds the runs, the keys in which the runs differ, and the pairs of runs to
+compare: a `Comparison`. A study that is `Comparable` turns the comparison into `Findings`.
 """
 
 from __future__ import annotations
@@ -19,12 +19,23 @@ if TYPE_CHECKING:
 
 
 def show(value: Any) -> str:
-    """Return a value as a user would type it in an override; longer texts end after 27 letters."""
+    """Return a configuration value as a user would type it in an override.
+
+    A text of more than 30 letters is cut after 27 letters, and "..." is appended.
+    """
     if isinstance(value, float):
         return f"{value:.10g}"
     text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
     text = printable(text)
     return text if len(text) <= 30 else f"{text[:27]}..."
+
+
+def write(value: Any) -> int | float | str:
+    """Return a value for a table: a number as it is, anything else as text, in JSON if need be."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return value
+    text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+    return printable(text)
 
 
 def identify(value: Any) -> str:
@@ -33,9 +44,10 @@ def identify(value: Any) -> str:
 
 
 def rank_values(values: Sequence[Any]) -> list[int]:
-    """Return the place (0, 1, ...) of each value among the distinct values.
+    """Return the rank of each value: its index, from 0, among the distinct values in order.
 
-    Numbers are ordered by size. If a value is not a number, the order is that of first appearance.
+    If all values are numbers, the distinct values are ordered by size, otherwise by their first
+    appearance. Equal values have equal ranks.
     """
     numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
     distinct = {identify(value): value for value in values}
@@ -52,11 +64,11 @@ class Candidate:
     name
         The name of the run's folder.
     hash
-        The run's hash.
+        The hash of the run's configuration.
     config
         The resolved configuration.
     rows
-        The rows of the run's stored cases, including failed ones, sorted.
+        The sorted rows of the run's stored cases, including the failed cases.
     values
         Swept configuration key -> this run's value, in the order of `Comparison.keys`.
     """
@@ -69,12 +81,17 @@ class Candidate:
 
     @property
     def shown(self) -> dict[str, str]:
-        """The run's values as texts, by swept key."""
+        """Swept configuration key -> this run's value as text."""
         return {key: show(value) for key, value in self.values.items()}
 
     @property
+    def written(self) -> dict[str, Any]:
+        """The run's values for tables, by swept key: numbers exactly, all others as whole texts."""
+        return {key: write(value) for key, value in self.values.items()}
+
+    @property
     def label(self) -> str:
-        """The name of the run in tables and figures: its swept keys and values as "key=value"."""
+        """The run's name in tables and figures: "key=value" for each swept key, side by side."""
         return " ".join(f"{key}={text}" for key, text in self.shown.items())
 
 
@@ -87,8 +104,9 @@ class Pair:
     first, second
         Indices of the runs in `Comparison.runs`.
     along
-        The swept key in which the two runs have neighbouring values while all other keys are equal;
-        or "first run" if the second run is compared with the first run of the comparison.
+        The swept key in which the two runs have neighbouring values; in all other keys they agree.
+        If there is no such key, `first` is the first run of the whole comparison and `along` is
+        "first run".
     """
 
     first: int
@@ -98,16 +116,16 @@ class Pair:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Runs of one study in the order of their swept values.
+    """Runs of one study to compare; a swept key is a configuration key in which the runs differ.
 
     Attributes
     ----------
     keys
-        The swept configuration keys that distinguish the runs.
+        The swept keys that distinguish the runs.
     following
-        Further swept keys. Their values follow from those of `keys`, so they are not shown.
+        Further swept keys, which are not shown because their values follow from those of `keys`.
     runs
-        The runs.
+        The runs, in the order of their values of `keys`.
     pairs
         The pairs of runs to compare.
     """
@@ -118,7 +136,11 @@ class Comparison:
     pairs: tuple[Pair, ...]
 
     def rank(self, key: str) -> list[int]:
-        """Return the place (0, 1, ...) of each run's value of a key among the distinct values."""
+        """Return, for each run, the rank (from 0) of its value of a swept key among all runs.
+
+        Numbers are ordered by size, other values by first appearance. Equal values have equal
+        ranks.
+        """
         return rank_values([run.values[key] for run in self.runs])
 
 
@@ -129,15 +151,15 @@ class Findings:
     Attributes
     ----------
     tables
-        Name -> table; each is written as `<name>.csv`.
+        Name -> table; each table is to be written as `<name>.csv`.
     overview
         A table of texts for the terminal, one row per run, in the order of the runs.
     notes
-        Sentences for the reader, e.g. on what was left out or which runs are not paired.
+        Sentences for the reader, e.g. on what was left out.
     report
         Sections of the file `comparison.md`, in Markdown.
     figures
-        The figures' files, already written.
+        Paths of the figures' files, which have been written.
     """
 
     tables: Mapping[str, pd.DataFrame]
@@ -149,18 +171,25 @@ class Findings:
 
 @runtime_checkable
 class Comparable(Protocol):
-    """A study whose runs can be compared."""
+    """The interface of a study whose runs can be compared."""
 
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
-        """Compare runs, save the figures in `folder`, and return the findings.
+        """Compare runs, write figures into `folder`, and return tables, figures and text.
 
-        `metadata` are texts by name to store inside the figures' files.
+        Parameters
+        ----------
+        comparison
+            The runs, and the pairs of runs to compare.
+        folder
+            Folder for the figures.
+        metadata
+            Name -> text; these texts are stored inside the files of the figures.
 
         Raises
         ------
         InputError
-            If these runs cannot be compared; then nothing has been written.
+            If these runs cannot be compared. In this case nothing is written.
         """
         ...

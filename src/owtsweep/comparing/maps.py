@@ -1,4 +1,7 @@
-"""Draw the best-scheme maps of several runs side by side, with the boundary of two schemes."""
+"""Draw maps of the best scheme of several runs side by side, with a boundary of two schemes.
+
+The boundary is the value of a condition above which the second of two schemes is better.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ import numpy as np
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.common import Judged
 from owtsweep.comparing.comparison import Comparison
-from owtsweep.figures import style
+from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import draw_cells, explain_marks
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
@@ -34,11 +37,18 @@ Panels = list[list[int | None]]
 
 
 def arrange(comparison: Comparison) -> Panels | None:
-    """Assign a panel to every run.
+    """Assign a panel of a figure to every run of a comparison.
 
-    With two swept keys, the first key's values run across and the second's downwards. With one key,
-    the runs fill rows of `WRAP` panels. Returns None if the runs differ in more than two keys, or
-    if there would be more than `MOST_PANELS` panels.
+    If the runs differ in two keys, each value of the first key has a column of panels, and each
+    value of the second key has a row. If the runs differ in one key, they fill rows of `WRAP`
+    panels.
+
+    Returns
+    -------
+    list of list, or None
+        Row by row, the index of the run in each panel; None for an empty panel. Instead of the
+        list, None if the runs differ in more than two keys, or if there would be more than
+        `MOST_PANELS` panels.
     """
     keys, count = comparison.keys, len(comparison.runs)
     if len(keys) > 2 or count > MOST_PANELS:
@@ -65,22 +75,25 @@ def draw(
     *,
     subtitle: str,
 ) -> Figure:
-    """Draw one best-scheme map per run, with the boundary of the two schemes where there is one.
+    """Draw a map of the best scheme for each run, one run per panel.
+
+    If the study names two schemes for a boundary, the maps also show this boundary where it
+    exists: the value of the last condition above which the second scheme is better.
 
     Parameters
     ----------
     panels
-        The place of each run's panel, as `arrange` returns it.
+        Row by row, the index in `runs` of the run in each panel; None for an empty panel.
     runs
-        The runs, which differ in one or two keys.
+        The results of the runs, which differ in one or two keys.
     shared
-        What the runs have in common.
+        The conditions, values and schemes that all runs have.
     plane
         The axes of each map.
     subtitle
         The end of the title, which says by what the schemes are judged.
     """
-    from matplotlib.patches import Patch
+    from owtsweep.figures.shades import HANDLERS, Shades
 
     rows, columns = len(panels), len(panels[0])
     width = min(max(2.9, 0.5 * len(plane.columns)), 5.0)
@@ -114,22 +127,24 @@ def draw(
             grid[lowest][column].tick_params(labelbottom=True)
             grid[lowest][column].set_xlabel(plane.across.title)
         handles: list[Any] = [
-            Patch(facecolor=style_of(name, shared.schemes).color, label=style.label_of(name))
+            Shades(facecolor=style_of(name, shared.schemes).color, label=style.label_of(name))
             for name in shared.schemes
         ]
         handles += explain_marks(hatched=hatched, holes=holes)
         if line:
             label = f"{'/'.join(shared.boundary or ())} boundary"
             handles += grid[0][0].plot([], [], **LINE, label=label)
-        style.add_legend_above(figure, handles, f"Best scheme {subtitle}", columns=4)
+        style.add_legend_above(figure, handles, f"Best scheme {subtitle}", 4, HANDLERS)
         style.footnote(figure, _explain(shared, plane, hatched=hatched, line=line))
     return figure
 
 
 def _draw_boundary(axes: Axes, boundaries: pd.DataFrame | None, plane: Plane) -> bool:
-    """Draw the boundary if its condition is the map's vertical axis; return whether it was drawn.
+    """Draw the boundary of two schemes into a map; return whether anything was drawn.
 
-    Without a boundary in any cell, nothing is drawn.
+    The boundary is drawn only if the vertical axis of the map is the condition in which the
+    boundary is measured. Nothing is drawn if the table `boundaries` is None or holds no boundary.
+    `plane` is the map's axes.
     """
     if boundaries is None or plane.upwards is None or not plane.upwards.expands:
         return False
@@ -147,10 +162,10 @@ def _draw_boundary(axes: Axes, boundaries: pd.DataFrame | None, plane: Plane) ->
 
 
 def _explain(shared: Aspects, plane: Plane, *, hatched: bool, line: bool) -> str:
-    parts = []
+    parts = [margin.EXPLANATION] if len(shared.schemes) > 1 else []
     if hatched:
         parts.append(
-            "Hatched: the data do not tell best and next best apart (paired difference, 95 %,"
+            "Hatched: the data do not tell best and runner-up apart (paired difference, 95 %,"
             " Holm's correction over the cells of one map)."
         )
     if line and shared.boundary and plane.upwards:

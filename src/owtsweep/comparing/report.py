@@ -1,4 +1,4 @@
-"""Write the text of a comparison: an overview with one row per run, and the report's sections."""
+"""Write the text of a comparison: an overview for the terminal, and the sections of a report."""
 
 from __future__ import annotations
 
@@ -15,11 +15,22 @@ if TYPE_CHECKING:
 
 
 def make_overview(runs: Sequence[Judged], shared: Aspects, changed: pd.DataFrame) -> pd.DataFrame:
-    """Make a table with one row per run, for the terminal.
+    """Make the table of a comparison for the terminal: one row per run, with texts as entries.
 
-    The columns hold the number of cells won by each scheme, the range of the boundary, and the
-    number of cells whose best scheme is not that of the first run. `changed` is the table of
-    changed cells of all pairs of runs.
+    The columns are: for each scheme, the number of cells in which the scheme is best; the range of
+    the boundary between two schemes, if the study has one; and the number of cells in which the
+    best scheme differs from the best scheme of the first run. A cell is one value of each
+    condition.
+
+    Parameters
+    ----------
+    runs
+        The results of the runs.
+    shared
+        The conditions, values and schemes that all runs have.
+    changed
+        The table changed_cells.csv: for each pair of runs, one row per cell in which the best
+        scheme differs between the two runs.
     """
     import pandas as pd
 
@@ -53,9 +64,17 @@ def _tell_range(boundaries: pd.DataFrame | None, shared: Aspects) -> str:
 
 
 def write_sections(shared: Aspects, tables: Mapping[str, pd.DataFrame]) -> str:
-    """Write the sections of the report in Markdown: what the columns mean, what changed, the files.
+    """Return the sections of a comparison's report, in Markdown.
 
-    `tables` are the comparison's tables by name.
+    The sections explain the columns of the overview, say which cells changed their best scheme and
+    how the boundary moved, and list the files.
+
+    Parameters
+    ----------
+    shared
+        The conditions, values and schemes that all runs have.
+    tables
+        The comparison's tables by name.
     """
     files = [
         "- `runs.csv`: run folders, hashes, swept values",

@@ -1,7 +1,9 @@
-"""The configuration: Hydra composes plain data, a study's model types them, and checks follow.
+"""Make the configuration of a run from YAML files and overrides, in three steps.
 
-This package knows no study. `owtsweep.studies` finds the tree of YAML files and the pydantic model
-of a study, and calls the three steps in order. After these steps no OmegaConf objects are used.
+Hydra composes plain data (dicts, lists and scalars). A study's pydantic model turns the plain data
+into a frozen object and checks every key by itself. Then conditions on several keys are checked.
+This package knows no study: `owtsweep.studies` finds the YAML files and the model of a study, and
+calls the three steps in order. After the first step no OmegaConf objects are used.
 """
 
 from owtsweep.config.axes import Axis
@@ -10,10 +12,11 @@ from owtsweep.config.composition import Tree, compose_plain, conf_directory
 from owtsweep.config.section import Finite, NotNegative, Positive, Section, key
 from owtsweep.config.stored import dump
 from owtsweep.config.typed import as_mapping, changed, checked, typed, with_values
+from owtsweep.config.units import dump_with_units
 from owtsweep.errors import require
 
 __all__ = [
     "Axis", "Compute", "Config", "Finite", "NotNegative", "Positive", "Section", "Tree",
-    "as_mapping", "changed", "checked", "compose_plain", "conf_directory", "dump", "key",
-    "require", "typed", "with_values",
+    "as_mapping", "changed", "checked", "compose_plain", "conf_directory", "dump",
+    "dump_with_units", "key", "require", "typed", "with_values",
 ]  # fmt: skip

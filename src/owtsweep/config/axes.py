@@ -1,8 +1,8 @@
-"""Axes of a grid: lists of numbers, in which an entry may also be a range of numbers.
+"""Axes of a grid: lists of values in the configuration, where an entry may be a range of numbers.
 
-`[{log: [0.05, 10, 5]}, 20]` is five logarithmically spaced numbers from 0.05 to 10, and 20.
-`{linear: [1, 3, 5]}` is five equally spaced numbers from 1 to 3. Ranges are replaced by numbers
-when the configuration is typed, so config.yaml stores numbers.
+The axis `[{log: [0.05, 10, 5]}, 20]` has five logarithmically spaced numbers from 0.05 to 10, and
+then 20. The entry `{linear: [1, 3, 5]}` is five equally spaced numbers from 1 to 3. Ranges are
+replaced by their numbers when a configuration is read, so config.yaml stores numbers.
 """
 
 from __future__ import annotations
@@ -24,12 +24,14 @@ DIGITS = 12
 
 
 def expand(values: Any) -> Any:
-    """Replace the ranges in a list by numbers; return a value that is not a list unchanged.
+    """Replace each range in a list, e.g. `{log: [0.05, 10, 5]}`, by its numbers.
+
+    If `values` is not a list, return it unchanged.
 
     Raises
     ------
     ValueError
-        If a range is impossible, or the list has more than `MOST_POINTS` numbers.
+        If a range is impossible, or the new list has more than `MOST_POINTS` entries.
     """
     if not isinstance(values, list):
         return values
@@ -42,7 +44,7 @@ def expand(values: Any) -> Any:
 
 
 def require_distinct(values: list[Any]) -> list[Any]:
-    """Return the list; raise `ValueError` if it contains a value twice."""
+    """Return the list `values` unchanged; raise `ValueError` if the list contains a value twice."""
     if len(set(values)) < len(values):
         raise ValueError("a value stands there twice; list it once")
     return values
@@ -57,17 +59,20 @@ Axis = Annotated[
 
 
 def is_axis(field: FieldInfo) -> bool:
-    """Return whether the type of a field is an `Axis`."""
+    """Return whether the type of a configuration key is an `Axis`; `field` is the key's field."""
     return any(getattr(mark, "func", None) is expand for mark in field.metadata)
 
 
 def _numbers(entry: Mapping[Any, Any]) -> list[float]:
-    """Return the numbers of one range, e.g. of `{log: [0.05, 10, 5]}`; its ends are not rounded.
+    """Return the numbers of one range, e.g. five numbers for `{log: [0.05, 10, 5]}`.
+
+    The first and the last number are returned exactly, the others rounded to `DIGITS` digits.
 
     Raises
     ------
     ValueError
-        If the range is impossible. The message continues a sentence that begins with the axis' key.
+        If the range is impossible. The message does not name the axis; the caller puts the key of
+        the axis before the message.
     """
     shown = ", ".join(f"{spacing}: {ends}" for spacing, ends in entry.items())
     try:

@@ -1,4 +1,4 @@
-"""The keys that every study has."""
+"""The configuration keys that every study has."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CONFIG_VERSION = 1
 
 
 class Compute(Section):
-    """The keys that say how to compute. No result and no block key depends on these keys."""
+    """The configuration keys that say how to compute. No result depends on these keys."""
 
     backend: Literal["auto", "threading", "loky", "dask"] = key(
         "what runs the blocks; auto leaves the choice to the study", default="auto"
@@ -40,7 +40,7 @@ class Compute(Section):
 
 
 class Config(Section):
-    """The keys that every study has; a study's configuration class adds further keys."""
+    """The configuration keys that every study has; the subclass of a study adds further keys."""
 
     #: Keys and sections on which no stored number depends; a study may add keys to this set. Every
     #: other key changes the blocks that depend on it (`owtsweep.testing.check_keys` tests this).
@@ -84,27 +84,39 @@ class Config(Section):
         """
         return plain
 
-    def describe_code(self) -> Any:
-        """Return a description, as JSON data, of the user's own code that the keys name.
+    def describe_origin(self) -> str:
+        """Return in a line what the run's numbers depend on: truth, tuning, seed, records per cell.
 
-        The description is stored with the run, because reading a run does not execute that code.
-        This base class returns None, because its keys cannot name code.
+        The line is empty if the study does not say.
+        """
+        return ""
+
+    def start_of_folder(self) -> str:
+        """Return the text with which the name of the run folder begins, before the run's hash."""
+        return self.experiment
+
+    def describe_code(self) -> Any:
+        """Return a description of the user's own code that the keys of this configuration name.
+
+        The description is JSON data and is stored with the run, since the code itself is not
+        executed when the run is read. This base class returns None, because its keys cannot name
+        code.
         """
         return None
 
     @classmethod
     def hide_code(cls, plain: dict[str, Any], described: Any) -> dict[str, Any]:
-        """Return stored keys without the names of code, so that reading a run executes no code.
+        """Return the keys of a stored run without names of code, so that no code is executed.
 
         This base class returns the keys unchanged, because its keys cannot name code.
 
         Parameters
         ----------
         plain
-            The keys as plain data.
+            The keys of the stored run, as nested dicts, lists and scalars.
         described
-            What `describe_code` returned for these keys; None if the run was made before such
-            descriptions were stored.
+            The description that `describe_code` returned when the run was made; None if the run
+            has no description, because it was made by an older version.
 
         Raises
         ------
@@ -114,7 +126,13 @@ class Config(Section):
         return plain
 
     def check(self) -> None:
-        """Raise `InputError` if values cannot work together; a study may extend this method."""
+        """Check conditions on several keys, and on the run's name; a study may add further checks.
+
+        Raises
+        ------
+        InputError
+            If values do not fit together, or a value is refused.
+        """
         self._check_scheduler(self.compute.backend, self.compute.scheduler)
         engine = type(self).model_fields["engine"]
         require(
@@ -146,7 +164,7 @@ class Config(Section):
             return
         require(
             scheduler is not None,
-            "compute.scheduler: compute.backend=dask needs one; give tcp://host:port",
+            "compute.scheduler: compute.backend=dask needs an address; give tcp://host:port",
         )
         require(
             re.fullmatch(r"(tcp|tls)://(\[[^\]]+\]|[^:/\s]+):\d+", str(scheduler)) is not None,

@@ -1,4 +1,4 @@
-"""Compose overrides and a tree of YAML files to plain data, with Hydra."""
+"""Compose a configuration from a folder of YAML files and overrides, with Hydra."""
 
 from __future__ import annotations
 
@@ -11,16 +11,17 @@ from typing import Any
 
 from owtsweep.config import tunings
 from owtsweep.config.common import Config
-from owtsweep.config.given_files import check_chosen_files
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
 from owtsweep.config.stored import DEEPEST, read, resolved
-from owtsweep.config.tuning_files import placed
+from owtsweep.config.tuning_files import place_files
 from owtsweep.config.tunings import holds
 from owtsweep.errors import InputError, require, shorten
 
 #: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
 TREES = "studies"
+#: Most digits of a number in an override: Python makes no number of more than 4300.
+MOST_DIGITS = 4000
 
 
 @dataclass(frozen=True)
@@ -30,11 +31,11 @@ class Tree:
     Attributes
     ----------
     folder
-        The folder.
+        The path of the folder.
     primary
-        The name of its primary file, without .yaml.
+        The name, without .yaml, of the file in `folder` with which Hydra begins.
     model
-        The model of the configuration; error messages take the names of keys from it.
+        The pydantic model of the configuration, from which error messages take the names of keys.
     """
 
     folder: Path
@@ -42,19 +43,19 @@ class Tree:
     model: type[Config]
 
     def groups(self) -> list[str]:
-        """Return the sorted names of the tree's config groups, i.e. of its subfolders."""
+        """Return the sorted names of the config groups, i.e. of the subfolders of `folder`."""
         folders = (path.name for path in self.folder.iterdir() if path.is_dir())
         return sorted(name for name in folders if name != TREES)
 
     def options(self, group: str) -> list[str]:
-        """Return the sorted names of a config group's files, without .yaml."""
+        """Return the options of a config group: the sorted names of its files, without .yaml."""
         return sorted(path.stem for path in (self.folder / group).glob("*.yaml"))
 
     def admit(self, overrides: Sequence[str]) -> list[str]:
-        """Return the overrides, with `++` before each key whose default is only in the model.
+        """Return the overrides, with `++` before each one whose key is not in the primary file.
 
-        Hydra refuses to set a key that the YAML files do not list, unless the override begins with
-        `++`.
+        Without `++`, Hydra refuses to set a key that is not in the YAML files. Overrides of config
+        groups, and of keys without a default in the model, are returned unchanged.
         """
         listed = _listed_keys(self)
         groups = self.groups()
@@ -69,20 +70,42 @@ class Tree:
 
 
 def quote_home(override: str) -> str:
-    """Return `results=~/x` as `results='~/x'`, and any other override unchanged.
+    """Put quotes around a results folder that begins with `~`: `results=~/x` to `results='~/x'`.
 
-    Hydra reads `~` only in quotes. Most shells do not expand `~` behind the equals sign.
+    Return any other override unchanged. Hydra accepts `~` in a value only if the value is quoted,
+    and most shells do not replace `~` after an equals sign.
     """
     return re.sub(r"^(\+*results=)(~[^'\",]*)$", r"\1'\2'", override)
 
 
-def conf_directory() -> Path:
-    """Return the folder `conf`: inside the installed package, or beside src in a checkout.
+def require_readable(overrides: Sequence[str]) -> None:
+    """Check what Hydra would answer with an error of several lines or of another kind.
 
     Raises
     ------
     InputError
-        If neither folder holds a sweep.yaml.
+        If an override has no key, or holds a number of more than `MOST_DIGITS` digits.
+    """
+    for override in overrides:
+        require(
+            override.partition("=")[0].strip("+~") != "",
+            f"{override!r}: this is no override; use key=value",
+        )
+        require(
+            re.search(rf"[\d_]{{{MOST_DIGITS + 1}}}", override) is None,
+            f"{shorten(override, 60)}: a number has at most {MOST_DIGITS} digits",
+        )
+
+
+def conf_directory() -> Path:
+    """Return the folder `conf` of owtsweep's own YAML files.
+
+    The folder is inside the installed package, or beside the folder src in a checkout.
+
+    Raises
+    ------
+    InputError
+        If neither place has a folder `conf` with the file sweep.yaml.
     """
     package = Path(__file__).resolve().parents[1]
     for candidate in (package / "conf", package.parents[1] / "conf"):
@@ -92,28 +115,42 @@ def conf_directory() -> Path:
 
 
 def compose_hydra(tree: Tree, overrides: Sequence[str], *, settings: bool = False) -> Any:
-    """Return the OmegaConf object that Hydra composes from a tree and overrides.
+    """Return the OmegaConf object that Hydra composes from YAML files and overrides.
 
-    With `settings`, the object also holds Hydra's own settings.
+    `tree` is the folder of YAML files. With `settings`, the object also holds Hydra's own settings.
 
     Raises
     ------
     InputError
-        For errors of Hydra and OmegaConf; the message is one line.
+        If Hydra or OmegaConf refuses a file or an override; the message is one line.
     """
-    from hydra import compose, initialize_config_dir
+    from hydra import compose
 
-    with hydra_in_one_line(tree), initialize_config_dir(str(tree.folder), version_base="1.3"):
+    with hydra_in_one_line(tree), _hydra_of(tree):
         return compose(tree.primary, overrides=list(overrides), return_hydra_config=settings)
+
+
+@contextmanager
+def _hydra_of(tree: Tree) -> Iterator[None]:
+    """Set Hydra up for a tree, also within a run that Hydra itself has started (a multirun)."""
+    from hydra import initialize_config_dir
+    from hydra.core.global_hydra import GlobalHydra
+
+    running = GlobalHydra.instance().hydra
+    GlobalHydra.instance().clear()
+    try:
+        with initialize_config_dir(str(tree.folder), version_base="1.3"):
+            yield
+    finally:
+        GlobalHydra.instance().hydra = running
 
 
 def find_options(tree: Tree, overrides: Sequence[str], group: str) -> list[str]:
     """Return the names of the files of a config group that Hydra would compose, in their order."""
-    from hydra import initialize_config_dir
     from hydra.core.global_hydra import GlobalHydra
     from hydra.types import RunMode
 
-    with hydra_in_one_line(tree), initialize_config_dir(str(tree.folder), version_base="1.3"):
+    with hydra_in_one_line(tree), _hydra_of(tree):
         loader = GlobalHydra.instance().config_loader()
         chosen = loader.compute_defaults_list(tree.primary, list(overrides), RunMode.RUN).defaults
     paths = [str(default.config_path) for default in chosen]
@@ -126,7 +163,8 @@ def compose_plain(
     """Compose a tree and overrides to plain data: dicts, lists and scalars.
 
     If several tunings are chosen, e.g. by `tuning=[paper,matched]`, each is composed by itself, and
-    the results are joined (`owtsweep.config.tunings.join`).
+    the results are joined (`owtsweep.config.tunings.join`). A tuning may be a file of the user's
+    (`owtsweep.config.tuning_files`).
 
     Parameters
     ----------
@@ -143,48 +181,45 @@ def compose_plain(
         If Hydra refuses an override or a file, `config_dir` is no folder, a value could not be
         stored, or several tunings cannot be joined; the message is one line.
     """
-    with placed(overrides, tree.model.tuned) as (placed_overrides, folders):
-        words = [*_search_path(config_dir, placed_overrides, folders), *placed_overrides]
+    with place_files(overrides, tree.model.tuned) as (placed, folders):
+        words = [*_search_path(config_dir, placed, folders), *placed]
         return _compose_tunings(tree, words, overrides)
 
 
 def _compose_tunings(tree: Tree, words: Sequence[str], overrides: Sequence[str]) -> dict[str, Any]:
-    """Compose the words, which are the user's overrides and what Hydra needs besides them."""
+    """Compose a tree once for each tuning of `words`; join the results.
+
+    `overrides` are the user's own, for error messages. `words` are the overrides for Hydra: those
+    of the user, with tuning files replaced by options, and the folders that Hydra searches.
+    """
     names = _find_tunings(tree, words) if tree.model.tuned else []
     if len(names) < 2:
         return _compose(tree, words)
-    tunings.refuse_tuned_keys(tree.model.tuned, overrides, names, _listed_keys(tree))
+    tunings.refuse_tuned_keys(tree.model, overrides, names, _listed_keys(tree))
     others = [word for word in words if word.lstrip("+").partition("=")[0] != tunings.GROUP]
     composed = {name: _compose(tree, [*others, f"{tunings.GROUP}={name}"]) for name in names}
     return tunings.join(composed, tree.model.tuned)
 
 
 def _search_path(
-    config_dir: str | None, overrides: Sequence[str], folders: Sequence[str]
+    config_dir: str | None, overrides: Sequence[str], folders: Sequence[Path]
 ) -> list[str]:
-    """Check the overrides; return the override with which Hydra searches further folders.
+    """Check the overrides; return the override that makes Hydra search further folders, if any.
 
-    These are the folder `config_dir` of the user, and `folders`.
+    These are `config_dir`, which the user has named, and `folders`.
     """
+    require_readable(overrides)
     for override in overrides:
-        require(
-            override.partition("=")[0].strip("+~") != "",
-            f"{override!r}: this is no override; use key=value",
-        )
         require(
             not override.lstrip("+~").startswith("hydra"),
             f"{override}: Hydra's own settings work with --multirun only",
         )
-    searched = list(folders)
-    if config_dir is not None:
-        directory = _find_folder(config_dir)
-        check_chosen_files(directory, overrides)
-        searched.append(str(directory))
-    if not searched:
+    given = [] if config_dir is None else [_find_folder(config_dir)]
+    if not (given or folders):
         return []
-    quoted = [folder.replace("\\", "\\\\").replace("'", "\\'") for folder in searched]
-    places = ",".join(f"'file://{folder}'" for folder in quoted)
-    return [f"hydra.searchpath=[{places}]"]
+    from owtsweep.config.given_files import search_path_of
+
+    return [search_path_of([*given, *folders])]
 
 
 def _find_tunings(tree: Tree, words: Sequence[str]) -> list[str]:
@@ -207,7 +242,7 @@ def _refusing_no_names(tree: Tree, words: Sequence[str]) -> Iterator[None]:
         yield
     except InputError:
         raise
-    except (ValueError, TypeError, OSError) as error:
+    except (ValueError, TypeError, OSError) as error:  # no name where Hydra expects an option's
         wrong = [word for word in words if word.split("=")[0] in tree.groups()]
         text = shorten(" ".join(str(error).split()), 300)
         if not wrong:
@@ -233,7 +268,16 @@ def _find_folder(config_dir: str) -> Path:
 
 
 def _require_storable(key: str, value: Any, depth: int = 2) -> None:
-    """Raise `InputError` for a value that `config.stored` could not read from a run's folder."""
+    """Check that a value, once stored in a run's config.yaml, could be read again.
+
+    `key` is the key of the value, for the error message. `depth` is the number of lists and
+    mappings in which the value lies, including the value itself.
+
+    Raises
+    ------
+    InputError
+        If a text in the value contains "${", or lists and mappings lie more than `DEEPEST` deep.
+    """
     if isinstance(value, str):
         require("${" not in value, f"{key}: {value!r} holds ${{, which cannot be stored")
     if isinstance(value, dict | list):

@@ -2,12 +2,17 @@
 
 The user trusts these files, so they may hold interpolations and aliases. But a typing error must
 not end in a traceback, and aliases of aliases must not stand for more data than fit into memory.
+This module imports Hydra, so it is imported only if there is such a folder.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+
+from hydra._internal.core_plugins.file_config_source import FileConfigSource
+from hydra._internal.sources_registry import SourcesRegistry
+from hydra.plugins.config_source import ConfigResult
 
 from owtsweep.config.stored import DEEPEST, MOST_BYTES
 from owtsweep.errors import InputError, require
@@ -17,23 +22,40 @@ from owtsweep.io.reading import read_text
 MOST_VALUES = 1_000_000
 
 
-def check_chosen_files(directory: Path, overrides: Sequence[str]) -> None:
-    """Check the files that overrides choose from a folder of config groups.
+class CheckedFiles(FileConfigSource):
+    """A folder on Hydra's search path whose files are checked before they are read.
 
-    `tuning=mine` chooses the file tuning/mine.yaml in `directory`. A file that is not in
-    `directory` is not checked.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be read, is no YAML, nests too deeply, or holds too many values.
+    Its address on the search path is `checked://<folder>`. Hydra asks it for every file that it
+    reads from the folder: those that overrides choose, and those that other files name in their
+    `defaults`.
     """
-    for override in overrides:
-        group, _, options = override.lstrip("+").partition("=")
-        for option in options.strip("[]").split(","):
-            path = directory / group.partition("@")[0] / f"{option.strip(' ')}.yaml"
-            if len(option) < 100 and path.is_file():
-                _check_file(path)
+
+    @staticmethod
+    def scheme() -> str:
+        """Return how the folder's address begins."""
+        return "checked"
+
+    def load_config(self, config_path: str) -> ConfigResult:
+        """Read a file, e.g. `tuning/mine`.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, is no YAML, nests too deeply, or holds too many values.
+        """
+        _check_file(Path(self.path, self._normalize_file_name(config_path)))
+        return super().load_config(config_path)
+
+
+def search_path_of(directories: Sequence[Path]) -> str:
+    """Return the override by which Hydra finds groups in these folders too, and checks the files.
+
+    If several folders have a file of the same group and name, Hydra takes that of the first.
+    """
+    SourcesRegistry.instance().register(CheckedFiles)  # does nothing the second time
+    quoted = [str(path).replace("\\", "\\\\").replace("'", "\\'") for path in directories]
+    places = ",".join(f"'{CheckedFiles.scheme()}://{path}'" for path in quoted)
+    return f"hydra.searchpath=[{places}]"
 
 
 def _check_file(path: Path) -> None:
@@ -52,9 +74,11 @@ def _check_file(path: Path) -> None:
 
 
 def _measure(text: str) -> tuple[int, int]:
-    """Return how deep a YAML text nests, and how many values it holds with aliases replaced.
+    """Return the depth of a YAML text, and the number of its values.
 
-    Counting stops as soon as the depth exceeds `DEEPEST` or the number exceeds `MOST_VALUES`.
+    The depth is the largest number of nested lists and mappings, e.g. 3 for `a: {b: [1]}`. In the
+    number of values, an alias (`*name`) counts as the values for which the alias stands. Counting
+    stops as soon as the depth exceeds `DEEPEST` or the number exceeds `MOST_VALUES`.
     """
     import yaml
 

@@ -1,4 +1,4 @@
-"""Suggestions for a wrong key or name."""
+"""Suggest what the user may have meant by a wrong configuration key or a wrong name."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ RENAMED: dict[str, str] = {}
 
 
 def list_keys(model: Any, prefix: str = "") -> list[str]:
-    """Return all dotted keys of a configuration's model; sections are keys too.
+    """Return all dotted keys of a configuration, e.g. "compute" and "compute.workers".
 
+    `model` is the pydantic class of the configuration or of a section of the configuration.
     `prefix` is put before every key.
     """
     keys = []
@@ -26,10 +27,17 @@ def list_keys(model: Any, prefix: str = "") -> list[str]:
 
 
 def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
-    """Return a one-line message about a key that is not in `keys`.
+    """Return a one-line message about a configuration key that does not exist.
 
-    The message gives the new name of a renamed key, or the other keys of the key's section, or the
-    most similar key.
+    The message gives the new name if the key was renamed. Otherwise it lists the keys in the same
+    section, or names the most similar key, or says how to print all keys.
+
+    Parameters
+    ----------
+    key
+        The wrong key, e.g. "compute.worker".
+    keys
+        All keys that exist.
     """
     if key in RENAMED:
         return f"{key}: this key was renamed; use {RENAMED[key]}"
@@ -41,11 +49,15 @@ def explain_unknown_key(key: str, keys: Sequence[str]) -> str:
     beside = [name for name in keys if section and name.startswith(f"{section}.")]
     if beside and (not near or near[0] == section):  # the section is right, the key in it is not
         return f"{key}: there is no such key; there are {', '.join(beside)}"
-    hint = f"did you mean {near[0]}?" if near else "`python -m owtsweep sweep --cfg` shows all keys"
+    hint = f"did you mean {near[0]}?" if near else "`owtsweep sweep --cfg` shows all keys"
     return f"{key}: there is no such key; {hint}"
 
 
 def suggest_name(name: str, names: Sequence[str]) -> str:
-    """Return words that list all names, after the most similar one if any is similar."""
+    """Return words for an error message about a wrong name; the words list all valid `names`.
+
+    If one of `names` is similar to `name`, the words begin with "did you mean" and the most similar
+    name.
+    """
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     return (f"did you mean {near[0]}? There" if near else "there") + f" are {', '.join(names)}"

@@ -1,4 +1,4 @@
-"""Turn the errors of Hydra and OmegaConf, which have several lines, into one line."""
+"""Turn errors of Hydra and OmegaConf, whose messages have several lines, into one line each."""
 
 from __future__ import annotations
 
@@ -18,7 +18,13 @@ if TYPE_CHECKING:
 def hydra_in_one_line(tree: Tree | None = None) -> Iterator[None]:
     """Turn errors of Hydra, OmegaConf and YAML inside the context into an `InputError`.
 
-    With a tree, the message also lists the valid names of keys and options.
+    `tree` is the folder of YAML files that Hydra composes. If it is given, the message about a
+    wrong key or option also names valid ones.
+
+    Raises
+    ------
+    InputError
+        Instead of those errors; the message is one line.
     """
     from hydra.errors import HydraException
     from omegaconf.errors import OmegaConfBaseException
@@ -35,7 +41,11 @@ def hydra_in_one_line(tree: Tree | None = None) -> Iterator[None]:
 
 
 def in_one_line(error: Exception, tree: Tree | None = None) -> str:
-    """Return an error's message in one line; with a tree, the line also lists the valid names."""
+    """Return the message of an error of Hydra or OmegaConf in one line.
+
+    `tree` is the folder of YAML files that Hydra composes. If it is given, the message about a
+    wrong key or option also names valid ones.
+    """
     text = str(error)
     unknown = re.search(r"Could not override '([^']+)'", text)
     if tree and unknown and "is not in struct" in f"{text} {error.__cause__}":

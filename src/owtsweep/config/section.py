@@ -1,4 +1,7 @@
-"""A section of a configuration: a frozen pydantic model whose fields say what each key means."""
+"""The base class of all sections of a configuration, and the declaration of a section's keys.
+
+A section is a frozen pydantic model. Each field of the model is a configuration key.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +19,9 @@ SMALLEST, LARGEST = 1e-30, 1e30
 
 
 def require_magnitude(value: float) -> float:
-    """Return the number; raise `ValueError` if its magnitude is not from 1e-30 to 1e30.
+    """Return the number `value`; raise `ValueError` if its magnitude is not from 1e-30 to 1e30.
 
-    Zero, NaN and infinity are returned too: other checks refuse those.
+    Zero, NaN and infinity are returned unchanged, because other checks decide on them.
     """
     if math.isfinite(value) and value != 0.0 and not SMALLEST <= abs(value) <= LARGEST:
         raise ValueError(
@@ -42,10 +45,12 @@ TYPE_NAMES = {bool: "true or false", str: "text", int: "a whole number", float: 
 
 
 class Section(BaseModel):
-    """The base class of all sections. A section is frozen, and refuses a key that is no field.
+    """The base class of all sections of a configuration, a pydantic model.
 
-    Numbers given as text are converted, whole floats count as integers, and a number is accepted
-    as text. But true and false are neither numbers nor text, and no other value is true or false.
+    A section is frozen and refuses unknown keys. Where a number is expected, a text such as "2" is
+    converted; where an integer is expected, 2.0 is accepted; where a text is expected, a number is
+    converted. But true and false are accepted only where true or false is expected, and no other
+    value is accepted there.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", coerce_numbers_to_str=True)
@@ -54,12 +59,12 @@ class Section(BaseModel):
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
         """Check, when a subclass is defined, that no field puts bounds on a list of numbers.
 
-        pydantic would compare such bounds with the list itself, not with its numbers.
+        pydantic would compare such bounds with the list, not with the numbers in the list.
 
         Raises
         ------
         TypeError
-            If a field does; the message says how to write the bounds.
+            If a field puts bounds on a list; the message says how to write these bounds.
         """
         for name, field in cls.model_fields.items():
             bounded = any(hasattr(mark, sign) for mark in field.metadata for sign in BOUNDS)
@@ -90,12 +95,12 @@ def key(
     younger: bool = False,
     **bounds: Any,
 ) -> Any:
-    """Declare a key of a section.
+    """Declare a key of a section of the configuration; return the pydantic field.
 
     Parameters
     ----------
     meaning
-        The sentence about the key in docs/configuration.md.
+        What the key means, for docs/configuration.md.
     default
         The value of the key if a configuration does not set it. A key without a default is
         required.
@@ -106,23 +111,29 @@ def key(
     advice
         A remedy, for the error message about a number below its lower bound.
     younger
-        True if some stored runs were made before this key existed. Such a key is left out of
-        hashes and block keys while it has its default, so those of stored runs do not change.
+        True if some stored runs were made before this key existed. While the key has its default,
+        it is left out of the hash of a run and of the names of stored results. So the key does not
+        change the hash and the names of older runs.
     bounds
-        As for `pydantic.Field`: ge, gt, le, lt of a number, min_length and max_length of a list.
+        Bounds as for `pydantic.Field`: ge, gt, le and lt for a number, min_length and max_length
+        for a list.
     """
     facts: dict[str, Any] = {"unit": unit, "form": form, "advice": advice, "younger": younger}
     return Field(default, description=meaning, json_schema_extra=facts, **bounds)
 
 
 def read_facts(field: FieldInfo) -> dict[str, Any]:
-    """Return the unit, form, advice and younger that `key` declared for a field, by name."""
+    """Return facts about a configuration key: a dict with unit, form, advice and younger.
+
+    `field` is the pydantic field of the key, declared by the function `key`. A fact that was not
+    declared has its default.
+    """
     extra = field.json_schema_extra
     return NO_FACTS | extra if isinstance(extra, dict) else NO_FACTS
 
 
 def bare_type(annotation: Any) -> Any:
-    """Return a type without its bounds and without `| None`."""
+    """Return a type without its bounds and without `| None`, e.g. float for `Positive | None`."""
     if get_origin(annotation) is Annotated:
         return bare_type(get_args(annotation)[0])
     if get_origin(annotation) in (UnionType, Union):
@@ -131,19 +142,26 @@ def bare_type(annotation: Any) -> Any:
 
 
 def item_type(annotation: Any) -> Any:
-    """Return the bare type of the items if `annotation` is a list, else the bare type itself.
+    """Return the type of a list's items, or the type itself if it is not a list.
 
-    A bare type has no bounds and no `| None`.
+    `annotation` is a type. Bounds and `| None` are left out of the result.
     """
     kind = bare_type(annotation)
     return bare_type(get_args(kind)[0]) if get_origin(kind) is list else kind
 
 
 def fields_along(model: Any, path: Iterable[str | int]) -> list[FieldInfo]:
-    """Return the fields along a path of names: one per section on the way, then the key's field.
+    """Return the fields of the sections that lead to a key, then the field of the key itself.
 
-    The list is shorter than the path if the path leads into a list or a mapping, or if the key
-    does not exist.
+    The list is shorter than `path` if the path leads into a list or a mapping, or if the key does
+    not exist.
+
+    Parameters
+    ----------
+    model
+        The pydantic class of the configuration, or of the section with which the path begins.
+    path
+        The key split at its dots, e.g. ("compute", "workers"); an integer is an index of a list.
     """
     fields = []
     for name in path:
@@ -152,6 +170,13 @@ def fields_along(model: Any, path: Iterable[str | int]) -> list[FieldInfo]:
         fields.append(model.model_fields[name])
         model = bare_type(fields[-1].annotation)
     return fields
+
+
+def unit_of(model: Any, key: str) -> str:
+    """Return the declared unit of a dotted key of a model; "" if it has none, or does not exist."""
+    path = key.split(".")
+    fields = fields_along(model, path)
+    return str(read_facts(fields[-1])["unit"]) if len(fields) == len(path) else ""
 
 
 def is_section(kind: Any) -> bool:

@@ -1,7 +1,7 @@
-"""Write and read config.yaml, which holds all keys of a run's configuration.
+"""Write and read config.yaml, the file in a run's folder with all keys of its configuration.
 
-A run folder may be another person's, so a stored configuration is read with care: it may hold only
-values, no interpolations and no aliases.
+A run's folder may come from another person. A stored configuration is therefore refused if it
+contains an interpolation (`${...}`) or an alias (`*name`).
 """
 
 from __future__ import annotations
@@ -25,19 +25,22 @@ DEEPEST = 20
 
 
 def dump(config: Config) -> str:
-    """Return a configuration as YAML text."""
+    """Return all keys of a configuration as YAML text, the content of config.yaml."""
     from omegaconf import OmegaConf
 
     return OmegaConf.to_yaml(OmegaConf.create(as_plain(config)))
 
 
 def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
-    """Return the plain data of a YAML file; `resolve` replaces interpolations by their values.
+    """Return the content of a trusted YAML file as dicts, lists and scalars.
+
+    With `resolve`, interpolations (`${...}`) are replaced by their values; otherwise they stay
+    texts.
 
     Raises
     ------
     InputError
-        If the file is missing, or does not hold a mapping of keys.
+        If the file cannot be read, is no YAML, or does not hold a mapping of keys.
     """
     from omegaconf import OmegaConf
 
@@ -47,7 +50,10 @@ def read(path: Path, *, resolve: bool = True) -> dict[str, Any]:
 
 @contextmanager
 def _naming(path: Path) -> Iterator[None]:
-    """Turn any error of reading YAML into an InputError of one line that names the file."""
+    """Turn any error inside the context into an `InputError` that names the YAML file `path`.
+
+    The message is one line.
+    """
     try:
         yield
     except InputError as error:
@@ -58,14 +64,16 @@ def _naming(path: Path) -> Iterator[None]:
 
 
 def read_stored(path: Path) -> tuple[dict[str, Any], str]:
-    """Return the plain data of a stored config.yaml, and the text of the file.
+    """Return the content of a stored config.yaml, as plain data and as text.
+
+    Plain data are dicts, lists and scalars.
 
     Raises
     ------
     InputError
-        If the path is missing or no file, or the file is too large, is not a mapping of keys, or
-        holds an interpolation or an alias. An interpolation (`${...}`) could read this user's
-        environment. An alias (`*name`) can stand for more data than fit into memory.
+        If there is no file at `path`, or the file is too large, is not a mapping of keys, or
+        contains an interpolation or an alias. An interpolation (`${...}`) could read environment
+        variables of the user. An alias (`*name`) can stand for more data than fit into memory.
     """
     from omegaconf import OmegaConf
 
@@ -81,7 +89,14 @@ def read_stored(path: Path) -> tuple[dict[str, Any], str]:
 
 
 def _check_events(text: str) -> None:
-    """Raise `InputError` if a YAML text has an alias or nests too deeply, before it is loaded."""
+    """Check a YAML text before it is loaded: its aliases and its depth.
+
+    Raises
+    ------
+    InputError
+        If the text contains an alias (`*name`), or its lists and mappings lie more than `DEEPEST`
+        deep.
+    """
     import yaml
 
     depth = 0
@@ -96,7 +111,7 @@ def _check_events(text: str) -> None:
 
 
 def _texts(value: Any) -> Iterator[str]:
-    """Yield all texts in plain data, including the keys of mappings."""
+    """Yield all texts in nested dicts and lists, including the keys of the dicts."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict):
@@ -109,12 +124,16 @@ def _texts(value: Any) -> Iterator[str]:
 
 
 def resolved(mapping: Any, *, resolve: bool = True) -> dict[str, Any]:
-    """Return the plain data of an OmegaConf object; `resolve` replaces interpolations by values.
+    """Return the content of an OmegaConf object as dicts, lists and scalars.
+
+    With `resolve`, interpolations (`${...}`) are replaced by their values; otherwise they stay
+    texts.
 
     Raises
     ------
     InputError
-        If the object is not a mapping, or an interpolation to be replaced names a missing key.
+        If the object is not a mapping, or an interpolation cannot be replaced, for example because
+        it names a missing key.
     """
     from omegaconf import OmegaConf
 

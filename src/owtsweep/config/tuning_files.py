@@ -35,7 +35,9 @@ def list_tunings(override: str) -> list[str]:
 
 
 @contextmanager
-def placed(overrides: Sequence[str], tuned: Sequence[str]) -> Iterator[tuple[list[str], list[str]]]:
+def place_files(
+    overrides: Sequence[str], tuned: Sequence[str]
+) -> Iterator[tuple[list[str], list[Path]]]:
     """Give the tuning files that overrides name a place and a name for Hydra, for a while.
 
     Parameters
@@ -68,7 +70,7 @@ def placed(overrides: Sequence[str], tuned: Sequence[str]) -> Iterator[tuple[lis
             text = _checked_text(Path(word).expanduser(), tuned)
             (group / f"{option}.yaml").write_text(text, encoding="utf-8")
         try:
-            yield [_replace(override, options) for override in overrides], [folder]
+            yield [_replace(override, options) for override in overrides], [Path(folder)]
         except InputError as error:  # in the user's words
             told = str(error)
             for word, option in options.items():

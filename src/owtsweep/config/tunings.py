@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from owtsweep.config.common import Config
+from owtsweep.config.hints import list_keys
 from owtsweep.errors import InputError, require
 
 #: The config group of tunings, and the key that names the tunings of a run.
@@ -19,14 +21,19 @@ SECTIONS = "tunings"
 
 
 def refuse_tuned_keys(
-    tuned: Sequence[str], overrides: Sequence[str], names: Sequence[str], listed: Mapping[str, Any]
+    model: type[Config],
+    overrides: Sequence[str],
+    names: Sequence[str],
+    listed: Mapping[str, Any],
 ) -> None:
     """Refuse an override of a key that several tunings set, because it would change them all.
 
+    A key that does not exist is not refused here.
+
     Parameters
     ----------
-    tuned
-        The sections that a tuning sets.
+    model
+        The model of the configuration; its `tuned` are the sections that a tuning sets.
     overrides
         The user's overrides.
     names
@@ -42,8 +49,9 @@ def refuse_tuned_keys(
     """
     for override in overrides:
         key = override.partition("=")[0].lstrip("+~")
-        path = key.split(".")
-        if path[0] in tuned and not holds(listed, path):
+        changed = [k for k in list_keys(model) if f"{k}.".startswith(f"{key}.")]
+        tuned = [k for k in changed if k.split(".")[0] in model.tuned]
+        if not all(holds(listed, k.split(".")) for k in tuned):
             raise InputError(
                 f"{key}: this would change several tunings ({', '.join(names)}); choose one, e.g. "
                 f"{GROUP}={names[0]}"

@@ -1,4 +1,7 @@
-"""Turn plain data into frozen objects of a given model, and such objects into plain data."""
+"""Turn plain data into a frozen configuration object, and configuration objects into plain data.
+
+Plain data are dicts, lists and scalars. A configuration object is a pydantic model.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +20,14 @@ C = TypeVar("C", bound=Config)
 
 
 def typed(model: type[S], plain: Any) -> S:
-    """Return an object of the model; conditions on several keys together are not checked.
+    """Turn plain data into a frozen object of a pydantic model, a configuration or a section.
+
+    Each key is checked by itself; conditions on several keys are not checked.
 
     Raises
     ------
     InputError
-        For unknown keys (with the nearest known one), wrong types and values out of bounds.
+        If a key is unknown or missing, a type is wrong, or a value is out of bounds.
     """
     try:
         return model.model_validate(plain)
@@ -31,12 +36,13 @@ def typed(model: type[S], plain: Any) -> S:
 
 
 def checked(model: type[C], plain: Any) -> C:
-    """Return an object of the model, after all checks.
+    """Turn plain data into a frozen configuration of the class `model`, after all checks.
 
     Raises
     ------
     InputError
-        For unknown keys, wrong types, values out of bounds, and values that do not fit together.
+        If a key is unknown or missing, a type is wrong, a value is out of bounds, or values do not
+        fit together.
     """
     config = typed(model, plain)
     config.check()
@@ -44,21 +50,25 @@ def checked(model: type[C], plain: Any) -> C:
 
 
 def changed(section: S, **values: Any) -> S:
-    """Return a copy of a section with some fields replaced; types and bounds are not checked."""
+    """Return a copy of a section of a configuration, with the keys in `values` replaced.
+
+    The new values are not checked.
+    """
     return section.model_copy(update=values)
 
 
 def as_plain(section: Section) -> dict[str, Any]:
-    """Return all keys of a configuration or a section, as dicts, lists and scalars."""
+    """Return all keys of a configuration or of a section, as dicts, lists and scalars."""
     return section.model_dump(warnings=False)  # `changed` does not check types, so nor does this
 
 
 def as_mapping(section: Section) -> dict[str, Any]:
-    """Return the part of a configuration or a section from which hashes and block keys are made.
+    """Return the keys of a configuration or of a section from which hashes are made.
 
-    It consists of dicts, lists and scalars. A key declared as younger than stored runs is left out
-    while it has its default value. So is a younger section whose keys all have their defaults.
-    Hence a new key does not change the hashes and block keys of stored runs.
+    The result consists of dicts, lists and scalars. A key that was declared as younger (some stored
+    runs were made before the key existed) is left out while it has its default. A section that was
+    declared as younger is left out while all its keys are left out or have their defaults. So a new
+    key does not change the hashes of stored runs.
     """
     mapping = as_plain(section)
     for name, field in type(section).model_fields.items():
@@ -75,12 +85,15 @@ def as_mapping(section: Section) -> dict[str, Any]:
 
 
 def with_values(section: S, values: Mapping[str, Any]) -> S:
-    """Return a copy of a configuration or a section, with the values of some dotted keys set.
+    """Return a copy of a configuration or of a section, with some keys set to new values.
+
+    `values` maps a dotted key, e.g. "compute.workers", to its new value. Each key is checked by
+    itself; conditions on several keys are not checked.
 
     Raises
     ------
     InputError
-        For unknown keys, wrong types and values out of bounds.
+        If a key is unknown, a type is wrong, or a value is out of bounds.
     """
     plain = as_plain(section)
     for key, value in values.items():

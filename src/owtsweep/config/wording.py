@@ -1,4 +1,4 @@
-"""Turn an error of pydantic into one line: the key, what is wrong, and what would work."""
+"""Turn an error of pydantic into one line: the key, what is wrong, and mostly what would work."""
 
 from __future__ import annotations
 
@@ -8,19 +8,30 @@ from pydantic import ValidationError
 
 from owtsweep.config.hints import explain_unknown_key, list_keys
 from owtsweep.config.section import TYPE_NAMES, fields_along, item_type, read_facts
+from owtsweep.config.tunings import SECTIONS
 
 #: First words of pydantic's names of type errors -> the type expected.
 TYPES = {"bool": bool, "string": str, "int": int, "float": float}
 
 
 def in_one_line(error: ValidationError, model: Any) -> str:
-    """Return a one-line message about one of the errors.
+    """Return a one-line message about a configuration that pydantic has refused.
 
-    An unknown key is reported first, then a missing key, then a wrong value.
+    If `error` reports several faults, the message is about one of them: an unknown key if there is
+    one, else a missing key, else the first wrong value.
+
+    Parameters
+    ----------
+    error
+        The error of pydantic.
+    model
+        The pydantic class of the configuration, from which names, units and bounds are taken.
     """
     order = {"extra_forbidden": 0, "missing": 1}
     first = min(error.errors(include_url=False), key=lambda e: order.get(e["type"], 2))
     kind, value, limits, path = first["type"], first["input"], first.get("ctx", {}), first["loc"]
+    if path[:1] == (SECTIONS,):
+        path = path[2:]  # what belongs to one of several tunings is named as in a run of one
     steps = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     key = "".join(steps).removeprefix(".")
     if kind == "extra_forbidden":
@@ -53,9 +64,22 @@ def in_one_line(error: ValidationError, model: Any) -> str:
 
 
 def _beyond(kind: str, limits: dict[str, Any], value: Any, unit: str, advice: str) -> str:
-    """Return what the message says about a number beyond its bound.
+    """Return the part of an error message about a number beyond its bound, after the key.
 
-    `kind` is pydantic's name of the error, and `limits` holds the bound.
+    For a fault of another kind, return a general text with that kind.
+
+    Parameters
+    ----------
+    kind
+        pydantic's name of the fault, e.g. "greater_than".
+    limits
+        pydantic's name of the bound -> the bound; empty if there is none.
+    value
+        The refused value.
+    unit
+        The unit of the value; "" for none.
+    advice
+        What to do about a negative whole number, e.g. "use 0 or more".
     """
     shown = f"{value:g}" if isinstance(value, float) else str(value)  # it may be a text, or huge
     number = f"{shown} {unit}".strip()

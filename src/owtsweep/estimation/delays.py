@@ -1,10 +1,9 @@
 """The Kalman filter for measurements that arrive late, each with its own delay.
 
-At every step the filter goes back to the earliest step whose measurement has just arrived. From
-there the filter runs again with all measurements that have arrived. The result is exact for any
-delays.
-The extra cost is one step of filtering per step of delay. (The other exact method has one large
-state, with a copy of the state for every step of the longest delay.)
+At every step the filter goes back to the earliest step whose measurement has just arrived, and
+filters from that step again with all measurements that have arrived. The result is exact for any
+delays. The extra cost is one step of filtering per step of delay. (Another exact method extends the
+state by a copy of the state for every step of the longest delay.)
 """
 
 from __future__ import annotations
@@ -43,13 +42,15 @@ class Delayed:
     Attributes
     ----------
     state
-        Shape (series, steps, n): row k is the state of step k given all measurements that have
-        arrived by step k + lag, or by the record's end. The lag is that of `filter_delayed`.
+        Shape (series, steps, n), for n states. Row k estimates the state at step k from all
+        measurements that have arrived by step k + lag, or by the record's end if that is earlier.
+        `lag` is the argument of `filter_delayed`.
     covariance
-        Covariances of `state`, shape (series, steps, n, n).
+        Covariances of the errors of `state`, shape (series, steps, n, n).
     nis
-        Shape (series, steps): normalised innovation squared of the measurements that arrived at
-        each step, given all that arrived earlier. The expectation of NIS is `arrived`.
+        Shape (series, steps): normalised innovation squared (NIS) of the measurements that arrived
+        at each step, given the measurements that arrived earlier. If the model is right, the
+        expectation of NIS is `arrived`.
     arrived
         Shape (series, steps): number of measurement components that arrived at each step.
     """
@@ -70,25 +71,34 @@ def filter_delayed(
     inputs: Array | None = None,
     lag: int = 0,
 ) -> Delayed:
-    """Filter (or, with a lag, smooth) some series whose measurements arrive late.
+    """Estimate the states of several series whose measurements arrive late.
 
     Parameters
     ----------
+    model
+        The model, with n states, measurements of m components, and p inputs if it has B.
     measurements
-        Shape (series, steps, m). Row k is measured at step k, whenever it arrives. A component
+        Shape (series, steps, m). Row k is measured at step k, even if it arrives later. A component
         that never arrives is NaN.
     delay
-        Steps from measurement to arrival, at least 0: one number, or any shape that broadcasts to
-        (series, steps, m). Measurements that arrive after the record's end are not used.
-    state, covariance, inputs
-        As for `estimation.kalman.run_filter`.
+        Number of steps from a measurement to its arrival, at least 0: one number, or any shape that
+        broadcasts to (series, steps, m). Measurements that arrive after the record's end are not
+        used.
+    state
+        Expected state at step 0 before the first measurement, shape (n,) or (series, n).
+    covariance
+        Covariance of the error of `state`, shape (n, n).
+    inputs
+        Shape (steps, p) or (series, steps, p); input k acts between steps k and k + 1. None if the
+        model has no B.
     lag
-        Steps by which the estimate may wait for further measurements.
+        Number of steps, at least 0, by which the estimate of a step waits for further
+        measurements. With 0 this is a filter, otherwise a smoother with a fixed lag.
 
     Raises
     ------
     InputError
-        If shapes do not fit, or a delay or the lag is negative.
+        If shapes do not fit, a delay or the lag is negative, or `covariance` is not a covariance.
     """
     z = check_measurements(model, measurements)
     if lag < 0:
@@ -118,14 +128,24 @@ def filter_delayed(
 
 
 def _arrivals(z: Array, delay: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Compute the step at which each measured component arrives, shape (series, steps, m).
+    """Compute the step at which each component of the measurements arrives.
 
-    For a component that never arrives, return the largest integer.
+    Parameters
+    ----------
+    z
+        Measurements, shape (series, steps, m); NaN where a component never arrives.
+    delay
+        Number of steps from a measurement to its arrival; any shape that broadcasts to that of `z`.
+
+    Returns
+    -------
+    array
+        Shape (series, steps, m); the largest integer for a component that never arrives.
 
     Raises
     ------
     InputError
-        If delays are not whole numbers >= 0, or do not fit the measurements.
+        If a delay is not a whole number >= 0, or the shape of `delay` does not fit that of `z`.
     """
     if not np.issubdtype(delay.dtype, np.integer) or np.any(delay < 0):
         raise InputError("delay: give whole numbers of steps, 0 or more")
@@ -140,10 +160,11 @@ def _arrivals(z: Array, delay: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _earliest(arrival: NDArray[np.int64]) -> list[int]:
-    """Find, for each step, the step from which to filter again when the step's measurements arrive.
+    """Find, for each step, the step from which the filter must run again.
 
-    Return one entry per step: the earliest step whose measurements arrive at the present step, or
-    the present step itself if none arrive.
+    Return one entry per step k: the earliest step of which a measurement arrives at step k, or k
+    if no earlier measurement arrives at step k. `arrival`, shape (patterns, steps, m), is the step
+    at which each component of the measurements arrives.
     """
     steps = arrival.shape[1]
     earliest = np.arange(steps)
@@ -153,11 +174,18 @@ def _earliest(arrival: NDArray[np.int64]) -> list[int]:
 
 
 class _Chain:
-    """The filter's states from the record's start to now, given all that has arrived by now.
+    """The states of a filter at all steps up to now, given the measurements that have arrived.
 
-    The states `predicted` and `filtered` have the shape (series, steps, n), their covariances
-    `predicted_P` and `filtered_P` (patterns, steps, n, n). `nis`, shape (series, steps), is the
-    normalised innovation squared of the measurements taken at each step.
+    Series whose measurements arrive at the same steps share a pattern, and so their covariances.
+
+    Attributes
+    ----------
+    predicted, filtered
+        States before and after the measurement of each step, shape (series, steps, n).
+    predicted_P, filtered_P
+        Covariances of `predicted` and `filtered`, shape (patterns, steps, n, n).
+    nis
+        Normalised innovation squared of the measurements taken at each step, shape (series, steps).
     """
 
     def __init__(
@@ -177,7 +205,7 @@ class _Chain:
         self.nis = np.zeros((series, steps))
 
     def begin(self, state: Array, covariance: Array) -> None:
-        """Set the state and covariance of step 0 before its measurement."""
+        """Set the expected state and the covariance at step 0, before the measurement of step 0."""
         self.predicted[:, 0], self.predicted_P[:, 0] = state, covariance
 
     def filter_again(self, first: int, now: int) -> None:
@@ -202,7 +230,8 @@ class _Chain:
         Returns
         -------
         tuple of array
-            States (series, steps, n) and covariances (patterns, steps, n, n) of these steps.
+            Smoothed states, shape (series, now - oldest + 1, n), and their covariances, shape
+            (patterns, now - oldest + 1, n, n).
         """
         window = slice(oldest, now + 1)
         x, P = self.filtered[:, window].copy(), self.filtered_P[:, window].copy()

@@ -1,4 +1,4 @@
-"""Turns models in continuous time into discrete ones, Eq. (10) of Ren et al. (2019)."""
+"""Turn a model in continuous time into a model in discrete time, Eq. (10) of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -17,8 +17,12 @@ class Model:
 
     Attributes
     ----------
-    A, B, Q
-        Shapes (states, states), (states, inputs) and (states, states), in SI units per second.
+    A
+        System matrix, shape (states, states), in SI units.
+    B
+        Input matrix, shape (states, inputs), in SI units.
+    Q
+        Intensity of the white noise w, shape (states, states): covariance per second, in SI units.
     """
 
     A: Array
@@ -28,9 +32,18 @@ class Model:
 
 @dataclass(frozen=True)
 class Discrete:
-    """The model x[k+1] = A x[k] + B u[k] + w[k], where w has covariance Q.
+    """The model x[k+1] = A x[k] + B u[k] + w[k] in discrete time.
 
-    The input u[k] is held over the step. `step` is the time from k to k + 1, in s.
+    Attributes
+    ----------
+    A
+        Transition matrix, shape (states, states).
+    B
+        Input matrix, shape (states, inputs); the input u[k] is constant from k to k + 1.
+    Q
+        Covariance of the noise w[k], shape (states, states).
+    step
+        Time from k to k + 1, in s.
     """
 
     A: Array
@@ -40,12 +53,19 @@ class Discrete:
 
 
 def discretise(model: Model, step: float, method: str = "exact") -> Discrete:
-    """Discretise a model over `step` seconds, with the input held over the step.
+    """Turn a model in continuous time into a discrete one, with the input constant over a step.
 
-    The method "exact" computes the integrals of Eq. (10) of Ren et al. (2019). "first_order" is
-    the approximation printed there, with the step T: A becomes I + A T (10c), B becomes
-    T B + T^2/2 A B (10d), Q becomes Q T + Q A T^2 + A Q A' T^3/3 (10e). Of this last sum only the
-    symmetric part is kept, since a covariance is symmetric.
+    Parameters
+    ----------
+    model
+        The model in continuous time.
+    step
+        Length T of a step, in s.
+    method
+        "exact" computes the integrals of Eq. (10) of Ren et al. (2019). "first_order" computes the
+        approximation printed with Eq. (10): A becomes I + A T (10c), B becomes T B + T^2/2 A B
+        (10d), and Q becomes Q T + Q A T^2 + A Q A' T^3/3 (10e). Of the new Q only the symmetric
+        part is kept, since a covariance is symmetric.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Checks a filter's input, and groups series that lost the same measurements."""
+"""Check the input of a filter, and group the series that lost the same measurements."""
 
 from __future__ import annotations
 
@@ -18,11 +18,18 @@ T = TypeVar("T", bound=np.generic)
 def check_measurements(model: LinearModel, measurements: Array) -> Array:
     """Return measurements as an array of floats, after checks.
 
+    Parameters
+    ----------
+    model
+        The model, whose measurements have m components.
+    measurements
+        Shape (series, steps, m); NaN where a component was lost.
+
     Raises
     ------
     InputError
-        If the shape is not (series, steps, m), a number is infinite (a lost component is NaN), or
-        the model has fewer steps than the measurements.
+        If the shape is another, a number is infinite, or the model's matrices depend on time and
+        are given for fewer steps.
     """
     z = np.asarray(measurements, dtype=float)
     if z.ndim != 3 or z.shape[-1] != model.measurements:
@@ -36,12 +43,12 @@ def check_measurements(model: LinearModel, measurements: Array) -> Array:
 
 
 def check_steps(model: LinearModel, steps: int) -> None:
-    """Check that a record is not longer than a model whose matrices depend on time.
+    """Check that a model has matrices for all steps of a record.
 
     Raises
     ------
     InputError
-        If the record has more steps than the model.
+        If the model's matrices depend on time and are given for fewer than `steps` steps.
     """
     if model.steps is not None and model.steps < steps:
         raise InputError(
@@ -51,12 +58,13 @@ def check_steps(model: LinearModel, steps: int) -> None:
 
 
 def check_prior(model: LinearModel, covariance: Array) -> Array:
-    """Return the covariance of the first state as an array of floats, after checks.
+    """Return the covariance of the state at step 0 as an array of floats, after checks.
 
     Raises
     ------
     InputError
-        If the shape is not (n, n), or the matrix is not a covariance.
+        If the shape of `covariance` is not (n, n), where n is the model's number of states, or the
+        matrix is not symmetric and positive semidefinite.
     """
     P = np.asarray(covariance, dtype=float)
     if P.shape != (model.states, model.states):
@@ -69,7 +77,16 @@ def check_prior(model: LinearModel, covariance: Array) -> Array:
 
 
 def spread_state(model: LinearModel, state: Array, series: int) -> Array:
-    """Return the expected first state of each series, shape (series, n).
+    """Return the expected state of each series at step 0, shape (series, n).
+
+    Parameters
+    ----------
+    model
+        The model, with n states.
+    state
+        Expected state of all series, shape (n,), or of each series, shape (series, n).
+    series
+        Number of series.
 
     Raises
     ------
@@ -79,7 +96,7 @@ def spread_state(model: LinearModel, state: Array, series: int) -> Array:
     x = np.asarray(state, dtype=float)
     if x.shape not in ((model.states,), (series, model.states)):
         raise InputError(
-            f"state: has the shape {x.shape}; give ({model.states},), or one per series"
+            f"state: has the shape {x.shape}; give ({model.states},) or {(series, model.states)}"
         )
     return np.array(np.broadcast_to(x, (series, model.states)))
 
@@ -87,15 +104,24 @@ def spread_state(model: LinearModel, state: Array, series: int) -> Array:
 def compute_input_effects(
     model: LinearModel, inputs: Array | None, series: int, steps: int
 ) -> Array:
-    """Compute the effects B u of the inputs u on the state, shape (series, steps, n).
+    """Compute the effects B u of the inputs u on the n states, shape (series, steps, n).
 
-    The effects are zero if the model has no B.
+    The effects are zero if the model has no input matrix B.
+
+    Parameters
+    ----------
+    model
+        The model.
+    inputs
+        Shape (steps, p) or (series, steps, p); None if the model has no B.
+    series, steps
+        Number of series, and of steps of each series.
 
     Raises
     ------
     InputError
-        If the model has B and inputs are missing, of a wrong shape or not finite, or if the model
-        has no B and there are inputs.
+        If the model has B, and `inputs` is None, of a wrong shape or not finite; or if the model
+        has no B, and `inputs` is not None.
     """
     shape = (series, steps, model.states)
     if model.B is None:
@@ -104,21 +130,32 @@ def compute_input_effects(
         return np.broadcast_to(0.0, shape)
     expected = (steps, model.B.shape[-1])
     if inputs is None:
-        raise InputError(f"inputs: the model has B, so it needs them; give {expected}")
+        raise InputError(f"inputs: a model with B needs inputs; give the shape {expected}")
     u = np.asarray(inputs, dtype=float)
     if u.shape not in (expected, (series, *expected)):
-        raise InputError(f"inputs: have the shape {u.shape}; give {expected}, or one per series")
+        raise InputError(
+            f"inputs: have the shape {u.shape}; give {expected} or {(series, *expected)}"
+        )
     if not np.all(np.isfinite(u)):
-        raise InputError("inputs: not all are finite; fill what is missing")
+        raise InputError("inputs: not all are finite; replace NaN and infinite numbers")
     B = model.B if model.B.ndim == 2 else model.B[:steps]
     return np.broadcast_to(multiply(B, u), shape)
 
 
 def find_patterns(marks: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Find the distinct rows of marks (series, ...), and for each series the index of its row.
+    """Group series with equal marks; the marks say, for example, which measurements exist.
 
-    A series' marks say, for example, which measurements exist. The rows have the shape
-    (patterns, ...), the indices (series,).
+    Parameters
+    ----------
+    marks
+        The marks of each series, shape (series, ...).
+
+    Returns
+    -------
+    patterns
+        The distinct entries of `marks`, shape (patterns, ...).
+    pattern
+        For each series, the index of its entry in `patterns`, shape (series,).
     """
     flat = marks.reshape(len(marks), -1)
     if np.all(flat == flat[:1]):  # the common case, without sorting
@@ -128,9 +165,16 @@ def find_patterns(marks: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]
 
 
 def share_out(values: NDArray[T], pattern: NDArray[np.int64]) -> NDArray[T]:
-    """Return each series' entry of values (patterns, ...), shape (series, ...).
+    """Return for each series the values of its pattern, shape (series, ...).
 
-    `pattern` is the index of each series' entry. If there is only one pattern, the values are
-    returned as they are, shape (1, ...).
+    Series for which the same measurements exist have one pattern, and share values.
+
+    Parameters
+    ----------
+    values
+        One entry per pattern of series, shape (patterns, ...). If there is only one pattern,
+        `values` is returned unchanged; its shape (1, ...) broadcasts to all series.
+    pattern
+        For each series, the index of its pattern, shape (series,).
     """
     return values if len(values) == 1 else values[pattern]

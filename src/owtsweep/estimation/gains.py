@@ -1,8 +1,9 @@
-"""Computes the gains of a Kalman filter with a slow and a fast measurement.
+"""Compute the gains of a Kalman filter with a slow and a fast measurement.
 
-The gains depend only on the model and the tuning, never on data, so all records share them. After a
-transient the gains repeat from one slow measurement to the next, a cycle. A gain schedule therefore
-stores the transient and one cycle.
+The gains depend on the model and on the variances of noise, not on the measured values, so all
+records share the gains. After a transient the gains are periodic: the period, here called a cycle,
+is the time from one slow measurement to the next. A gain schedule therefore stores the gains of the
+transient and of one cycle.
 """
 
 from __future__ import annotations
@@ -31,23 +32,27 @@ TOLERANCE = 1e-13
 
 @dataclass(frozen=True)
 class GainSchedule:
-    """The filter's gains and covariances: one row per step, until the rows repeat.
+    """The gains and covariances of a filter with a slow and a fast measurement.
+
+    There is one row per step. After the last row, the last `cycle` rows repeat for ever.
 
     Attributes
     ----------
     K
-        Shape (rows, states, 2): gain columns of the slow and of the fast measurement.
+        Gains, shape (rows, states, 2): columns of the slow and of the fast measurement.
     applied
-        Shape (rows,): whether the slow measurement corrects the state.
+        Shape (rows,): whether a slow measurement corrects the state, new or old.
     fresh
-        Shape (rows,): whether there is a new slow measurement, and so an innovation. At steps
-        without one, the rule `mask_rows` applies the last slow measurement again.
+        Shape (rows,): whether there is a new slow measurement. At steps without a new slow
+        measurement, the rule "mask_rows" applies the last slow measurement again.
     innovation_variance
-        Shape (rows,): variance H P H' + R of the slow measurement's innovation.
+        Shape (rows,): variance H P H' + R of the slow measurement's innovation, for measurement
+        row H, covariance P of the predicted state and noise variance R.
     predicted, filtered
-        Shape (rows, states, states): covariances P_{k|k-1} and P_{k|k}.
+        Covariances of the state before and after the measurements of a step, shape
+        (rows, states, states).
     cycle
-        After the last row, the last `cycle` rows repeat for ever.
+        Number of rows that repeat, i.e. steps from one slow measurement to the next.
     """
 
     K: Array
@@ -64,13 +69,13 @@ class GainSchedule:
         return len(self.K)
 
     def row(self, step: NDArray[np.int64] | int) -> NDArray[np.int64]:
-        """Return the index of the stored row that serves a step (or each of several steps)."""
+        """Return the index of the row with the gains of a step, or of each of several steps."""
         step = np.asarray(step)
         settled = self.rows - self.cycle
         return np.where(step < self.rows, step, settled + (step - settled) % self.cycle)
 
     def fresh_before(self, step: int) -> int:
-        """Count the new slow measurements in the steps 0 to step - 1."""
+        """Return the number of new slow measurements in the steps 0 to `step` - 1."""
         stored = self.fresh[:step]
         cycles, rest = divmod(step - len(stored), self.cycle)
         last = self.fresh[self.rows - self.cycle :]
@@ -92,33 +97,39 @@ def schedule(
     start_interval: int | None = None,
     start_steps: int = 0,
 ) -> GainSchedule:
-    """Compute gains by the covariance recursion of Algorithm 6 of Ren et al. (2019).
+    """Compute a filter's gains by the covariance recursion of Algorithm 6 of Ren et al. (2019).
 
-    The recursion stops when its covariances repeat, or after `steps` steps (rounded up to a whole
-    number of intervals). Each step predicts, then corrects with that step's measurements.
+    Each step of the recursion predicts the covariance and then corrects it with the measurements
+    of the step. The recursion stops when the covariances repeat, or after `steps` steps (rounded
+    up to a multiple of `interval`).
 
     Parameters
     ----------
+    model
+        The model of the filter in discrete time.
     slow, fast
-        Measurement rows (states,). An all-zero fast row means that the fast signal is an input.
+        Rows (states,) of the measurement matrix for the slow and the fast measurement. If `fast`
+        is all zero, the fast signal is an input of the model and not a measurement.
     slow_variance, fast_variance
-        Variances of the two measurements.
+        Variances of the noise of the two measurements.
     initial_covariance
         Covariance (states, states) of the state one step before the first step.
     interval
-        Steps between slow measurements, which come at multiples of `interval`.
+        Number of steps from one slow measurement to the next; step 0 has one.
     steps
-        Length of the longest record.
+        Number of steps of the longest record.
     rule
-        One of `RULES`.
+        How a step without a slow measurement is treated: "proper", "mask_columns", "mask_rows" or
+        "every_step", as described at `RULES`.
     start_interval, start_steps
-        During the first `start_steps` steps, slow measurements come every `start_interval` steps;
-        None means `interval`.
+        In the first `start_steps` steps, slow measurements come every `start_interval` steps
+        instead of every `interval` steps. If `start_interval` is None, `interval` is used.
 
     Raises
     ------
     InputError
-        If the covariance does not stay finite and positive (an unstable rule or tuning).
+        If a variance of a state becomes negative or not finite, because the rule or the noise
+        variances make the recursion unstable.
     """
     from owtsweep.estimation.riccati import GainRows, Pattern, TwoRates, recursion
 

@@ -1,9 +1,10 @@
 """The Kalman filter for any number of states and any pattern of lost measurements.
 
-Gains and covariances depend on the model and on which measurements exist, never on the values of
-the measurements. A pattern of losses says which measurements exist. Gains are computed once for
-each pattern (`compute_gains`, or `schedule_gains` for a pattern that repeats) and applied to all
-series that share the pattern (`apply_gains`). The formulas are in `kalman_step`.
+A pattern of losses says which components of the measurements exist at each step. Gains and
+covariances depend on the model and on this pattern, but not on the measured values. The gains are
+therefore computed once for each pattern (`compute_gains`, or `schedule_gains` for a pattern that
+repeats in time). `apply_gains` uses them for all series with that pattern. The formulas are in
+`kalman_step`.
 """
 
 from __future__ import annotations
@@ -39,9 +40,10 @@ TOLERANCE = 1e-13
 
 @dataclass(frozen=True)
 class Gains:
-    """The filter's gains and covariances for each pattern of losses; they do not depend on data.
+    """The gains and covariances of a Kalman filter, for each pattern of lost measurements.
 
-    The model has n states, and a measurement has m components.
+    The model has n states, and a measurement has m components. There is one row per step, or fewer
+    rows if the gains repeat.
 
     Attributes
     ----------
@@ -50,11 +52,13 @@ class Gains:
     K
         Gains, shape (patterns, rows, n, m); zero in the columns of lost components.
     innovation_covariance
-        Shape (patterns, rows, m, m); the identity in the rows and columns of lost components.
+        Covariances of the innovations, shape (patterns, rows, m, m). The rows and columns of lost
+        components are those of the identity matrix.
     predicted, filtered
         Covariances of the state before and after the measurement, shape (patterns, rows, n, n).
     cycle
-        The last `cycle` rows repeat for ever. If `cycle` is 0, each step has its own row.
+        Number of rows, at the end, that repeat for ever. If `cycle` is 0, no row repeats: each step
+        has its own row.
     """
 
     available: NDArray[np.bool_]
@@ -65,12 +69,14 @@ class Gains:
     cycle: int = 0
 
     def rows_of(self, steps: int) -> NDArray[np.int64]:
-        """Return, for each step of a record, the index of the row that serves the step; (steps,).
+        """Return the index of the row with the gains of each step of a record, shape (steps,).
+
+        `steps` is the number of steps of the record.
 
         Raises
         ------
         InputError
-            If the gains do not repeat and the record has more steps than they have rows.
+            If the rows do not repeat, and there are fewer rows than `steps`.
         """
         rows, step = self.K.shape[1], np.arange(steps)
         if self.cycle:
@@ -83,20 +89,21 @@ class Gains:
 
 @dataclass(frozen=True)
 class Filtered:
-    """The results of a filter's run over some series.
+    """The results of a Kalman filter that was run over several series.
 
     Attributes
     ----------
     model
-        The model of the filter.
+        The model of the filter, with n states and m components of a measurement.
     gains
-        Gains and covariances of each pattern of losses.
+        Gains and covariances for each pattern of lost measurements.
     pattern
-        For each series, the index of its pattern of losses in `gains`; shape (series,).
+        For each series, the index of its pattern in `gains`; shape (series,).
     predicted, filtered
         The states before and after each step's measurement, shape (series, steps, n).
     innovation
-        z - H x, shape (series, steps, m); NaN where the component was lost.
+        Measurement z minus its prediction H x, shape (series, steps, m); NaN where a component of
+        z was lost.
     """
 
     model: LinearModel
@@ -115,16 +122,17 @@ class Filtered:
     def innovation_covariance(self) -> Array:
         """The covariances of the innovations, shape (series, steps, m, m).
 
-        The rows and columns of lost components are those of the identity.
+        The rows and columns of lost components are those of the identity matrix.
         """
         return self._of_series(self.gains.innovation_covariance)
 
     @property
     def nis(self) -> Array:
-        """The normalised innovation squared, e' S^-1 e of the innovations e; (series, steps).
+        """The normalised innovation squared (NIS) of each step, shape (series, steps).
 
-        NIS is zero at steps without a measurement. If the model is right, the expectation of NIS is
-        the number of components that exist (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
+        NIS is e' S^-1 e, for the innovation e and its covariance S. At steps without a measurement,
+        NIS is zero. If the model is right, the expectation of NIS is the number of components of
+        the step's measurement that exist (Bar-Shalom, Li and Kirubarajan 2001, section 5.4).
         """
         return compute_nis(self.innovation, self.innovation_covariance)
 
@@ -142,16 +150,18 @@ def run_filter(
     covariance: Array,
     inputs: Array | None = None,
 ) -> Filtered:
-    """Filter some series with a model of n states, m measurements and p inputs.
+    """Run a Kalman filter over several series.
 
     Parameters
     ----------
+    model
+        The model, with n states, measurements of m components, and p inputs if it has B.
     measurements
         Shape (series, steps, m); NaN where a component was lost.
     state
-        Expected state of step 0 before its measurement, shape (n,) or (series, n).
+        Expected state at step 0 before the first measurement, shape (n,) or (series, n).
     covariance
-        Covariance of that state, shape (n, n).
+        Covariance of the error of `state`, shape (n, n).
     inputs
         Shape (steps, p) or (series, steps, p); input k acts between steps k and k + 1. None if the
         model has no B.
@@ -168,19 +178,22 @@ def run_filter(
 
 
 def compute_gains(model: LinearModel, covariance: Array, available: NDArray[np.bool_]) -> Gains:
-    """Compute the gains and covariances of some patterns of losses.
+    """Compute the gains and covariances of a Kalman filter for patterns of lost measurements.
 
     Parameters
     ----------
+    model
+        The model, with n states and m components of a measurement.
     covariance
-        Covariance (n, n) of the state of step 0 before its measurement.
+        Covariance (n, n) of the state at step 0 before the first measurement.
     available
         Whether a component of the measurement exists, shape (patterns, steps, m).
 
     Raises
     ------
     InputError
-        If the model has fewer steps, or `covariance` is not a covariance of n states.
+        If the model's matrices depend on time and are given for fewer steps than `available` has,
+        or `covariance` is not a covariance of n states.
     """
     patterns, steps, m = available.shape
     n = model.states
@@ -199,24 +212,26 @@ def compute_gains(model: LinearModel, covariance: Array, available: NDArray[np.b
 def schedule_gains(
     model: LinearModel, covariance: Array, available: NDArray[np.bool_], steps: int
 ) -> Gains:
-    """Compute the gains of one pattern of losses that repeats.
+    """Compute the gains of a Kalman filter for measurements that are missing periodically.
 
-    The pattern repeats, for example, if one sensor is slower than another. With a model that does
-    not change with time, the covariance then converges to a periodic one (Anderson and Moore 1979,
-    section 4.4, for a cycle of one step), and so do the gains. The rows of the transient and of one
-    cycle then serve records of any length.
+    Measurements are missing periodically, for example, if one sensor is slower than another. If the
+    model does not change with time, covariance and gains become periodic too (Anderson and Moore
+    1979, section 4.4, for a period of one step). The gains of the transient and of one period,
+    called a cycle, then serve records of any length.
 
     Parameters
     ----------
     model
-        The model, with matrices that have no axis of time.
+        The model, with matrices that have no axis of time; n states and m components of a
+        measurement.
     covariance
-        Covariance (n, n) of the state of step 0 before its measurement.
+        Covariance (n, n) of the state at step 0 before the first measurement.
     available
-        Whether a component of the measurement exists, for one cycle; shape (cycle, m).
+        Whether a component of the measurement exists, for each step of one cycle; shape (cycle, m).
     steps
-        Length of the longest record. If the covariance has not settled after `steps` steps, every
-        step has its own row. (The covariance of a state that nothing observes never settles.)
+        Number of steps of the longest record. If the covariance is not periodic after `steps`
+        steps, the gains have a row for every step, and no row repeats. (The covariance of a state
+        that no measurement observes may never become periodic.)
 
     Raises
     ------
@@ -225,7 +240,7 @@ def schedule_gains(
     """
     there = np.asarray(available, dtype=bool)
     if model.steps is not None:
-        raise InputError("model: changes with time; a schedule needs one without an axis of time")
+        raise InputError("model: changes with time; give matrices without an axis of time")
     if there.ndim != 2 or len(there) == 0 or there.shape[1] != model.measurements:
         raise InputError(
             f"available: has the shape {there.shape}; give (cycle, {model.measurements})"
@@ -249,9 +264,10 @@ def schedule_gains(
 
 
 def _change(before: Array, after: Array) -> float:
-    """Return the largest change of an element of a covariance (n, n).
+    """Return the largest absolute change of an element between two covariances (n, n).
 
-    An element is divided by the standard deviations of its two states.
+    The change of element (i, j) is divided by the standard deviations of the states i and j in
+    `after`, so the result has no unit.
     """
     scale = np.sqrt(np.diagonal(after))
     scale = np.where(scale > 0.0, scale, 1.0)
@@ -259,11 +275,12 @@ def _change(before: Array, after: Array) -> float:
 
 
 def _is_settled(before: float, change: float) -> bool:
-    """Return whether all changes of the covariance that are still to come are negligible.
+    """Return whether a covariance has converged, so that later changes are negligible.
 
-    `change` is the change in the last cycle, `before` the change in the previous cycle. If changes
-    go on falling by the factor r = change / before per cycle, the changes to come sum to
-    change r / (1 - r). Changes that no longer fall are round-off.
+    `change` is the change of the covariance in the last cycle, and `before` that in the cycle
+    before. If the changes go on falling by the factor r = change / before per cycle, all later
+    changes together are change r / (1 - r). Changes below `TOLERANCE` that no longer fall are
+    round-off.
     """
     if change > TOLERANCE:
         return False
@@ -279,22 +296,29 @@ def apply_gains(
     inputs: Array | None = None,
     pattern: NDArray[np.int64] | None = None,
 ) -> Filtered:
-    """Filter some series with given gains.
+    """Run a Kalman filter over several series, with given gains.
 
     Parameters
     ----------
+    model
+        The model, with n states, measurements of m components, and p inputs if it has B.
     gains
-        What `compute_gains` or `schedule_gains` returns.
-    measurements, state, inputs
-        As for `run_filter`.
+        Gains for each pattern of lost measurements, from `compute_gains` or `schedule_gains`.
+    measurements
+        Shape (series, steps, m); NaN where a component was lost.
+    state
+        Expected state at step 0 before the first measurement, shape (n,) or (series, n).
+    inputs
+        Shape (steps, p) or (series, steps, p); input k acts between steps k and k + 1. None if the
+        model has no B.
     pattern
-        For each series, the index of its pattern of losses in `gains`; shape (series,). None means
-        the first pattern for all.
+        For each series, the index of its pattern in `gains`; shape (series,). None means that all
+        series have the first pattern.
 
     Raises
     ------
     InputError
-        If shapes do not fit, or the components that a series lost differ from its pattern.
+        If shapes do not fit, or a series lost other components than its pattern says.
     """
     z = check_measurements(model, measurements)
     series, steps, _ = z.shape
@@ -302,7 +326,9 @@ def apply_gains(
         pattern = np.zeros(series, dtype=np.int64)
     rows = gains.rows_of(steps)
     if np.any(np.isfinite(z) != share_out(gains.available[:, rows], pattern)):
-        raise InputError("measurements: other components are lost than the gains are made for")
+        raise InputError(
+            "measurements: other components are lost than in `gains`; compute gains for these"
+        )
     driven = compute_input_effects(model, inputs, series, steps)
     predicted, filtered = np.empty((2, series, steps, model.states))
     innovation = np.empty(z.shape)

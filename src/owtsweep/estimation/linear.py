@@ -43,18 +43,20 @@ class LinearModel:
     F
         Transition matrix (n, n) from step k to step k + 1.
     Q
-        Covariance (n, n) of the process noise w of that transition.
+        Covariance (n, n) of the process noise w that acts between step k and step k + 1.
     H
         Measurement matrix (m, n).
     R
         Covariance (m, m) of the measurement noise v.
     B
-        Input matrix (n, p) of that transition; None if the model has no inputs.
+        Input matrix (n, p) of the input u that acts between step k and step k + 1; None if the
+        model has no inputs.
 
     Raises
     ------
     InputError
-        If shapes do not fit, a number is not finite, or Q or R is not a covariance.
+        If shapes do not fit, a number is not finite, or Q or R is not symmetric and positive
+        semidefinite.
     """
 
     F: Array
@@ -85,7 +87,9 @@ class LinearModel:
         lengths = {name: len(matrix) for name, matrix in matrices.items() if matrix.ndim == 3}
         if len(set(lengths.values())) > 1:
             said = ", ".join(f"{name} for {length}" for name, length in lengths.items())
-            raise InputError(f"{next(iter(lengths))}: matrices differ in their steps ({said})")
+            raise InputError(
+                f"{next(iter(lengths))}: matrices are given for different numbers of steps ({said})"
+            )
         for name, matrix in matrices.items():
             if not np.all(np.isfinite(matrix)):
                 raise InputError(f"{name}: not all of its numbers are finite")
@@ -109,23 +113,26 @@ class LinearModel:
         return next((len(a) for a in matrices if a is not None and a.ndim == 3), None)
 
     def at(self, step: int) -> Step:
-        """Return the matrices of a step."""
+        """Return the matrices of the step with number `step`, counted from 0."""
         matrices: Any = (self.F, self.Q, self.H, self.R, self.B)
         return Step(*(a if a is None or a.ndim == 2 else a[step] for a in matrices))
 
 
 def check_covariance(name: str, matrix: Array) -> None:
-    """Check that a matrix, or each of several (..., n, n), is a covariance.
+    """Check that a matrix (n, n), or each of several matrices (..., n, n), is a covariance.
 
     Raises
     ------
     InputError
-        If a matrix is not symmetric and positive semidefinite. The message begins with `name`.
+        If a matrix is not symmetric and positive semidefinite, apart from round-off. The message
+        begins with `name`.
     """
     transposed = np.swapaxes(matrix, -1, -2)
     largest = np.max(np.abs(matrix), initial=0.0)
     if np.any(np.abs(matrix - transposed) > ROUND_OFF * largest):
-        raise InputError(f"{name}: is not symmetric; a covariance is")
+        raise InputError(f"{name}: is not symmetric; give a symmetric matrix")
     least = np.min(np.linalg.eigvalsh(matrix), initial=0.0)
     if least < -ROUND_OFF * largest:
-        raise InputError(f"{name}: has the negative eigenvalue {least:.3g}; a covariance has none")
+        raise InputError(
+            f"{name}: has the negative eigenvalue {least:.3g}; give a covariance, which has none"
+        )

@@ -1,43 +1,43 @@
 """Moving horizon estimation, Eq. (11) of Ren et al. (2019).
 
-The estimator fits the states of a window to position fixes (of GNSS) and to inputs that are
-integrated from each fix to the next. Eq. (11) is read as follows (PAPER.md, section 4;
-REPRODUCTION.md, row "Eq. (11)"): norms are squared, nodes are the times of the fixes, every link
-between neighbouring nodes is weighted once, and there is a last node at the present delayed time,
-t_f after the last fix. Without constraints the last link is met exactly, because the last node has
-no measurement. The estimate is then the least-squares state at the last fix, predicted by the
-inputs. The estimate at the last fix is a linear function of fixes, inputs and arrival state, with
-constant coefficients; `window_map` computes the matrix of coefficients.
+The estimator fits the states at the times of several position fixes (of GNSS), a window, to these
+fixes and to the inputs, which are integrated from each fix to the next. Eq. (11) is read as follows
+(PAPER.md, section 4; REPRODUCTION.md, row "Eq. (11)"). Norms are squared. The nodes of the window
+are the times of its fixes, and a last node at the present delayed time, t_f after the last fix.
+A link joins two neighbouring nodes, and every link is weighted once.
+
+Without constraints the last link is met exactly, because the last node has no measurement. The
+estimate is then the least-squares state at the last fix, predicted over t_f by the inputs. The
+least-squares state is a linear function of fixes, inputs and arrival state (the state assumed at
+the oldest node), with constant coefficients. `window_map` computes the matrix of coefficients.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
 
-#: How far beyond a constraint a solution may lie, as a fraction of the allowed range. The
-#: tolerance of daqp is 1e-12 of the scaled states; rounding leaves about 1e-9 where weights differ
-#: by decades.
-FEASIBILITY = 1e-8
-
 
 @dataclass(frozen=True)
 class WindowWeights:
-    """The weights of the terms of Eq. (11a) of Ren et al. (2019), for one axis.
+    """The weights in the cost of moving horizon estimation, Eq. (11a) of Ren et al. (2019).
+
+    The weights are for one axis of the motion.
 
     Attributes
     ----------
     transition
-        Shape (states, states): A from one position fix to the next.
+        Transition matrix (states, states) from one position fix to the next.
     link_covariance
-        Shape (states, states): covariance of the process noise from one fix to the next; the
-        inverse of the paper's weight Q.
+        Covariance (states, states) of the process noise from one fix to the next; the inverse of
+        the paper's weight Q.
     fix_variance
-        Variance of a fix, the inverse of the paper's weight R. A fix measures the first state.
+        Variance of a fix, in m^2; the inverse of the paper's weight R. A fix measures the first
+        state.
     """
 
     transition: Array
@@ -46,7 +46,13 @@ class WindowWeights:
 
 
 def square_root_information(covariance: Array) -> Array:
-    """Compute a matrix U with U' U = covariance^-1."""
+    """Compute a lower triangular matrix U with U' U = covariance^-1.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If `covariance` is not positive definite.
+    """
     lower = np.linalg.cholesky(covariance)
     return np.linalg.solve(lower, np.eye(len(covariance)))
 
@@ -59,30 +65,77 @@ def window_map(
     fixed_arrival: bool = False,
     use_first_fix: bool = True,
 ) -> Array:
-    """Compute the matrix that turns a window's data into the state of the window's last fix.
+    """Compute the matrix that turns the data of a window into the state at its last fix.
+
+    A window is a sequence of position fixes, with the inputs between them. The state is the
+    solution of Eq. (11) of Ren et al. (2019) without constraints, for one axis of the motion.
 
     Parameters
     ----------
+    weights
+        The weights of fixes and inputs.
     intervals
-        Number of links between neighbouring fixes. The window has one fix more.
+        Number of intervals between neighbouring fixes, i.e. the number of fixes minus one.
     arrival_covariance
-        Covariance (states, states) of the arrival state; None if there is no arrival term.
+        Covariance (states, states) of the arrival state, the state assumed at the oldest fix; None
+        if the cost has no term for the arrival state.
     fixed_arrival
-        If true, the oldest node's state equals the arrival state.
+        Whether the state at the oldest fix must equal the arrival state.
     use_first_fix
-        False if the arrival state already includes the oldest fix.
+        Whether the oldest fix is used; false if the arrival state already includes this fix.
 
     Returns
     -------
     array
-        Shape (states, intervals + 1 + states * intervals + states): columns for the fixes, oldest
-        first, then for the inputs' effect on the state over each interval, then for the arrival
-        state. Data that is not used has zero columns.
+        Shape (states, intervals + 1 + states * intervals + states). The columns belong to the
+        fixes, oldest first, then to the effects of the inputs on the state over each interval, then
+        to the arrival state. The columns of data that is not used are zero.
 
     Raises
     ------
     ValueError
-        If the window's data do not determine its states.
+        If the data of the window do not determine the states.
+    """
+    return next(
+        window_maps(
+            weights,
+            intervals,
+            [arrival_covariance],
+            fixed_arrival=fixed_arrival,
+            use_first_fix=use_first_fix,
+        )
+    )
+
+
+def window_maps(
+    weights: WindowWeights,
+    intervals: int,
+    arrival_covariances: Iterable[Array | None],
+    *,
+    fixed_arrival: bool = False,
+    use_first_fix: bool = True,
+) -> Iterator[Array]:
+    """Compute the matrices of `window_map` for windows that differ in their arrival covariance.
+
+    The equations of fixes and links are set up once for all windows, which saves a third of the
+    time. Each matrix has the same bits as that of `window_map`.
+
+    Parameters
+    ----------
+    weights, intervals, fixed_arrival, use_first_fix
+        As in `window_map`.
+    arrival_covariances
+        For each window, what `window_map` takes as `arrival_covariance`.
+
+    Yields
+    ------
+    array
+        The matrix of each window, as `window_map` returns it.
+
+    Raises
+    ------
+    ValueError
+        If the data of a window do not determine the window's states.
     """
     n = len(weights.transition)
     nodes = intervals + 1
@@ -100,16 +153,28 @@ def window_map(
         J[at, n * i : n * (i + 1)] = -information @ weights.transition
         J[at, n * (i + 1) : n * (i + 2)] = information
         D[at, at] = information
-    if arrival_covariance is not None:
-        at = slice(rows - n, rows)
-        prior = square_root_information(arrival_covariance)
+    at = slice(rows - n, rows)
+    for covariance in arrival_covariances:
+        prior = np.zeros((n, n)) if covariance is None else square_root_information(covariance)
         J[at, :n] = prior
         D[at, at] = prior
-    if fixed_arrival:
-        if intervals == 0:
-            return np.hstack([np.zeros((n, 1)), np.eye(n)])
-        D[:, rows - n :] = -J[:, :n]
-        J = J[:, n:]
+        if not fixed_arrival:
+            yield _solve_for_last(J, D, n)
+        elif intervals == 0:
+            yield np.hstack([np.zeros((n, 1)), np.eye(n)])
+        else:
+            D[:, at] = -J[:, :n]
+            yield _solve_for_last(J[:, n:], D, n)
+
+
+def _solve_for_last(J: Array, D: Array, n: int) -> Array:
+    """Return the matrix from data d to the last n of the unknowns x that minimise |J x - D d|.
+
+    Raises
+    ------
+    ValueError
+        If the data do not determine the unknowns.
+    """
     scale = np.linalg.norm(J, axis=0)
     if np.any(scale == 0.0):
         raise ValueError("the window's data do not determine its states")
@@ -118,225 +183,3 @@ def window_map(
         raise ValueError("the window's data do not determine its states")
     solution = np.linalg.solve(r[-n:, -n:], q[:, -n:].T @ D)  # r is triangular: the last block
     return np.asarray(solution / scale[-n:, None])
-
-
-class CasadiWindow:
-    """The optimisation problem of a window, Eq. (11) of Ren et al. (2019), solved by CasADi.
-
-    Without constraints, `window_map` solves this problem in closed form; the class tests that
-    function. Only the class can solve a window with constraints. The hub study solves two axes at
-    once: the states are x, y, v_x, v_y, b_x, b_y (position, velocity and bias). Variables are
-    scaled by the sizes of the states that the caller gives.
-
-    Parameters
-    ----------
-    intervals
-        Number of links between neighbouring fixes.
-    states, outputs
-        Numbers of components of a state and of a fix.
-    last_node
-        Whether the window has a further node, the present, t_f after the last fix.
-    arrival
-        Whether the arrival state is an uncertain prior of the oldest node's state.
-    fixed_arrival, use_first_fix
-        As in `window_map`.
-    solver
-        "qrqp" (an active-set QP solver; equal to the closed form up to rounding) or "ipopt".
-    constraints
-        Number of constraints on the state of each free node.
-
-    Raises
-    ------
-    ValueError
-        If `solver` is neither of the two.
-    """
-
-    def __init__(
-        self,
-        intervals: int,
-        *,
-        states: int,
-        outputs: int,
-        last_node: bool,
-        arrival: bool,
-        fixed_arrival: bool = False,
-        use_first_fix: bool = True,
-        solver: str = "qrqp",
-        constraints: int = 0,
-    ) -> None:
-        import casadi as ca
-
-        nodes = intervals + 1
-        X = ca.MX.sym("X", states, nodes + int(last_node))
-        z = ca.MX.sym("z", outputs, nodes)
-        inputs = ca.MX.sym("inputs", states, intervals + int(last_node))
-        A = ca.MX.sym("A", states, states)
-        A_f = ca.MX.sym("A_f", states, states)
-        link = ca.MX.sym("link", states, states)  # square roots of information
-        fix = ca.MX.sym("fix", nodes)
-        x0 = ca.MX.sym("x0", states)
-        prior = ca.MX.sym("prior", states, states)
-        scale = ca.MX.sym("scale", states)
-        rows = ca.MX.sym("rows", constraints, states)
-
-        def state(i: int) -> ca.MX:
-            return scale * X[:, i]
-
-        cost = ca.MX(0)
-        for i in range(nodes):  # (11c)
-            if i > 0 or use_first_fix:
-                cost += ca.sumsqr(fix[i] * (z[:, i] - state(i)[:outputs]))
-        for i in range(intervals):  # (11b)
-            cost += ca.sumsqr(ca.mtimes(link, state(i + 1) - ca.mtimes(A, state(i)) - inputs[:, i]))
-        if last_node:  # (11d), t_f after the last fix and without a fix of its own (11i)
-            predicted = ca.mtimes(A_f, state(intervals)) + inputs[:, intervals]
-            cost += ca.sumsqr(ca.mtimes(link, state(nodes) - predicted))
-        if arrival:
-            cost += ca.sumsqr(ca.mtimes(prior, state(0) - x0))
-        parameters = ca.vertcat(
-            *(ca.vec(p) for p in (z, inputs, A, A_f, link, fix, x0, prior, scale, rows))
-        )
-        problem = {"x": ca.vec(X), "p": parameters, "f": 0.5 * cost}
-        free = range(int(fixed_arrival), nodes + int(last_node))
-        limited = [ca.mtimes(rows, state(i)) for i in free] if constraints else []
-        if fixed_arrival:
-            limited.insert(0, state(0) - x0)
-        if limited:
-            problem["g"] = ca.vertcat(*limited)
-        self._equal = states if fixed_arrival else 0
-        self._limited = len(free) if constraints else 0
-        if solver == "qrqp":
-            options = {"print_iter": False, "print_header": False, "print_time": False}
-            solve = ca.qpsol("mhe", "qrqp", problem, {**options, "error_on_fail": False})
-        elif solver == "ipopt":
-            quiet: dict[str, Any] = {"print_level": 0, "sb": "yes", "tol": 1e-12}
-            solve = ca.nlpsol("mhe", "ipopt", problem, {"ipopt": quiet, "print_time": 0})
-        else:
-            raise ValueError(f"solver is {solver!r}, neither 'qrqp' nor 'ipopt'")
-        self._solvers = [solve]
-        if constraints:
-            # qrqp sometimes reports success far outside the constraints; daqp, a dual active-set
-            # method, then finds the solution
-            exact: dict[str, Any] = {"daqp": {"primal_tol": 1e-12}, "error_on_fail": False}
-            self._solvers.append(ca.qpsol("mhe", "daqp", problem, exact))
-        self._gradient = ca.Function(
-            "gradient", [problem["x"], parameters], [ca.gradient(problem["f"], problem["x"])]
-        )
-        if constraints:
-            force = ca.MX.sym("force", problem["g"].shape[0])
-            pull = ca.jtimes(problem["g"], problem["x"], force, True)
-            self._pull = ca.Function("pull", [problem["x"], parameters, force], [pull])
-        self._shape = (states, nodes + int(last_node))
-
-    def solve(
-        self,
-        scale: Array,
-        z: Array,
-        inputs: Array,
-        *,
-        A: Array,
-        A_f: Array,
-        link: Array,
-        fix: float | Array,
-        x0: Array,
-        prior: Array,
-        rows: Array,
-        lower: Array,
-        upper: Array,
-    ) -> Array:
-        """Compute the states of all nodes, one column per node, shape (states, nodes).
-
-        The solution is refined once: the same problem is solved for the residuals. A solver alone
-        has errors of up to 1e-10 of the states where the weights differ by many decades.
-
-        Parameters
-        ----------
-        scale
-            Typical sizes of the states, as the weights imply them, shape (states,).
-        z, inputs
-            Position fixes (outputs, fixes), and the inputs' effects on the state (states, links).
-        A, A_f
-            Transition matrices (states, states) from fix to fix, and over the time t_f from the
-            last fix to the last node.
-        link, fix, prior
-            Square roots of information matrices (inverse covariances) of a link (states, states),
-            of a fix (one number, or one per fix, zero for a missing fix), and of the arrival state
-            (states, states).
-        x0
-            Arrival state (states,).
-        rows, lower, upper
-            The constraints lower <= rows x <= upper on the state x of every free node; shapes
-            (constraints, states), (constraints,), (constraints,).
-
-        Raises
-        ------
-        ArithmeticError
-            If the solution does not meet the conditions of optimality: the gradient of the
-            Lagrangian is not small, a constraint is violated, or a constraint that is not active
-            has a multiplier. (The solvers' own flags of success are not reliable.)
-        """
-        nodes = z.shape[1]
-        fix = np.broadcast_to(fix, nodes)
-        limits = np.repeat(np.stack([lower, upper])[:, None], self._limited, axis=1)
-        data = (A, A_f, link, fix)
-        states = self._minimum(limits, scale, rows, z, inputs, *data, x0, prior)
-        predicted = A @ states[:, :-1]
-        predicted[:, nodes - 1 :] = A_f @ states[:, nodes - 1 : -1]
-        left = (z - states[: len(z), :nodes], inputs - (states[:, 1:] - predicted))
-        if self._limited:
-            limits = limits - (rows @ states[:, -self._limited :]).T
-        return states + self._minimum(limits, scale, rows, *left, *data, x0 - states[:, 0], prior)
-
-    def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
-        """Return the states from the first solver whose answer is a minimum within `limits`.
-
-        `limits` has the shape (2, free nodes, constraints): lower limits, then upper limits.
-
-        Raises
-        ------
-        ArithmeticError
-            If no solver's answer is a minimum.
-        """
-        packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
-        p = np.concatenate([packed, scale, rows.ravel("F")])
-        equal = np.zeros(self._equal)
-        low, high = (np.concatenate([equal, limit.ravel()]) for limit in limits)
-        for solve in self._solvers:
-            solution = solve(x0=0.0, p=p, lbg=low, ubg=high)
-            answer, force = (np.asarray(solution[name]).ravel() for name in ("x", "lam_g"))
-            states = answer.reshape(self._shape, order="F") * scale[:, None]
-            fault = self._slope_left(answer, p, force)
-            if not fault and self._limited:
-                fault = self._broken_limit(states, rows, limits, force[self._equal :])
-            if not fault:
-                return np.asarray(states)
-        raise ArithmeticError(f"the MHE's solver stopped {fault}")
-
-    def _slope_left(self, answer: Array, p: Array, force: Array) -> str:
-        """Describe the fault if the gradient of the Lagrangian is not small; else return ""."""
-        slope = np.asarray(self._gradient(answer, p)).ravel()
-        start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
-        if self._limited:
-            pull = np.asarray(self._pull(answer, p, force)).ravel()
-            slope = slope + pull
-            start = np.append(start, pull)  # active constraints set the scale
-        slope = slope[self._equal :]
-        if not np.max(np.abs(slope)) <= 1e-6 * (1.0 + np.max(np.abs(start))):
-            return f"at a gradient of {max(abs(slope)):.2g}"
-        return ""
-
-    def _broken_limit(self, states: Array, rows: Array, limits: Array, force: Array) -> str:
-        """Describe the fault if a limit is violated or an unreached one has a multiplier.
-
-        Return "" if there is no fault.
-        """
-        value = (rows @ states[:, -self._limited :]).T
-        width = limits[1] - limits[0]
-        below, above = (value - limits[0]) / width, (limits[1] - value) / width
-        if not min(np.min(below), np.min(above)) >= -FEASIBILITY:
-            return "at a state that breaks a constraint"
-        force = force.reshape(width.shape)
-        idle = 1e-6 * (1.0 + np.max(np.abs(force)))
-        if np.any((force > idle) & (above > 1e-6)) or np.any((force < -idle) & (below > 1e-6)):
-            return "where no constraint holds it"
-        return ""

@@ -1,4 +1,4 @@
-"""Predicts a state by the model and stored inputs alone, Algorithm 9 of Ren et al. (2019)."""
+"""Predict a state by the model and stored inputs alone, Algorithm 9 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -11,10 +11,19 @@ from owtsweep.estimation.discretisation import Discrete
 
 
 def predict(model: Discrete, state: Array, inputs: Array) -> Array:
-    """Predict a state (states,) over the steps of `inputs` (steps, inputs), oldest first.
+    """Predict a state over some steps by the model and the inputs; return the state at the end.
 
     Algorithm 9 of Ren et al. (2019) prints N_d - 1 steps with the inputs of register 1, then N_s
     steps with u_s, which is the wrong order in time. Here the inputs are in order of time.
+
+    Parameters
+    ----------
+    model
+        The model in discrete time.
+    state
+        The state before the first step, shape (states,).
+    inputs
+        The inputs of the steps, shape (steps, inputs), oldest first.
     """
     for u in inputs:
         state = model.A @ state + model.B @ u
@@ -22,7 +31,10 @@ def predict(model: Discrete, state: Array, inputs: Array) -> Array:
 
 
 def powers(A: Array, count: int) -> Array:
-    """Compute the powers I, A, A^2, ..., A^count, shape (count + 1, states, states)."""
+    """Compute the powers I, A, A^2, ..., A^count of a matrix A (states, states).
+
+    The result has the shape (count + 1, states, states).
+    """
     result = np.empty((count + 1, *A.shape))
     result[0] = np.eye(len(A))
     for i in range(count):
@@ -32,16 +44,19 @@ def powers(A: Array, count: int) -> Array:
 
 @dataclass(frozen=True)
 class PredictionNoise:
-    """The ways in which noise enters a prediction over some number of steps.
+    """The effects of noise on the predicted state, after a number of steps.
+
+    A and B are the matrices of the model x[k+1] = A x[k] + B u[k] + w[k].
 
     Attributes
     ----------
     transition
-        Shape (states, states): A^steps.
+        A^steps, shape (states, states): the effect of an error in the first state.
     response
-        Shape (steps, states): row i is A^(steps-1-i) B, the effect of the input's noise at step i.
+        Shape (steps, states): row i is A^(steps-1-i) B, the effect of an error in the input of step
+        i.
     process
-        Shape (states, states): covariance of the process noise that all steps add.
+        Covariance of the predicted state due to the noise w of all steps, shape (states, states).
     """
 
     transition: Array
@@ -50,7 +65,10 @@ class PredictionNoise:
 
 
 def prediction_noise(model: Discrete, steps: int) -> PredictionNoise:
-    """Compute how noise enters a prediction over `steps` steps, for a model with one input."""
+    """Compute the effects of noise on a prediction over `steps` steps, for a model with one input.
+
+    The noise is an error in the first state, errors in the inputs, and the process noise.
+    """
     A = powers(model.A, steps)
     response = np.array([A[steps - 1 - i] @ model.B[:, 0] for i in range(steps)])
     process = np.zeros_like(model.Q)

@@ -19,11 +19,20 @@ PROPER, MASK_COLUMNS, MASK_ROWS, EVERY_STEP = 0, 1, 2, 3
 
 
 class TwoRates(NamedTuple):
-    """A model with a slow and a fast measurement.
+    """A model in discrete time with a slow and a fast measurement.
 
-    A and Q have the shape (n, n). `slow` and `fast` are measurement rows (n,); their noises have
-    the variances `r_slow` and `r_fast`. If `fast` is all zero, there is no fast measurement: the
-    model takes the signal as an input. `rule` is PROPER, MASK_COLUMNS, MASK_ROWS or EVERY_STEP.
+    Attributes
+    ----------
+    A, Q
+        Transition matrix and covariance of the process noise, shape (n, n) each.
+    slow, fast
+        Rows (n,) of the measurement matrix for the slow and the fast measurement. If `fast` is all
+        zero, there is no fast measurement: the fast signal is an input of the model.
+    r_slow, r_fast
+        Variances of the noise of the two measurements.
+    rule
+        How a step without a slow measurement is treated: PROPER, MASK_COLUMNS, MASK_ROWS or
+        EVERY_STEP, explained at `estimation.gains.RULES`.
     """
 
     A: Array
@@ -36,10 +45,10 @@ class TwoRates(NamedTuple):
 
 
 class Pattern(NamedTuple):
-    """The steps between slow measurements.
+    """The steps at which slow measurements come.
 
-    There are `start_interval` steps between slow measurements before the step `start_steps`, and
-    `interval` steps from the step `start_steps` on.
+    Before the step `start_steps`, they come at multiples of `start_interval` steps, and from the
+    step `start_steps` on at multiples of `interval` steps.
     """
 
     interval: int
@@ -48,10 +57,16 @@ class Pattern(NamedTuple):
 
 
 class GainRows(NamedTuple):
-    """The arrays that the recursion fills: one row per step.
+    """The arrays that the covariance recursion fills: one row per step.
 
-    K, shape (rows, n, 2): gains of the slow and of the fast measurement. S, shape (rows,): variance
-    of the slow innovation. Pm and Pf, shape (rows, n, n): covariances P_k|k-1 and P_k|k.
+    Attributes
+    ----------
+    K
+        Gains, shape (rows, n, 2): columns of the slow and of the fast measurement.
+    S
+        Variance of the slow measurement's innovation, shape (rows,).
+    Pm, Pf
+        Covariances of the state before and after the measurements of a step, shape (rows, n, n).
     """
 
     K: Array
@@ -62,11 +77,27 @@ class GainRows(NamedTuple):
 
 @njit
 def riccati_step(model, P, is_slow, K, Pm, Pf, work):
-    """Predict and correct the covariance P (n, n); return the slow innovation's variance.
+    """Predict the covariance of a state over one step, and correct it by the step's measurements.
 
-    The gains are written into K (n, 2), the predicted covariance into Pm (n, n), the corrected one
-    into Pf (n, n). `model` has the fields of `TwoRates`. `is_slow` says whether this step has a
-    slow measurement. `work` is scratch space of shape (3, n, n).
+    Parameters
+    ----------
+    model
+        The model, a `TwoRates` with n states, a slow and a fast measurement.
+    P
+        Covariance of the state after the measurements of the previous step, shape (n, n).
+    is_slow
+        Whether this step has a slow measurement.
+    K
+        Array (n, 2) for the gains of the slow and of the fast measurement; overwritten.
+    Pm, Pf
+        Arrays (n, n) for the predicted and the corrected covariance; overwritten.
+    work
+        Array (3, n, n) for intermediate results; overwritten.
+
+    Returns
+    -------
+    float
+        The variance of the slow measurement's innovation.
     """
     A, Q, slow, fast = model.A, model.Q, model.slow, model.fast
     r_slow, r_fast, rule = model.r_slow, model.r_fast, model.rule
@@ -151,17 +182,35 @@ def riccati_step(model, P, is_slow, K, Pm, Pf, work):
 
 @njit
 def recursion(first, stop, quiet, model, P0, pattern, tolerance, filled):
-    """Fill rows of `filled` from `first` on, up to stop - 1 or until a whole cycle repeats.
+    """Compute the filter's gains and covariances step by step, until they are periodic.
 
-    A cycle is one interval between slow measurements. A cycle repeats when, over `interval` steps
-    in a row, no element of Pf has moved by more than `tolerance` since `interval` steps earlier.
-    Elements are scaled by the diagonal of Pf. The rows before `first` must have been filled.
+    The period is `pattern.interval` steps, from one slow measurement to the next. Gains and
+    covariances are periodic if, for a whole period, no element of Pf differs by more than
+    `tolerance` from the element one period earlier. Elements (i, j) are divided by the root of
+    the product of the diagonal elements i and j.
+
+    Parameters
+    ----------
+    first, stop
+        The first step to compute, and the step before which to stop in any case.
+    quiet
+        The number of successive steps before `first` at which Pf did not differ from one period
+        earlier: 0 in the first call, then what the previous call returned.
+    model
+        The model, a `TwoRates` with n states.
+    P0
+        Covariance of the state one step before step 0, shape (n, n).
+    pattern
+        The steps at which slow measurements come, a `Pattern`.
+    tolerance
+        Largest scaled difference that counts as none.
+    filled
+        The arrays to fill, a `GainRows`. Their rows before `first` must have been filled.
 
     Returns
     -------
     int, bool, int
-        The number of filled rows; whether they repeat; and for how many rows the covariance has
-        not moved, which is the argument `quiet` of the next call.
+        The number of filled rows; whether the gains are periodic; and `quiet` for the next call.
     """
     interval, start_interval, start_steps = pattern
     K, S, Pm, Pf = filled
@@ -175,7 +224,7 @@ def recursion(first, stop, quiet, model, P0, pattern, tolerance, filled):
         else:
             is_slow = k % interval == 0
         S[k] = riccati_step(model, P, is_slow, K[k], Pm[k], Pf[k], work)
-        P[:, :] = Pf[k]
+        P = Pf[k]  # no copy: numba takes seconds to compile an assignment of slices
 
         if k >= start_steps + interval:
             moved = 0.0

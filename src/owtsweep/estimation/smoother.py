@@ -1,8 +1,8 @@
-"""Smooths with a fixed lag over a moving window, Algorithms 7 and 8 of Ren et al. (2019).
+"""Smooth with a fixed lag over a moving window, Algorithms 7 and 8 of Ren et al. (2019).
 
-`FixedLagSmoother` is the algorithm as written: at every step it makes one pass of Rauch, Tung and
-Striebel over the window. `smoother_gains` computes the gains of a recursion that gives the same
-output in O(1) per step.
+`FixedLagSmoother` follows these algorithms: at every step it makes one pass of a smoother of Rauch,
+Tung and Striebel over the whole window. `smoother_gains` computes the gains of a recursion that
+gives the same smoothed states, with an effort per step that does not depend on the window.
 """
 
 from __future__ import annotations
@@ -19,11 +19,18 @@ _ROWS_AT_ONCE = 8192
 
 
 class FixedLagSmoother:
-    """The paper's register 4 and its smoothing pass (Algorithms 7 and 8 of Ren et al. 2019).
+    """A smoother with a fixed lag of N_s steps, Algorithms 7 and 8 of Ren et al. (2019).
 
-    The printed loop runs over columns N_s - 1 ... 0 of registers that have columns 1 ... N_s. A lag
-    of N_s steps is meant. The window therefore holds the newest filtered state and the N_s states
-    before it, each with its covariance. `window` is N_s; `transition` is the model's matrix A.
+    The smoother stores the newest filtered state and the N_s filtered states before it, each with
+    its covariance (register 4 of the paper). The loop printed in the paper runs over columns
+    N_s - 1 ... 0 of registers that have columns 1 ... N_s; here the lag is taken to be N_s steps.
+
+    Parameters
+    ----------
+    transition
+        The model's transition matrix A, shape (states, states).
+    window
+        The lag N_s in steps.
     """
 
     def __init__(self, transition: Array, window: int) -> None:
@@ -34,19 +41,20 @@ class FixedLagSmoother:
     def update(
         self, x: Array, P: Array, x_predicted: Array, P_predicted: Array
     ) -> tuple[Array, Array] | None:
-        """Take a step's filtered state; return the smoothed state of `window` steps ago.
+        """Take the filtered state of a new step; return the smoothed state `window` steps earlier.
 
         Parameters
         ----------
         x, P
-            Filtered state (states,) and covariance (states, states) of this step.
+            State (states,) and covariance (states, states) after the measurement of the new step.
         x_predicted, P_predicted
-            Predicted state and covariance of this step, before its measurement.
+            State (states,) and covariance (states, states) before the measurement of the new step.
 
         Returns
         -------
         tuple of array, or None
-            Smoothed state and covariance; None in the first `window` steps.
+            Smoothed state (states,) and its covariance (states, states). None in the first `window`
+            calls, when there is no earlier step to return.
         """
         self.register.append((x, P, x_predicted, P_predicted))
         if len(self.register) <= self.window:
@@ -62,18 +70,28 @@ class FixedLagSmoother:
 
 
 def smoother_gains(gains: GainSchedule, transition: Array, window: int) -> tuple[Array, Array]:
-    """Compute the smoother's gains C_k and D_k for every row of a gain schedule.
+    """Compute the gains C and D of a recursion for a smoother with a fixed lag.
 
-    C_k are the gains of the Rauch-Tung-Striebel smoother, and
-    D_k = -C_k ... C_{k+window-1} K_{k+window}. D_k removes the contribution of the innovations of
-    step k + window from the smoothed state of step k, because the window of step k - 1 does not
-    include them.
+    The recursion goes backwards in time, from the smoothed state of step k to that of step k - 1.
+    C_k is the gain of the Rauch-Tung-Striebel smoother at step k. D_k is
+    -C_k ... C_{k+window-1} K_{k+window}, with the filter's gain K. The smoothed state of step k
+    depends on the innovations of step k + window, but the smoothed state of step k - 1 must not;
+    D_k times these innovations removes their contribution.
+
+    Parameters
+    ----------
+    gains
+        Gains and covariances of the filter, one row per step until the rows repeat.
+    transition
+        The model's transition matrix A, shape (states, states).
+    window
+        The lag in steps.
 
     Returns
     -------
     C, D
-        Shapes (rows, states, states) and (rows, states, 2); the columns of D_k belong to the slow
-        and to the fast measurement.
+        One row per row of `gains`: C has the shape (rows, states, states), D (rows, states, 2). The
+        two columns of D_k belong to the slow and to the fast measurement.
     """
     from owtsweep.estimation.windowing import leaving
 

@@ -1,12 +1,12 @@
-"""Smooths: computes the state of each step given later measurements too.
+"""Smooth: estimate the state of each step from later measurements too.
 
 Rauch, Tung and Striebel (1965): with C[k] = P[k|k] F' P[k+1|k]^-1,
 
     x[k|N] = x[k|k] + C[k] (x[k+1|N] - x[k+1|k])
     P[k|N] = P[k|k] + C[k] (P[k+1|N] - P[k+1|k]) C[k]'
 
-(Anderson and Moore 1979, section 7.4). A smoother goes backwards over a filter's run. The smoother
-does not use the measurements again, so it does not matter here which of them were lost.
+(Anderson and Moore 1979, section 7.4). A smoother goes backwards over the results of a filter. The
+smoother does not use the measurements again, so lost measurements need no special treatment here.
 """
 
 from __future__ import annotations
@@ -27,14 +27,20 @@ KNOWN_EXACTLY = 1e-14
 
 
 class Smoothed(NamedTuple):
-    """The smoothed states, shape (series, steps, n), and covariances, (series, steps, n, n)."""
+    """The smoothed states, and the covariances of their errors.
+
+    `state` has the shape (series, steps, n), `covariance` (series, steps, n, n), for n states.
+    """
 
     state: Array
     covariance: Array
 
 
 def smooth(run: Filtered) -> Smoothed:
-    """Compute the state of every step given all measurements of the record."""
+    """Estimate the state of every step from all measurements of a series, earlier and later.
+
+    `run` holds the results of a Kalman filter for several series.
+    """
     gains, (series, steps, n) = run.gains, run.filtered.shape
     rows = gains.rows_of(steps)
     C_of_rows = compute_smoother_gains(run.model, gains)
@@ -47,14 +53,17 @@ def smooth(run: Filtered) -> Smoothed:
 
 
 def smooth_fixed_lag(run: Filtered, lag: int) -> Smoothed:
-    """Compute the state of each step k given the measurements up to step k + lag.
+    """Estimate the state of each step k from the measurements up to step k + lag.
 
-    The last `lag` steps use the measurements up to the record's end. Each step k takes a pass of
-    Rauch, Tung and Striebel from k + lag back to k. All passes are made side by side. The
-    result is optimal for that lag; the result of filterpy's FixedLagSmoother is not.
+    The last `lag` steps use the measurements up to the record's end. For each step k, a smoother
+    of Rauch, Tung and Striebel goes from step k + lag back to step k; all these passes are computed
+    side by side. The result is the optimal estimate from these measurements. (filterpy's
+    FixedLagSmoother does not compute the optimal estimate.)
 
     Parameters
     ----------
+    run
+        The results of a Kalman filter over several series.
     lag
         Lag in steps, at least 0. With 0, the filter's estimates are returned.
 
@@ -82,9 +91,11 @@ def smooth_fixed_lag(run: Filtered, lag: int) -> Smoothed:
 
 
 def compute_smoother_gains(model: LinearModel, gains: Gains) -> Array:
-    """Compute the smoother's gains C for each row of `gains`, shape (patterns, rows, n, n).
+    """Compute the gains C of the Rauch-Tung-Striebel smoother, for each row of a filter's gains.
 
-    If the gains do not repeat (`gains.cycle` is 0), the last row has no C and is left out.
+    The result has the shape (patterns, rows, n, n). The gain of a row needs the next row. If the
+    filter's gains do not repeat (`gains.cycle` is 0), the last row has no next row, and the result
+    has one row less.
     """
     rows = gains.K.shape[1]
     count = rows if gains.cycle else rows - 1
@@ -94,12 +105,12 @@ def compute_smoother_gains(model: LinearModel, gains: Gains) -> Array:
 
 
 def compute_smoother_gain(filtered: Array, F: Array, following: Array) -> Array:
-    """Compute the smoother's gain C = P[k|k] F' P[k+1|k]^-1, shape (..., n, n).
+    """Compute the gain C = P[k|k] F' P[k+1|k]^-1 of the Rauch-Tung-Striebel smoother.
 
-    `filtered` is P[k|k] and `following` is P[k+1|k]. The inverse is a pseudo-inverse, since a state
-    may be known exactly (if no noise drives the state and its first value is known). The
-    pseudo-inverse is computed from the correlation matrix, so that units do not affect which states
-    count as known exactly.
+    `filtered` is P[k|k], `following` is P[k+1|k], and F is the transition matrix; all, and the
+    result, have the shape (..., n, n). The inverse is a pseudo-inverse, since P[k+1|k] is singular
+    if a state is known exactly. The pseudo-inverse is computed from the correlation matrix, so that
+    the choice of units does not affect which states count as known exactly.
     """
     scale = np.sqrt(np.diagonal(following, axis1=-2, axis2=-1))
     scale = np.where(scale > 0.0, scale, 1.0)

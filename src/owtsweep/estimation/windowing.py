@@ -1,7 +1,8 @@
-"""Compiled functions for the window of a fixed-lag smoother: its covariances and gains.
+"""Compiled functions for a smoother with a fixed lag: its gains and covariances.
 
-There are four states. During computations matrices are tuples of rows. The compiler keeps tuples in
-registers and vectorises over them, which it may not do with small arrays that could overlap.
+There are four states. During computations a matrix is a tuple of four rows, because the compiler
+keeps tuples in the processor's registers. Small arrays are not kept in registers, since they might
+overlap in memory.
 """
 
 from __future__ import annotations
@@ -19,10 +20,16 @@ _ONE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 
 
 
 class FilterRows(NamedTuple):
-    """The arrays that a smoother takes from a filter, one row per step, shape (rows, 4, 4) each.
+    """The arrays from which a smoother's covariances are computed, one row per step.
 
-    `filtered` is the covariance P_k|k, `predicted` is P_k|k-1, and C are the gains of the
-    Rauch-Tung-Striebel smoother.
+    Each array has the shape (rows, 4, 4), for four states.
+
+    Attributes
+    ----------
+    filtered, predicted
+        Covariances of the state after and before the measurements of a step.
+    C
+        Gains of the Rauch-Tung-Striebel smoother.
     """
 
     filtered: Array
@@ -32,9 +39,10 @@ class FilterRows(NamedTuple):
 
 @njit
 def schedule_row(k, rows, cycle):
-    """Return the index of the gain schedule's row that serves step k.
+    """Return the index of the row with the gains of step k.
 
-    The schedule has `rows` rows; after them, the last `cycle` rows repeat for ever.
+    The gains have `rows` rows, one per step. After the last row, the last `cycle` rows repeat for
+    ever.
     """
     if k < rows:
         return k
@@ -46,9 +54,23 @@ def schedule_row(k, rows, cycle):
 def leaving(first, stop, C, K, window, cycle, D):
     """Compute D_k = -C_k C_{k+1} ... C_{k+window-1} K_{k+window} for k = first ... stop - 1.
 
-    D_k is written into row k of D, shape (rows, 4, 2): four states, two measurements. C, shape
-    (rows, 4, 4), are the smoother's gains, and K, shape (rows, 4, 2), are the filter's. After the
-    last row of C and K, the last `cycle` rows repeat.
+    D_k times the innovations of step k + window removes their contribution from the smoothed state
+    of step k.
+
+    Parameters
+    ----------
+    first, stop
+        The first step k, and the step after the last.
+    C
+        Gains of the smoother, shape (rows, 4, 4), for four states.
+    K
+        Gains of the filter, shape (rows, 4, 2), for two measurements.
+    window
+        The lag of the smoother in steps.
+    cycle
+        Number of rows, at the end of C and of K, that repeat for ever.
+    D
+        Array of shape (rows, 4, 2), into whose row k the result D_k is written.
     """
     rows = C.shape[0]
     for k in range(first, stop):
@@ -64,14 +86,31 @@ def leaving(first, stop, C, K, window, cycle, D):
 
 @njit
 def covariances(rows, window, h, response, smoothed, coupling, first=0):
-    """Compute smoothed covariances of the first steps of windows, and their coupling to noise.
+    """Compute covariances of smoothed states, and their coupling to errors of a prediction.
 
-    `rows` are `FilterRows`. A window has the steps s ... k, where s = k - window. Row i of the
-    outputs `smoothed` (4, 4 each) and `coupling` (4, outputs each) belongs to k = first + i; rows
-    with k < window are left as they are. smoothed = P_{s|k}, and coupling = sum over i of
-    C_s ... C_{s+i-1} P_{s+i|k} h response_i'. The coupling is a cross-covariance of two errors. The
-    first is the smoothing error at step s. The second is the error of a prediction from s that is
-    due to the noise v of the window's measurements h x + v.
+    A smoother estimates the state of step s = k - window from the measurements up to step k. The
+    result is computed for the steps k = first, first + 1, ...; row i of both outputs belongs to
+    k = first + i. Rows with k < window are left unchanged, because s would be negative.
+
+    Parameters
+    ----------
+    rows
+        Covariances of the filter and gains C of the smoother, as `FilterRows`.
+    window
+        The lag of the smoother in steps.
+    h
+        Row (4,) of the measurement matrix, for measurements h x + v of the state x with noise v.
+    response
+        Shape (steps, outputs): row i is the effect of the noise v of step s + i on the prediction
+        from step s on.
+    smoothed
+        Output, shape (rows, 4, 4): the covariances P_{s|k} of the smoothed states.
+    coupling
+        Output, shape (rows, 4, outputs): the cross-covariances between the error of the smoothed
+        state and the error of the prediction due to v. They are the sum over i of
+        C_s ... C_{s+i-1} P_{s+i|k} h response_i'.
+    first
+        The first step k.
     """
     Pf, Pm, C = rows
     outputs = response.shape[1]
@@ -104,7 +143,7 @@ def covariances(rows, window, h, response, smoothed, coupling, first=0):
 
 @njit
 def _matrix(A, k):
-    """Return matrix k of an array (rows, 4, 4) as a tuple of four rows."""
+    """Return the matrix A[k] of an array A, shape (rows, 4, 4), as a tuple of four rows."""
     return (
         (A[k, 0, 0], A[k, 0, 1], A[k, 0, 2], A[k, 0, 3]),
         (A[k, 1, 0], A[k, 1, 1], A[k, 1, 2], A[k, 1, 3]),
@@ -132,7 +171,10 @@ def _transposed(A):
 
 @njit
 def _plus_product(M, A, B):
-    """Return M + A B; the products of each element are added in the order of A's columns."""
+    """Return M + A B for matrices as tuples of four rows.
+
+    The products for an element of A B are added to the element of M in the order of A's columns.
+    """
     return (
         _plus_row_product(M[0], A[0], B),
         _plus_row_product(M[1], A[1], B),

@@ -16,7 +16,8 @@ class Quantity(NamedTuple):
     name
         The quantity's name in estimates and tables.
     components
-        The names of its components in tables. An estimate of the quantity has as many numbers.
+        The names of the quantity's components in tables. An estimate of the quantity is an array
+        with one number per component.
     """
 
     name: str
@@ -28,9 +29,9 @@ PLANAR_MOTION = (Quantity("position", ("x", "y")), Quantity("velocity", ("vx", "
 
 
 class Innovation(NamedTuple):
-    """The innovation: a measurement minus its prediction.
+    """The innovation of a step: a measurement minus the prediction of this measurement.
 
-    `value`, shape (m,), is this difference; `covariance`, shape (m, m), is its covariance.
+    `value` is the innovation, shape (m,); `covariance` is its covariance, shape (m, m).
     """
 
     value: Array
@@ -38,30 +39,31 @@ class Innovation(NamedTuple):
 
 
 class Estimate:
-    """The estimate of the present state.
+    """An estimator's estimate of the present state: what `update` returns at each step.
 
-    A study defines which quantities are judged, and their dimensions and units. The hub study, for
-    example, judges position (m) and velocity (m/s), each of shape (2,), north and east:
-    `Estimate(position, velocity)`. Other quantities are given by name,
-    `Estimate(angle=..., strain=...)`, and become attributes of that name.
+    A study defines which quantities are judged, and the dimension and unit of each. The hub study,
+    for example, judges position (m) and velocity (m/s), each of shape (2,), north and east:
+    `Estimate(position, velocity)`. Other quantities are given by name, as in
+    `Estimate(angle=..., strain=...)`. Each quantity becomes an attribute of its name.
 
     Parameters
     ----------
     position, velocity
-        Two quantities that most studies judge.
+        Two quantities that most studies judge; None if not estimated.
     covariance
-        Covariance (n, n) of all judged quantities, one after the other in the study's order. With a
-        covariance the study reports NEES; None means no covariance.
+        Covariance (n, n) of the errors of all judged quantities, one after the other in the study's
+        order. From covariances the study computes NEES, the normalised estimation error squared.
+        None means no covariance.
     innovation
-        The innovation of this step's measurement. With innovations the study reports NIS; None
-        means no innovation.
+        The innovation of this step's measurement. From innovations the study computes NIS, the
+        normalised innovation squared. None means no innovation.
     quantities
         Further quantities by name.
 
     Attributes
     ----------
     quantities
-        All quantities that were given, by name.
+        Name -> value of all quantities that were given.
     """
 
     __slots__ = ("covariance", "innovation", "quantities")
@@ -95,6 +97,6 @@ class Estimate:
         return f"Estimate({said})"
 
     def _replace(self, **changes: Any) -> Estimate:
-        """Return a copy in which some quantities, the covariance or the innovation are replaced."""
+        """Return a copy of the estimate in which the attributes named in `changes` are replaced."""
         kept = {"covariance": self.covariance, "innovation": self.innovation}
         return Estimate(**{**self.quantities, **kept, **changes})

@@ -1,4 +1,4 @@
-"""Runs an estimator as on board: one `update` per step.
+"""Run an estimator as on board a ship: one call of its method `update` per step.
 
 Quantities that are measured at every step, such as the accelerations of an IMU, are called inputs.
 A measurement that comes less often, such as a position from GNSS, is called a fix.
@@ -17,17 +17,20 @@ from owtsweep.evaluation.trajectory import Trajectory
 
 
 class Updating(Protocol):
-    """An estimator that can be run step by step.
+    """The interface of an estimator that can be run step by step.
 
-    An estimator may also offer `run_record(inputs, fixes) -> Trajectory`. This method takes many
-    steps in one call and returns the same estimates as `update` step by step. At steps without a
-    fix, the row of `fixes` is NaN.
+    An estimator may also have a method `run_record(inputs, fixes)`, which takes many steps in one
+    call: `inputs` and `fixes` have one row per step, and the row of `fixes` is NaN at steps without
+    a fix. The method returns a `Trajectory` with the estimates that `update` would give step by
+    step.
     """
 
     def update(self, inputs: Array, fix: Array | None = None, /) -> Any:
-        """Take the inputs of a step, and a fix or None; return an `Estimate`.
+        """Take the measurements of a step, and return an `Estimate` of the present state.
 
-        A fix is a measurement that does not come at every step, such as a position from GNSS.
+        `inputs` are the quantities measured at every step, such as accelerations. `fix` is a
+        measurement that does not come at every step, such as a position from GNSS; None if this
+        step has no fix.
         """
 
 
@@ -39,24 +42,28 @@ def run_estimator(
     *,
     judged: Sequence[Quantity] = PLANAR_MOTION,
 ) -> Trajectory:
-    """Run an estimator over a whole record.
+    """Run an estimator over a whole record, and return the estimates of all steps.
 
     Parameters
     ----------
+    estimator
+        The estimator, before its first step.
     inputs
-        The measurements of every step, shape (steps, i).
+        The quantities measured at every step, such as accelerations, shape (steps, i).
     fixes
-        The less frequent measurements, such as positions from GNSS, shape (fixes, m). Row j belongs
-        to step j * fix_interval. The row is NaN if the fix did not arrive.
+        The measurements that come less often, such as positions from GNSS, shape (fixes, m). Row j
+        belongs to step j * fix_interval. A row is NaN if its measurement did not arrive.
     fix_interval
         Number of steps from one fix to the next.
     judged
-        The quantities to take from the estimates, in their order in the state.
+        The quantities to take from the estimates, in the order of the result's columns.
 
     Raises
     ------
-    TypeError, ValueError
-        As for `run_steps`.
+    TypeError
+        If `update` does not return an `Estimate`, or `run_record` no `Trajectory`.
+    ValueError
+        If an estimate lacks a quantity, has the wrong shape or is not finite.
     """
     arrived = np.full((len(inputs), fixes.shape[1]), np.nan)
     arrived[::fix_interval] = fixes
@@ -71,25 +78,32 @@ def run_steps(
     first: int = 0,
     judged: Sequence[Quantity] = PLANAR_MOTION,
 ) -> Trajectory:
-    """Run an estimator over the next steps of a record.
+    """Run an estimator over the next steps of a record, and return the estimates of these steps.
+
+    If the estimator has a method `run_record`, the method is called once for all steps. Otherwise
+    the method `update` is called at each step.
 
     Parameters
     ----------
-    inputs, fixes
-        Measurements of every step (steps, i), and less frequent ones (steps, m), one row per step.
-        At steps without a fix, the row of `fixes` is NaN.
+    estimator
+        The estimator, which has taken all earlier steps of the record.
+    inputs
+        The quantities measured at every step, such as accelerations, shape (steps, i).
+    fixes
+        The measurements that come less often, such as positions from GNSS, shape (steps, m); NaN at
+        steps without such a measurement.
     first
-        Number of the first of these steps, for error messages.
+        Number of the first of these steps in the record, for error messages.
     judged
-        The quantities to take from the estimates, in their order in the state.
+        The quantities to take from the estimates, in the order of the result's columns.
 
     Raises
     ------
     TypeError
-        If `update` does not return an `Estimate`.
+        If `update` does not return an `Estimate`, or `run_record` no `Trajectory`.
     ValueError
-        If an estimate lacks a quantity, has the wrong shape or is not finite. The message names the
-        step.
+        If an estimate lacks a quantity, has the wrong shape or is not finite. The message about an
+        estimate of `update`, or about one that is not finite, names the step.
     """
     run_record = getattr(estimator, "run_record", None)
     if run_record is not None:
@@ -120,19 +134,19 @@ def collect(
     estimates
         One `Estimate` per step.
     judged
-        The judged quantities, in the order of their components in the state.
+        The quantities to take from the estimates, in the order of the result's columns.
     steps
         Number of estimates.
     first
-        Number of the first of these steps, for error messages.
+        Number of the first of these steps in the record, for error messages.
 
     Raises
     ------
     TypeError
-        If an item is not an `Estimate`.
+        If an item of `estimates` is not an `Estimate`.
     ValueError
-        If an estimate lacks a quantity, or a quantity has the wrong shape. The message names the
-        step.
+        If an estimate lacks a quantity, or a quantity, covariance or innovation has the wrong shape
+        or does not consist of real numbers. The message names the step.
     """
     size = sum(len(quantity.components) for quantity in judged)
     state = np.empty((steps, size))
@@ -166,12 +180,13 @@ def collect(
 
 
 def _check_quantity(estimate: Estimate, name: str, size: int, step: int) -> Array:
-    """Return a quantity of an estimate as an array (size,), after checks.
+    """Return the quantity `name` of an estimate as an array (size,), after checks.
 
     Raises
     ------
     ValueError
-        If the estimate lacks the quantity or has another shape. The message names the step.
+        If the estimate lacks the quantity, or the quantity has another shape or does not consist of
+        real numbers. The message names the step.
     """
     if name not in estimate.quantities:
         raise ValueError(f"the estimate of step {step} has no {name}")
@@ -179,7 +194,24 @@ def _check_quantity(estimate: Estimate, name: str, size: int, step: int) -> Arra
 
 
 def _check_array(value: Any, shape: tuple[int, ...], what: str, step: int) -> Array:
-    """A value as real numbers of this shape; NumPy would stretch or cut others silently."""
+    """Return a value as an array of real numbers, after a check of its shape.
+
+    Without this check NumPy would broadcast another shape silently.
+
+    Parameters
+    ----------
+    value
+        What the estimator gave.
+    shape
+        The shape that `value` must have.
+    what, step
+        The name of the value, and the number of the step, for error messages.
+
+    Raises
+    ------
+    ValueError
+        If the shape is another, or `value` does not consist of real numbers.
+    """
     array = np.asarray(value)
     if array.shape != shape:
         raise ValueError(f"the {what} of step {step} has the shape {array.shape}, not {shape}")
@@ -189,7 +221,15 @@ def _check_array(value: Any, shape: tuple[int, ...], what: str, step: int) -> Ar
 
 
 def _check_trajectory(trajectory: Trajectory, steps: int, size: int) -> None:
-    """Refuse the answer of `run_record` if it is not that of so many steps and components."""
+    """Check what an estimator's method `run_record` has returned.
+
+    Raises
+    ------
+    TypeError
+        If `trajectory` is not a `Trajectory`.
+    ValueError
+        If the state of the trajectory is not an array of floats of the shape (steps, size).
+    """
     if not isinstance(trajectory, Trajectory):
         raise TypeError(f"run_record gave a {type(trajectory).__name__}, not a Trajectory")
     state = np.asarray(trajectory.state)

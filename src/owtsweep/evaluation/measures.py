@@ -1,9 +1,9 @@
-"""Measures computed from errors: MSE, NEES and NIS of quantities of any dimension.
+"""Compute measures from errors: MSE, NEES and NIS of quantities of any dimension.
 
-A linear estimator's error is the sum of two parts: one is due to the motion, the other to all else
-(noise). Every measure here is a mean of squares, so it splits into three products of the parts:
-motion x motion, motion x noise and noise x noise. With their means, here called motion, cross and
-noise, the measure at any amplitude N of the motion is N^2 motion + 2 N cross + noise.
+A linear estimator's error is the sum of two parts: one part is due to the motion, the other to
+everything else, called noise. Every measure here is a mean of squares, so it consists of the means
+of three products: motion x motion, motion x noise and noise x noise. These means are called motion,
+cross and noise. If the motion is multiplied by N, the measure is N^2 motion + 2 N cross + noise.
 """
 
 from __future__ import annotations
@@ -18,21 +18,22 @@ from owtsweep.evaluation.estimate import Quantity
 
 
 class Errors(NamedTuple):
-    """The errors of an estimator over a record.
+    """The errors of an estimator over a record, as a sum of one or two parts.
 
     Attributes
     ----------
     state
-        Errors of all judged quantities, shape (steps, n) each: either one array, the total error,
-        or two arrays, the parts due to motion and to noise.
+        Errors of all judged quantities: either one array (steps, n), the whole error, or two arrays
+        (steps, n), the part due to the motion and the part due to noise.
     covariance
-        The estimator's covariances, shape (steps, n, n), NaN at steps without one. None if the
-        estimator gave no covariance at all.
+        Covariances of the errors by the estimator's own account, shape (steps, n, n); NaN at steps
+        without a covariance. None if the estimator gave no covariance at all.
     innovation
-        Innovations, shape (steps, m) each, NaN at steps without one: as many arrays as in `state`,
-        or no array if the estimator gave no innovation.
+        Innovations: one or two arrays (steps, m), with the same parts as `state`; NaN at steps
+        without an innovation. No array if the estimator gave no innovation at all.
     innovation_covariance
-        Covariances of the innovations, shape (steps, m, m), or None.
+        Covariances of the innovations, shape (steps, m, m); NaN at steps without an innovation.
+        None if the estimator gave no innovation at all.
     """
 
     state: Sequence[Array]
@@ -44,9 +45,14 @@ class Errors(NamedTuple):
 class Mean(NamedTuple):
     """The mean of a measure over the steps of a record.
 
-    `products`, shape (3,), are the means of motion x motion, motion x noise and noise x noise:
-    products of the two parts of the error, one due to motion and one due to noise. If errors are
-    not split into parts, they count as noise. `samples` is the number of steps in the means.
+    Attributes
+    ----------
+    products
+        Shape (3,): the means of motion x motion, motion x noise and noise x noise, where motion and
+        noise are the parts of the error due to the motion and due to noise. An error that is not
+        divided into parts counts as noise.
+    samples
+        The number of steps in the means.
     """
 
     products: Array
@@ -54,18 +60,27 @@ class Mean(NamedTuple):
 
 
 def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[str, Mean]:
-    """Compute the measures of a record from step `first` on; return them by name.
+    """Compute the measures of a record: mean squared errors, NEES and NIS.
 
-    Measures are the mean squared error of every component and of every quantity (the sum over its
-    components), NEES if the estimator gave covariances, and NIS if it gave innovations. NEES is the
-    squared error weighted with the inverse of the estimator's covariance. NIS is the squared
-    innovation weighted with the inverse of the innovation's covariance (Bar-Shalom, Li and
-    Kirubarajan 2001, section 5.4).
+    There is a mean squared error of every component, and of every quantity as the sum over its
+    components. "nees" is the mean of the squared error weighted with the inverse of the estimator's
+    covariance. "nis" is the mean of the squared innovation weighted with the inverse of the
+    innovation's covariance (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). If the estimator
+    gave no covariance from step `first` on, "nees" is left out; if it gave no innovation, "nis" is.
 
     Parameters
     ----------
+    errors
+        The errors, innovations and covariances of the record.
     judged
-        The quantities, in the order of their components in the errors.
+        The judged quantities, in the order of their components in the columns of `errors.state`.
+    first
+        The first step used in the means.
+
+    Returns
+    -------
+    dict
+        Name of a component, a quantity, "nees" or "nis" -> mean of the measure.
     """
     state = [part[first:] for part in errors.state]
     components = [name for quantity in judged for name in quantity.components]
@@ -87,9 +102,22 @@ def measure(errors: Errors, judged: Sequence[Quantity], first: int = 0) -> dict[
 def _add_weighted(
     means: dict[str, Mean], name: str, parts: Sequence[Array], covariance: Array
 ) -> None:
-    """Add to `means`, under `name`, a mean square weighted with the inverse of a covariance.
+    """Add the measure `name` to `means`: a mean square weighted with the inverse of a covariance.
 
-    The mean is over the steps that have values and a covariance; without such steps, add nothing.
+    The mean is over the steps at which `parts` and `covariance` are finite. If there is no such
+    step, nothing is added.
+
+    Parameters
+    ----------
+    means
+        The measures by name, to which this measure is added.
+    name
+        The name of the measure.
+    parts
+        The values to square: one array (steps, n), or two arrays (steps, n) whose sum is the value,
+        due to motion and due to noise.
+    covariance
+        Covariances, shape (steps, n, n).
     """
     there = np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(parts[-1][:, 0])
     if there.any():  # after the settling time there may be no measurement
@@ -101,7 +129,9 @@ def _add_weighted(
 def _products(parts: Sequence[Array], weights: Array | None = None) -> Array:
     """Compute the means of motion x motion, motion x noise and noise x noise, shape (3,).
 
-    `parts` are the two parts of an error, or one array, which counts as noise.
+    `parts` are the parts of an error due to motion and due to noise, shape (steps,) or (steps, n);
+    a single part counts as noise. With `weights`, shape (steps, n, n), a product of a and b is
+    a' W b at each step; otherwise it is a b.
     """
 
     def mean(a: Array, b: Array) -> float:

@@ -1,4 +1,4 @@
-"""The estimates of a whole record, or of a piece of it."""
+"""The estimates of an estimator over a whole record, or over successive steps of a record."""
 
 from __future__ import annotations
 
@@ -11,19 +11,22 @@ from owtsweep.arrays import Array
 
 
 class Trajectory(NamedTuple):
-    """The output of an estimator over some steps.
+    """The output of an estimator over successive steps of a record.
 
     Attributes
     ----------
     state
-        The judged quantities, one after the other, shape (steps, n). For a planar motion the
-        columns are x, y (m), v_x, v_y (m/s), where x is north and y is east.
+        Estimates of the judged quantities, one after the other, shape (steps, n). For a planar
+        motion the columns are x, y (m), v_x, v_y (m/s), where x is north and y is east.
     covariance
-        Covariances of the state, shape (steps, n, n), NaN at steps without one; None if no step has
-        a covariance.
-    innovation, innovation_covariance
-        Innovations (steps, m) and their covariances (steps, m, m), NaN at steps without one; None
-        if no step has an innovation.
+        Covariances of the errors of `state`, shape (steps, n, n); NaN at steps without a
+        covariance. None if no step has a covariance.
+    innovation
+        Innovations, shape (steps, m); NaN at steps without an innovation. None if no step has an
+        innovation.
+    innovation_covariance
+        Covariances of the innovations, shape (steps, m, m); NaN at steps without an innovation.
+        None if no step has an innovation.
     """
 
     state: Array
@@ -33,7 +36,10 @@ class Trajectory(NamedTuple):
 
     @property
     def deviation(self) -> Array:
-        """The standard deviations of the state, shape (steps, n); NaN without a covariance."""
+        """The standard deviations of the errors of `state`, shape (steps, n).
+
+        Rows of steps without a covariance are NaN.
+        """
         if self.covariance is None:
             return np.broadcast_to(np.nan, self.state.shape)
         return np.asarray(np.sqrt(np.einsum("kii->ki", self.covariance)))
@@ -52,25 +58,30 @@ class Trajectory(NamedTuple):
     def axis_covariance(self, axis: int) -> Array:
         """Return the covariances of position and velocity along one axis of a planar motion.
 
-        `axis` is 0 for x and 1 for y. The shape is (steps, 2, 2); all is NaN without covariances.
+        `axis` is 0 for x and 1 for y. The result has the shape (steps, 2, 2), and is NaN at steps
+        without a covariance.
         """
         if self.covariance is None:
             return np.broadcast_to(np.nan, (len(self.state), 2, 2))
         return self.covariance[:, axis::2, axis::2]
 
     def part(self, steps: slice) -> Trajectory:
-        """Return the part with these steps, without copying its arrays."""
+        """Return the part of the trajectory with the given `steps`, without copying the arrays."""
         return Trajectory(*(None if a is None else a[steps] for a in self))  # type: ignore[arg-type]
 
     def copy(self) -> Trajectory:
-        """Return a copy. A copy of a part does not keep the whole trajectory in memory."""
+        """Return a copy of the trajectory, with arrays of its own.
+
+        A part of a trajectory keeps the arrays of the whole in memory; a copy of the part does not.
+        """
         return Trajectory(*(None if a is None else np.array(a) for a in self))  # type: ignore[arg-type]
 
 
 def join(pieces: Sequence[Trajectory]) -> Trajectory:
-    """Join successive pieces of a trajectory.
+    """Join successive trajectories into one.
 
-    If only some pieces have an array, such as covariances, the rows of the other pieces are NaN.
+    If only some of the trajectories have an array, e.g. covariances, the rows of the others in this
+    array are NaN. If none has the array, it is None.
     """
     state = np.concatenate([piece.state for piece in pieces])
     return Trajectory(state, *(_join([piece[i] for piece in pieces], pieces) for i in (1, 2, 3)))
@@ -87,10 +98,10 @@ def _join(series: Sequence[Array | None], pieces: Sequence[Trajectory]) -> Array
 
 
 def spread_to_both_axes(covariance: Array) -> Array:
-    """Make the covariances of a planar motion from those along one axis.
+    """Make covariances of a planar motion from covariances along one axis.
 
-    The input, shape (n, 2, 2), is the covariance of position and velocity along x; that along y is
-    equal, and the axes are uncorrelated. The result has the shape (n, 4, 4), in the order x, y,
-    v_x, v_y.
+    `covariance`, shape (steps, 2, 2), holds the covariances of position and velocity along x. The
+    covariances along y are taken to be equal, and the two axes uncorrelated. The result has the
+    shape (steps, 4, 4), with rows and columns in the order x, y, v_x, v_y.
     """
     return np.kron(covariance, np.eye(2))

@@ -1,4 +1,5 @@
-"""Figures for every study: style, palette, the best-scheme map, the map in the terminal.
+"""Draw figures for any study: maps of the best schemes, curves, time histories, terminal maps.
 
-Call functions that draw under `style.context`, as `drawings.save_figure` does.
+The modules `style` and `palette` define the looks. Functions that draw must be called inside
+`with style.context():`, as `drawings.save_figure` does.
 """

@@ -1,28 +1,34 @@
-"""Draw the map of the best scheme in every cell of two conditions, as Fig. 18 of Ren et al. (2019).
+"""Draw a map of the best scheme for each combination of values of two conditions.
 
-Unlike Fig. 18, the map hatches cells where the data do not distinguish the best scheme from the
-next best, and it shows by how much the next best is worse.
+The map is like Fig. 18 of Ren et al. (2019). In addition, the map names the next best scheme and by
+how much its MSE is larger, which the fill shows too, and hatches the cells in which the data do not
+show which of the two is better.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.figures import style
-from owtsweep.figures.palette import SchemeStyle, style_of
+from owtsweep.figures import margin, style
+from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Plane
+from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.results.conditions import Condition
 
 HATCH = "////"
-HATCH_COLOR = (1.0, 1.0, 1.0, 0.6)
+#: Opacity of the hatch, which has the colour of text on the cell's fill.
+HATCH_OPACITY = 0.35
 NO_RESULT = "#E4E4E4"
 #: Lengths are in inches. A cell lower than `ONE_LINE` has its labels on one line. A map of more
 #: than `MOST_LABELS` cells has no labels, and its cells are drawn as pixels, because shapes would
@@ -31,6 +37,37 @@ CELL_WIDTH = (0.95, 1.6)
 CELL_HEIGHT = (0.3, 0.55)
 ONE_LINE = 0.42
 MOST_LABELS = 600
+#: Where a line crosses a cell, the label moves to the left, and up or down, by this part of it.
+ASIDE = 0.3
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A line across a map, with a vertical bar in the middle of each column that it passes.
+
+    Attributes
+    ----------
+    columns
+        The columns with a point of the line, increasing, shape (n,).
+    heights, low, high
+        The line there, and the ends of its bars, shape (n,) each, in the coordinates of a `Plane`.
+    """
+
+    columns: Array
+    heights: Array
+    low: Array
+    high: Array
+
+    def height_at(self, column: float) -> float:
+        """Return the height of the line at a place between two columns; NaN if it has no point."""
+        return float(np.interp(column, self.columns, self.heights)) if len(self.columns) else np.nan
+
+    def meets(self, column: int, line: int) -> bool:
+        """Return whether the line or its bar passes through the left or the middle of a cell."""
+        middle = self.columns == column
+        bar = (self.low[middle] < line + 0.5) & (self.high[middle] > line - 0.5)
+        heights = [self.height_at(column - ASIDE), self.height_at(column)]
+        return bool(bar.any()) or any(abs(height - line) < 0.5 for height in heights)
 
 
 def draw(
@@ -45,36 +82,44 @@ def draw(
     coinciding: Sequence[Sequence[str]] = (),
     replicates: int | None = None,
     failures: int = 0,
+    notes: Sequence[str] = (),
 ) -> Figure:
-    """Draw the map of the best scheme in every cell, with title, legend and footnote.
+    """Draw a map of the best scheme in every cell, with title, legend and footnote.
+
+    A cell is one value of each condition.
 
     Parameters
     ----------
     best
-        The table best_scheme.csv of a run.
+        A run's table best_scheme.csv, one row per cell, criterion and window.
     schemes
-        All schemes compared, in the order of the legend.
+        Names of all schemes and baselines that the table names, in the order of the legend.
     conditions
         The study's conditions; at most two of them may have several values.
-    criterion, window
-        Measure and window of the rows to draw; both are named in the title.
+    criterion
+        The measure by which schemes are judged, e.g. "position"; the map shows its rows of `best`.
+    window
+        The part of the records over which the criterion is averaged, "full" or "settled"; the map
+        shows its rows of `best`.
     tuning
-        Name of the tuning, for the title.
+        Name of the schemes' tuning, for the title.
     quantity
-        What the title calls the criterion; "<criterion> MSE" if empty.
+        What the title says the schemes are judged by; if empty, "<criterion> MSE".
     coinciding
-        Groups of schemes with equal results (`results.best_scheme.find_coinciding`). The map shows
-        each group under the last of its names.
+        Groups of names of schemes with equal results. The map shows each group under the last of
+        its names.
     replicates
         Planned number of records per cell, for the title; None leaves the number out.
     failures
-        Number of failed cases. If it is not 0, title and footnote say that cells may have fewer
-        records.
+        Number of failed cases; a case is one scheme on one record. If the number is not 0, title
+        and footnote say that cells may have fewer records.
+    notes
+        Sentences at the end of the footnote.
 
     Raises
     ------
     InputError
-        If no row has that criterion and window, or more than two conditions vary.
+        If no row has that criterion and window, or more than two conditions have several values.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -99,8 +144,9 @@ def draw(
         loc="left",
     )
     handles = _make_legend(rows, schemes, coinciding, holes=len(rows) < plane.size)
-    figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
-    style.footnote(figure, _explain(rows, coinciding, failures, labelled=labelled))
+    add_legend(figure, handles, columns=3)
+    explained = _explain(rows, coinciding, failures, labelled=labelled)
+    style.footnote(figure, " ".join([explained, *notes]))
     return figure
 
 
@@ -111,32 +157,42 @@ def draw_cells(
     plane: Plane,
     *,
     labels: str,
+    crossing: Crossing | None = None,
 ) -> None:
-    """Draw the cells of a map.
+    """Draw the cells of a map of best schemes, and label the axes.
 
     Parameters
     ----------
+    axes
+        The matplotlib axes to draw into.
     rows
-        Rows of best_scheme.csv with one criterion and one window.
+        The cells: rows of a run's table best_scheme.csv with one criterion and one window.
     schemes
-        All schemes compared.
+        Names of all compared schemes, which determine the colours.
     plane
-        The axes of the map.
+        The conditions and values on the axes of the map.
     labels
-        The text in a cell. "two lines" and "one line": the best scheme and the next best. "best":
-        the best scheme only. "none": no text, and the cells are drawn as pixels.
+        The text in a cell. "two lines" and "one line": the best and the next best scheme, on two
+        lines or on one. "best": the best scheme only. "none": no text, and the cells are drawn as
+        pixels.
+    crossing
+        A line that will be drawn across the map. With labels "best", labels in its way move aside.
     """
     for row in rows:
-        column, line = plane.place(row)
-        look, corner = style_of(row["best"], schemes), (column - 0.5, line - 0.5)
+        column, number = plane.place(row)
+        fill = margin.fill_cell(style_of(row["best"], schemes), margin.ratio_of(row))
+        corner = column - 0.5, number - 0.5
         cell: dict[str, Any] = {"width": 1.0, "height": 1.0, "rasterized": labels == "none"}
-        axes.add_patch(Rectangle(corner, facecolor=look.color, edgecolor="white", **cell))
+        axes.add_patch(Rectangle(corner, facecolor=fill, edgecolor="white", **cell))
         if not row["distinguishable"]:
-            cell |= {"hatch": HATCH, "edgecolor": HATCH_COLOR, "linewidth": 0.0}
+            edge = to_rgba(text_color_on(fill), HATCH_OPACITY)
+            cell |= {"hatch": HATCH, "edgecolor": edge, "linewidth": 0.0}
             axes.add_patch(Rectangle(corner, fill=False, **cell))
-        if labels != "none":
-            runner_up = "" if labels == "best" else _describe_runner_up(row)
-            _label(axes, look, (column, line), (row["best"], runner_up), tall=labels == "two lines")
+        if labels == "best":
+            _label_best(axes, fill, (column, number), row["best"], crossing)
+        elif labels != "none":
+            names = row["best"], _describe_runner_up(row)
+            _label(axes, fill, (column, number), names, tall=labels == "two lines")
     plane.label_axes(axes)
     axes.set_facecolor(NO_RESULT)
     axes.grid(False)
@@ -144,15 +200,48 @@ def draw_cells(
     axes.spines[:].set_visible(False)
 
 
-def _label(
-    axes: Axes, look: SchemeStyle, place: tuple[int, int], names: tuple[str, str], *, tall: bool
+def _label_best(
+    axes: Axes, fill: str, place: tuple[int, int], best: str, crossing: Crossing | None
 ) -> None:
-    """Write two texts into a cell: the best scheme and the next best, which may be ""."""
+    """Write the best scheme into a cell, aside of a line that crosses it."""
+    column, line = place
+    text = _style_text(fill) | {"fontsize": 7}
+    if crossing is None or not crossing.meets(column, line):
+        axes.text(column, line, best, **text)
+        return
+    # The bars are in the middle of the column, so they end at the label's right.
+    height = crossing.height_at(column - ASIDE) - line
+    up_or_down = 0.0 if abs(height) > 0.5 else -ASIDE if height > 0.0 else ASIDE
+    axes.text(column - 0.46, line + up_or_down, best, **text | {"ha": "left"})
+
+
+def _style_text(fill: str) -> dict[str, Any]:
+    # the box hides the hatch behind the letters
+    box = {"facecolor": fill, "edgecolor": "none", "pad": 1.0}
+    return {"color": text_color_on(fill), "bbox": box, "ha": "center", "va": "center"}
+
+
+def _label(
+    axes: Axes, fill: str, place: tuple[int, int], names: tuple[str, str], *, tall: bool
+) -> None:
+    """Write the names of the best and of the next best scheme into a cell of a map.
+
+    Parameters
+    ----------
+    axes
+        The matplotlib axes to draw into.
+    fill
+        The colour of the cell, which gives the colour of the text.
+    place
+        Column and line of the cell, from 0.
+    names
+        Texts for the best and for the next best scheme; the second may be "".
+    tall
+        Whether the cell has room for two lines of text.
+    """
     column, line = place
     best, runner_up = names
-    # the box hides the hatch behind the letters
-    box = {"facecolor": look.color, "edgecolor": "none", "pad": 1.0}
-    text: dict[str, Any] = {"color": look.text_color, "bbox": box, "ha": "center", "va": "center"}
+    text = _style_text(fill)
     if not tall:
         both = f"{best} ({runner_up})" if runner_up else best
         axes.text(column, line, both, fontsize=7, **text)
@@ -163,9 +252,10 @@ def _label(
 
 
 def _describe_runner_up(row: dict[Any, Any]) -> str:
-    """Name the next best scheme of a cell, and by how much its MSE is larger, e.g. "HME1 +12 %".
+    """Return the next best scheme of a cell and by how much its MSE is larger, e.g. "HME1 +12 %".
 
-    Returns "" if there is no next best scheme, or if the best scheme's MSE is not positive.
+    `row` is the row of the cell in best_scheme.csv. Return "" if there is no next best scheme, or
+    if the MSE of the best scheme is not positive.
     """
     if not row["runner_up"] or not row["mse_best"] > 0:
         return ""
@@ -196,16 +286,20 @@ def _make_legend(
         cells = winners.count(name)
         label = f"{' = '.join(alike)} ({cells} cell{'s' * (cells != 1)})"
         look = style_of(name, schemes)
-        handles.append(Patch(facecolor=look.color, label=style.label_of(label)))
+        handles.append(Shades(facecolor=look.color, label=style.label_of(label)))
     hatched = not all(row["distinguishable"] for row in rows)
     return handles + explain_marks(hatched=hatched, holes=holes)
 
 
 def explain_marks(*, hatched: bool, holes: bool) -> list[Patch]:
-    """Make the legend's entries for hatched cells and for cells without a result, where present."""
+    """Return entries of a map's legend for hatched cells and for cells without a result.
+
+    `hatched` and `holes` say whether the map has hatched cells, and cells without a result; if it
+    has none of a kind, the entry for this kind is left out.
+    """
     marks = []
     if hatched:
-        look: dict[str, Any] = {"facecolor": "0.6", "edgecolor": "white", "hatch": HATCH}
+        look: dict[str, Any] = {"facecolor": "0.9", "edgecolor": "0.5", "hatch": HATCH}
         marks.append(Patch(label="not distinguishable", **look))
     if holes:
         marks.append(Patch(facecolor=NO_RESULT, label="no result"))
@@ -221,12 +315,10 @@ def _explain(
 ) -> str:
     sentences = []
     if labelled and any(row["runner_up"] for row in rows):
-        sentences.append(
-            "Second name in a cell: the next best scheme and by how much its MSE is larger."
-        )
+        sentences.append("Second name in a cell: the runner-up, and by how much its MSE is larger.")
     if not all(row["distinguishable"] for row in rows):
         sentences.append(
-            "Hatched: the data do not tell best and next best apart"
+            "Hatched: the data do not tell best and runner-up apart"
             " (paired difference, 95 %, Holm's correction over all cells)."
         )
     sentences += style.explain_coinciding(groups)

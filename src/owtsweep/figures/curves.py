@@ -1,4 +1,4 @@
-"""Draw measures against one condition: for every scheme a curve with a band, its 95 % interval."""
+"""Draw measures against one condition: a curve for each scheme, with a band of 95 % intervals."""
 
 from __future__ import annotations
 
@@ -36,18 +36,19 @@ def choose(
     window: str,
     fixed: Mapping[Condition, Value],
 ) -> pd.DataFrame:
-    """Return the rows of a summary with these schemes, this window and these condition values.
+    """Return the rows of a run's summary with given schemes, window and values of conditions.
 
     Parameters
     ----------
     summary
         The table summary.csv of a run.
     schemes
-        Names of the schemes to keep.
+        Names of the schemes whose rows are returned.
     window
-        The window to keep, e.g. "full".
+        The part of the records, "full" or "settled", whose rows are returned.
     fixed
-        Condition -> the value to keep; other conditions keep all their values.
+        Condition -> the value whose rows are returned. A condition that is not in `fixed` may have
+        any value.
 
     Raises
     ------
@@ -84,32 +85,36 @@ def draw(
     points_label: str = "",
     coinciding: Sequence[Sequence[str]] = (),
     notes: Sequence[str] = (),
+    thin: Sequence[str] = (),
 ) -> Figure:
-    """Draw measures of all schemes against a condition, one panel per measure, side by side.
+    """Draw measures of several schemes against a condition, one panel per measure, side by side.
 
     Parameters
     ----------
     shown
-        Rows of a run's table summary.csv with one value of every condition except `along`, as
-        `choose` returns them.
+        Rows of a run's table summary.csv. Every condition except `along` has one value.
     schemes
-        Schemes to draw, in the order of the legend.
+        Names of the schemes to draw, in the order of the legend.
     along
-        The condition on the horizontal axis; its `scale` makes this axis linear or logarithmic.
+        The condition on the horizontal axis. The axis is linear or logarithmic, as `along.scale`
+        says.
     panels
-        Measure -> label of the vertical axis, which is logarithmic.
+        Name of a measure -> label of the vertical axis of its panel, which is logarithmic.
     title
         Title of the figure.
     points
-        Points from other sources, e.g. published ones, drawn hollow. Columns scheme, measure,
-        value, and one named like the condition. The table may be empty.
+        Points to be drawn as hollow marks beside the curves, e.g. published results: a table with
+        the columns scheme, measure and value, and a column named like the condition `along`. None
+        or an empty table means no points.
     points_label
-        The legend's entry for the points; "" for none.
+        Text for the points in the legend; "" leaves the points out of the legend.
     coinciding
-        Groups of schemes with equal results (`results.best_scheme.find_coinciding`), for the
-        footnote.
+        Groups of names of schemes with equal results, which the footnote lists.
     notes
         Sentences at the end of the footnote.
+    thin
+        Further schemes, drawn behind the others as thin lines without intervals. The vertical axis
+        shows the range of the others.
     """
     levels = order_values(shown[along.name], shown[along.name].unique())
     figure = style.new_figure(5.0 * len(panels), 5.0)
@@ -124,18 +129,28 @@ def draw(
                 place = _place(rows[along.name], levels)
                 axes.plot(place, rows["value"], color=look.color, marker=look.marker, **HOLLOW)
         _scale(axes, along, levels)
+        limits = axes.get_ylim()
+        for name in thin:
+            rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
+            _draw_thin(axes, _place(rows[along.name], levels), rows, style_of(name, thin))
+        axes.set_ylim(limits)
         axes.set_ylabel(label)
     figure.suptitle(title, x=0.01, ha="left", fontsize=11)
     handles = _make_legend(shown, schemes, points_label)
+    handles += [
+        Line2D([], [], label=style.label_of(name), **_thin_line(style_of(name, thin)))
+        for name in thin
+    ]
     figure.legend(handles=handles, loc="outside right center", frameon=False)
     style.footnote(figure, " ".join([*_explain(shown, coinciding), *notes]))
     return figure
 
 
 def _place(column: pd.Series[Any], levels: Sequence[Value]) -> Any:
-    """Return the positions of a column's values on the axis: numbers as they are, texts by index.
+    """Return where the values of a column lie on the horizontal axis.
 
-    The index of a text is its place in `levels`, from 0.
+    Numbers are returned unchanged. For a text, the result is its index, from 0, in `levels`, the
+    distinct values of the condition in order.
     """
     if isinstance(levels[0], str):
         return column.map(levels.index).to_numpy()
@@ -151,6 +166,15 @@ def _draw_curve(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -
     axes.plot(place, mean, color=look.color, **line)
     axes.fill_between(place, low, high, color=look.color, alpha=0.2, linewidth=0.0)
     axes.vlines(place, low, high, color=look.color, linewidth=1.0)
+
+
+def _draw_thin(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -> None:
+    order = np.argsort(place, kind="stable")
+    axes.plot(place[order], rows["mean"].iloc[order], **_thin_line(look))
+
+
+def _thin_line(look: SchemeStyle) -> dict[str, Any]:
+    return {"color": look.color, "linestyle": look.line, "linewidth": 1.1, "zorder": 1.5}
 
 
 def _scale(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:

@@ -1,4 +1,4 @@
-"""Draw the figures of a run: all for which the run has data, or one by name."""
+"""Draw the figures of a run: either all figures for which the run has data, or one by name."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import InputError
+from owtsweep.io.steps import tell_step
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,7 +21,11 @@ Drawing = Callable[[Path, str], list[Path]]
 
 
 def save_figure(draw: Callable[[], Figure], metadata: Mapping[str, str] | None) -> Drawing:
-    """Make a function that draws a figure in the package's style and saves it with the metadata."""
+    """Return a function that draws and saves a figure; its arguments are a folder and a name.
+
+    `draw` makes the figure and is called in the package's style. The `metadata`, texts by name, are
+    stored inside the files; None stores nothing. The returned function returns the files.
+    """
 
     def drawing(folder: Path, name: str) -> list[Path]:
         from owtsweep.figures import style
@@ -37,27 +42,36 @@ def draw_each(
     only: str | None,
     guard: Callable[[], AbstractContextManager[None]] = nullcontext,
 ) -> list[Path]:
-    """Draw all figures for which the run has data, or only the one called `only`.
+    """Draw the figures of a run, and return the files.
 
     Parameters
     ----------
+    drawings
+        Name of a figure -> function that draws and saves the figure. The function raises
+        `InputError` if the run lacks the data.
+    folder
+        Folder for the files.
+    only
+        Name of the only figure to draw. None means all figures; figures for which the run lacks
+        data are then left out with a warning.
     guard
-        The context in which each is drawn; it may turn errors into `InputError`.
+        Function that makes the context in which each figure is drawn; the context may turn errors
+        into `InputError`.
 
     Raises
     ------
     InputError
-        If there is no figure of that name, or the run lacks the data for it.
+        If there is no figure called `only`, or the run lacks the data for this figure.
     """
     if only is not None and only not in drawings:
         raise InputError(f"only: this run has no figure {only!r}; use {', '.join(drawings)}")
     files: list[Path] = []
-    for name, draw in drawings.items():
-        if only not in (None, name):
-            continue
+    chosen = [name for name in drawings if only in (None, name)]
+    for number, name in enumerate(chosen, 1):
+        tell_step(f"figure {number} of {len(chosen)}: {name}")
         try:
             with guard():
-                files += draw(folder, name)
+                files += drawings[name](folder, name)
         except InputError as error:
             if only is not None:
                 raise

@@ -1,4 +1,4 @@
-"""Reduce time series to lines with a moderate number of points; gaps are kept."""
+"""Reduce time series to lines with few points for figures; gaps in the series are kept."""
 
 from __future__ import annotations
 
@@ -19,12 +19,17 @@ Pair = tuple[Line, Line]
 
 
 def make_line(time: Array, values: Array) -> Line:
-    """Make a line of about `POINTS` points, divided into pieces at the gaps.
+    """Reduce a time series to a line of about `POINTS` points, divided at the gaps of the series.
 
     Parameters
     ----------
     time, values
         Times in s and values, shape (n,) each. Values that are not finite make a gap.
+
+    Returns
+    -------
+    list of tuple
+        Times and values of each part of the line between two gaps; empty if no value is finite.
     """
     present = np.isfinite(values)
     if np.all(present):
@@ -38,36 +43,52 @@ def make_line(time: Array, values: Array) -> Line:
 
 
 def make_pair(time: Array, values: Array) -> Pair:
-    """Make one line of each column of `values`, shape (n, 2); columns x and y."""
+    """Reduce a time series of x and y to two lines, one for x and one for y.
+
+    `time`, shape (n,), is in s. `values` has the shape (n, 2), with the columns x and y.
+    """
     return make_line(time, values[:, 0]), make_line(time, values[:, 1])
 
 
 def clip(time: Array, values: Array, view: tuple[float, float]) -> tuple[Array, Array]:
-    """Return the times and values of a series from view[0] to view[1], both in s and included.
+    """Return the times and values of a series in an interval of time.
 
-    `time` has shape (n,); the first axis of `values` has length n.
+    Parameters
+    ----------
+    time
+        Times in s, shape (n,).
+    values
+        Values, shape (n, ...).
+    view
+        First and last time in s; samples at both ends are included.
     """
     inside = (time >= view[0]) & (time <= view[1])
     return time[inside], values[inside]
 
 
-def decimate(time: Array, values: Array, points: int = WIDE) -> tuple[Array, Array]:
-    """Reduce a series to about `points` samples and keep its visible envelope.
+def leaves(line: Line, low: float, high: float) -> bool:
+    """Return whether a value of a line is below `low` or above `high`."""
+    return any(bool(np.any((values < low) | (values > high))) for _, values in line)
 
-    The series is divided into points / 2 equal spans. Kept are the least and the greatest value of
-    each span, and the first and the last sample of the series, in order of time.
+
+def decimate(time: Array, values: Array, points: int = WIDE) -> tuple[Array, Array]:
+    """Reduce a series to about `points` samples that show the same extremes in a figure.
+
+    The series is divided into points / 2 equal spans. The result consists of the least and the
+    greatest sample of each span, and of the first and the last sample of the series, in order of
+    time. A series of at most `points` samples is returned unchanged.
 
     Parameters
     ----------
     time, values
-        Shape (n,) each, finite.
+        Times and values of the samples, shape (n,) each; all finite.
     points
-        A series of at most this many samples is returned as it is.
+        Number of samples to reduce to.
 
     Returns
     -------
     time, values
-        The samples kept, at most `points` + 2.
+        Times and values of the chosen samples, at most `points` + 2.
     """
     n = len(values)
     if n <= points:

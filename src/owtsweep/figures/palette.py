@@ -1,4 +1,4 @@
-"""The look of each scheme: colour, marker and line style, the same in all figures and tables.
+"""The look of each scheme, i.e. colour, marker and line style, equal in all figures and tables.
 
 Colours are those of Okabe and Ito (2008), which colour-blind readers can distinguish. A marker and
 a line style distinguish schemes in black and white.
@@ -7,7 +7,7 @@ a line style distinguish schemes in black and white.
 from __future__ import annotations
 
 import colorsys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -34,9 +34,8 @@ class SchemeStyle:
 
     @property
     def text_color(self) -> str:
-        """The colour of text on `color`: black or white, by the greater contrast ratio (WCAG 2)."""
-        luminance = relative_luminance(self.color)
-        return "#000000" if (luminance + 0.05) ** 2 > 0.05 * 1.05 else "#ffffff"
+        """The colour of text on a background of `color`: "#000000" (black) or "#ffffff" (white)."""
+        return text_color_on(self.color)
 
 
 #: Scheme -> the look that a study has reserved for it.
@@ -53,9 +52,10 @@ SPARE_LINES: tuple[LineStyle, ...] = (
 
 
 def reserve(looks: Mapping[str, SchemeStyle]) -> None:
-    """Reserve looks for schemes by name; a study calls this once, where the study is defined.
+    """Reserve looks for schemes; a study calls this function once, where the study is defined.
 
-    A name that already has a look keeps it, so a scheme looks the same in all studies.
+    `looks` maps the name of a scheme to its look. If a look is already reserved for a name, the new
+    look is ignored, so that a scheme has one look in all studies.
     """
     for name, look in looks.items():
         _reserved.setdefault(name, look)
@@ -64,8 +64,8 @@ def reserve(looks: Mapping[str, SchemeStyle]) -> None:
 def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
     """Return the look of the scheme `name` in a study whose schemes are `all_names`.
 
-    A scheme with a reserved look always gets this look. The other schemes get the spare looks in
-    the order of `all_names`.
+    If a look is reserved for the scheme, this look is returned. The schemes without a reserved look
+    get further colours, markers and line styles, in the order of `all_names`.
 
     Raises
     ------
@@ -85,11 +85,33 @@ def style_of(name: str, all_names: Sequence[str]) -> SchemeStyle:
     )
 
 
+def text_color_on(color: str) -> str:
+    """Return the colour of text on the fill "#RRGGBB": black or white.
+
+    The one with the greater contrast ratio is taken (WCAG 2); it is at least 4.58 on any fill.
+    """
+    return "#000000" if (relative_luminance(color) + 0.05) ** 2 > 0.05 * 1.05 else "#ffffff"
+
+
+def mix_with_white(color: str, share: float) -> str:
+    """Return a paler "#RRGGBB": `share` of `color`, from 0 to 1, and the rest white."""
+    return _as_hex(1.0 - share * (1.0 - channel) for channel in channels_of(color))
+
+
 def relative_luminance(color: str) -> float:
-    """Compute the relative luminance of "#RRGGBB", from 0 (black) to 1 (white), after WCAG 2."""
-    channels = [int(color[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
+    """Compute the relative luminance of a colour, from 0 (black) to 1 (white), as in WCAG 2.
+
+    `color` is a text "#RRGGBB".
+    """
+    channels = channels_of(color)
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def channels_of(color: str) -> tuple[float, float, float]:
+    """Return red, green and blue of "#RRGGBB", from 0 to 1."""
+    red, green, blue = (int(color[start : start + 2], 16) / 255.0 for start in (1, 3, 5))
+    return red, green, blue
 
 
 def _spare_color(index: int) -> str:
@@ -98,4 +120,8 @@ def _spare_color(index: int) -> str:
     # steps of the golden section never repeat a hue; the lightness alternates
     step = index - len(SPARE_COLORS)
     channels = colorsys.hls_to_rgb((0.08 + 0.618034 * step) % 1.0, (0.3, 0.55, 0.75)[step % 3], 0.5)
+    return _as_hex(channels)
+
+
+def _as_hex(channels: Iterable[float]) -> str:
     return "#" + "".join(f"{round(255 * channel):02X}" for channel in channels)

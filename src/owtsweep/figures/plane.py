@@ -1,4 +1,4 @@
-"""The axes of a map of cells: one condition horizontal, one vertical."""
+"""The axes of a map: one condition on the horizontal axis, and one on the vertical axis."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ EDGE = 0.5
 
 @dataclass(frozen=True)
 class Plane:
-    """The axes of a map of cells: the cell in column i and line j has its centre at x = i, y = j.
+    """The axes of a map of cells, where a cell is one value of each of two conditions.
+
+    The cell in column i and line j has its centre at x = i and y = j, both counted from 0.
 
     Attributes
     ----------
@@ -43,7 +45,10 @@ class Plane:
 
     @classmethod
     def of(cls, table: pd.DataFrame, conditions: Sequence[Condition]) -> Plane:
-        """Make the plane of all values in a table, which has a column named like each condition.
+        """Make the axes of a map with all values that the conditions have in a table.
+
+        `table` has a column named like each condition. If there are more than two conditions, the
+        axes show those with several values; conditions with one value fill the axes that are left.
 
         Raises
         ------
@@ -56,10 +61,11 @@ class Plane:
 
     @classmethod
     def over(cls, conditions: Sequence[Condition], grid: Grid) -> Plane:
-        """Make the plane of conditions with the values in `grid`.
+        """Make the axes of a map with given values of the conditions.
 
-        Of more than two conditions, the axes show those with several values; if these are fewer
-        than two, the first of the others fill the axes.
+        `grid` maps the name of each condition to its values. If there are more than two conditions,
+        the axes show those with several values; conditions with one value fill the axes that are
+        left.
 
         Raises
         ------
@@ -81,19 +87,23 @@ class Plane:
 
     @property
     def size(self) -> int:
-        """The number of cells."""
+        """The number of cells of the map."""
         return len(self.columns) * len(self.lines)
 
     def place(self, row: Mapping[Any, Any]) -> tuple[int, int]:
-        """Return the column and the line (from 0) of the cell to which a table's row belongs."""
+        """Return the column and the line, both from 0, of the cell with the values in `row`.
+
+        `row` maps the name of each condition to its value, like a row of a table.
+        """
         line = self.lines.index(row[self.upwards.name]) if self.upwards else 0
         return self.columns.index(row[self.across.name]), line
 
     def height_of(self, values: Array) -> Array:
-        """Return the heights (vertical coordinates) on the map of values of the vertical condition.
+        """Return the y coordinates on the map for values of the condition on the vertical axis.
 
-        Between two lines, heights are interpolated on the condition's scale, linear or logarithmic.
-        A value beyond the map is put at the map's edge. NaN stays NaN.
+        Between the centres of two lines of cells, y is interpolated on the condition's scale, which
+        is linear or logarithmic. A value beyond the map is placed at the edge of the map. For NaN
+        the result is NaN. If the map has one line, y is 0 for all numbers.
         """
         lines = np.asarray(self.lines, dtype=float)
         numbers = np.arange(len(lines), dtype=float)
@@ -108,7 +118,7 @@ class Plane:
         return np.asarray(np.interp(values, padded, heights))
 
     def label_axes(self, axes: Axes) -> None:
-        """Set limits, ticks and labels of both axes."""
+        """Set limits, ticks and labels of both axes of `axes`, in which the map is drawn."""
         axes.set_xlim(-0.5, len(self.columns) - 0.5)
         axes.set_ylim(-0.5, len(self.lines) - 0.5)
         axes.set_xticks(range(len(self.columns)), [show_value(value) for value in self.columns])

@@ -1,4 +1,7 @@
-"""Draw a fine map of the best scheme over two conditions, from expected values of the MSE."""
+"""Draw a finely resolved map of the best scheme over two conditions.
+
+The best scheme is the scheme of the least expected mean squared error (MSE).
+"""
 
 from __future__ import annotations
 
@@ -8,26 +11,28 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.figures import style
+from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import HATCH
-from owtsweep.figures.palette import style_of
+from owtsweep.figures.palette import SchemeStyle, style_of
+from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.results.conditions import Condition
 
 #: Contour levels: by how many per cent the runner-up's MSE is larger than the best scheme's.
-MARGINS = (10, 50, 200, 1000)
+MARGINS = (10, 50, 200, 700)
 #: A region smaller than this fraction of the map has no room for its name.
 LEAST_REGION = 0.008
 
 
 @dataclass(frozen=True)
 class Field:
-    """The data of a smooth map.
+    """The data of a finely resolved map of the best scheme over two conditions.
+
+    The runner-up is the scheme of the second least expected MSE.
 
     Attributes
     ----------
@@ -36,16 +41,23 @@ class Field:
     columns, lines
         The values of `across` and of `upwards`, increasing, at least two of each.
     values
-        The expected MSE, shape (schemes, columns, lines).
+        The expected MSE of each scheme, shape (schemes, columns, lines).
     best
-        Index of the scheme of least expected MSE, shape (columns, lines).
+        Index of the scheme of the least expected MSE, shape (columns, lines); -1 where a baseline
+        beats every scheme.
     excess
-        By how many per cent the runner-up's MSE is larger, shape (columns, lines); NaN without a
-        runner-up.
+        By how many per cent the runner-up's MSE is larger than that of the best scheme, shape
+        (columns, lines); NaN if there is no runner-up.
     distinguishable
-        Whether best and runner-up differ by more than `resolution`, shape (columns, lines).
+        Whether the MSE of the best scheme and of the runner-up differ by more than `resolution`,
+        shape (columns, lines).
     resolution
-        The relative accuracy of `values`.
+        The relative accuracy of `values`, e.g. 0.01 for 1 %.
+    baseline
+        Index of the baseline that beats every scheme, shape (columns, lines); -1 where none does.
+    lead
+        Logarithm of the best scheme's MSE divided by that of the best baseline, shape
+        (columns, lines). A baseline beats every scheme where `lead` is more than `resolution`.
     """
 
     across: Condition
@@ -57,6 +69,8 @@ class Field:
     excess: Array
     distinguishable: NDArray[np.bool_]
     resolution: float
+    baseline: NDArray[np.integer[Any]]
+    lead: Array
 
 
 def draw(
@@ -66,27 +80,38 @@ def draw(
     title: str,
     origin: str,
     coinciding: Sequence[Sequence[str]] = (),
+    baselines: Sequence[str] = (),
+    notes: Sequence[str] = (),
 ) -> Figure:
-    """Draw the regions of the best schemes, with lines between them and contours of the margin.
+    """Draw a finely resolved map of the best scheme over two conditions.
+
+    Full lines separate the regions of the best schemes. Dashed contours show by how many per cent
+    the runner-up's MSE is larger than that of the best scheme.
 
     Parameters
     ----------
     field
-        The data.
+        The data of the map.
     schemes
-        Names of the schemes, in the order of `field.values`.
+        Names of the schemes, in the order of the first axis of `field.values`.
     title
         Title of the figure.
     origin
-        A sentence for the footnote that says where the values come from.
+        A sentence for the footnote that says where the data come from.
     coinciding
-        Groups of schemes with equal values. The map shows each group under the last of its names.
+        Groups of names of schemes with equal values. The map shows each group under the last of its
+        names.
+    baselines
+        Names of the baselines, to which `field.baseline` refers.
+    notes
+        Sentences at the end of the footnote.
     """
     figure = style.new_figure(7.6, 5.8)
     axes = figure.add_subplot()
     _draw_regions(axes, field, schemes)
     _draw_boundaries(axes, field)
     _draw_margins(axes, field)
+    _cover_baselines(axes, field, baselines)
     axes.set(xscale=field.across.scale, xlabel=field.across.title)
     axes.set(yscale=field.upwards.scale, ylabel=field.upwards.title)
     for axis, condition in ((axes.xaxis, field.across), (axes.yaxis, field.upwards)):
@@ -95,25 +120,23 @@ def draw(
     axes.grid(visible=False)
     axes.set_title(title, loc="left")
     handles = _make_legend(field, schemes, coinciding)
-    figure.legend(handles=handles, loc="outside upper center", ncols=2, frameon=False)
-    style.footnote(figure, _explain(field, origin, coinciding))
+    for number, name in enumerate(baselines):
+        share = float(np.mean(field.baseline == number))
+        if share > 0.0:
+            label = f"{name}: {_describe_share(share)}"
+            handles.append(Shades(color=style_of(name, baselines).color, label=label))
+    add_legend(figure, handles, columns=2)
+    style.footnote(figure, " ".join([_explain(field, origin, coinciding), *notes]))
     return figure
 
 
 def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
     looks = [style_of(name, schemes) for name in schemes]
-    axes.pcolormesh(
-        field.columns, field.lines, field.best.T, vmin=-0.5, vmax=len(schemes) - 0.5,
-        cmap=ListedColormap([look.color for look in looks]), shading="nearest", rasterized=True,
-    )  # fmt: skip
-    text: Any = {"ha": "center", "va": "center", "fontsize": 12, "fontweight": "bold", "zorder": 5}
+    ratio = 1.0 + field.excess / 100.0
+    fill = margin.fill_regions(field.best, ratio, [look.color for look in looks])
+    axes.pcolormesh(field.columns, field.lines, fill, shading="nearest", rasterized=True)
     for number, (name, look) in enumerate(zip(schemes, looks, strict=True)):
-        won = field.best == number
-        if won.mean() > LEAST_REGION:
-            i, j = _find_middle(won)
-            box = {"facecolor": look.color, "edgecolor": "none", "pad": 2.0}
-            place = field.columns[i], field.lines[j]
-            axes.text(*place, name, color=look.text_color, bbox=box, **text)
+        _name_region(axes, field, field.best == number, name, look, zorder=5)
     unclear = ~field.distinguishable
     if unclear.any():
         cover: dict[str, Any] = {"levels": [0.5, 1.5], "colors": "none", "hatches": [HATCH]}
@@ -122,11 +145,49 @@ def _draw_regions(axes: Axes, field: Field, schemes: Sequence[str]) -> None:
     axes.set_ylim(field.lines[0], field.lines[-1])
 
 
-def _draw_boundaries(axes: Axes, field: Field) -> None:
-    """Draw for each scheme the line where the scheme's MSE equals the least MSE of the others.
+def _cover_baselines(axes: Axes, field: Field, baselines: Sequence[str]) -> None:
+    """Cover the parts of the map where a baseline beats every scheme, and name the baseline.
 
-    The others are those whose MSE differs, somewhere on the map, by more than the field's
-    resolution.
+    The fill shows by how much the best scheme's MSE is larger than the baseline's.
+    """
+    covered = field.baseline >= 0
+    if not covered.any():
+        return
+    looks = [style_of(name, baselines) for name in baselines]
+    fill = margin.fill_regions(field.baseline, np.exp(field.lead), [look.color for look in looks])
+    cover = np.dstack([fill, covered.T])
+    axes.pcolormesh(field.columns, field.lines, cover, shading="nearest", rasterized=True, zorder=6)
+    if not covered.all():
+        edge: dict[str, Any] = {"colors": "black", "linewidths": 1.4, "zorder": 7}
+        axes.contour(field.columns, field.lines, field.lead.T, [field.resolution], **edge)
+    for number, name in enumerate(baselines):
+        _name_region(axes, field, field.baseline == number, name, looks[number], zorder=8)
+
+
+def _name_region(
+    axes: Axes,
+    field: Field,
+    region: NDArray[np.bool_],
+    name: str,
+    look: SchemeStyle,
+    *,
+    zorder: float,
+) -> None:
+    """Write a name into a region, shape (columns, lines), if the region has room for the name."""
+    if region.mean() > LEAST_REGION:
+        i, j = _find_middle(region)
+        axes.text(
+            field.columns[i], field.lines[j], name, color=look.text_color, ha="center",
+            va="center", fontsize=12, fontweight="bold", zorder=zorder,
+            bbox={"facecolor": look.color, "edgecolor": "none", "pad": 2.0},
+        )  # fmt: skip
+
+
+def _draw_boundaries(axes: Axes, field: Field) -> None:
+    """Draw, for each scheme, the line where the scheme's MSE equals the least MSE of the others.
+
+    Two schemes whose MSE agrees everywhere on the map, up to `field.resolution`, are not compared
+    with each other.
     """
     look: dict[str, Any] = {"levels": [0.0], "colors": "black", "linewidths": 1.4}
     for number, values in enumerate(field.values):
@@ -139,21 +200,27 @@ def _draw_boundaries(axes: Axes, field: Field) -> None:
 
 
 def _draw_margins(axes: Axes, field: Field) -> None:
-    """Draw contours of how many per cent larger the runner-up's MSE is than the best scheme's."""
+    """Draw contours of `field.excess` at the levels `MARGINS`.
+
+    The excess is by how many per cent the runner-up's MSE is larger than that of the best scheme.
+    If it is not finite everywhere, nothing is drawn.
+    """
     excess = field.excess
     if not np.all(np.isfinite(excess)):
         return
     levels = [level for level in MARGINS if excess.min() < level < excess.max()]
     if levels:
-        look: dict[str, Any] = {"colors": "black", "linewidths": 0.6, "linestyles": "--"}
+        look: dict[str, Any] = {"colors": "black", "linewidths": 0.8, "linestyles": "--"}
         lines = axes.contour(field.columns, field.lines, excess.T, levels, **look)
-        axes.clabel(lines, fmt="%g %%", fontsize=7)
+        lines.set_path_effects([withStroke(linewidth=2.4, foreground="white", alpha=0.7)])
+        for label in axes.clabel(lines, fmt="+%g %%", fontsize=8):
+            label.set_path_effects([withStroke(linewidth=2.5, foreground="white")])
 
 
-def _find_middle(region: Array) -> tuple[int, int]:
-    """Return column and line of the cell of a region that is farthest from the region's edge.
+def _find_middle(region: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return the column and the line of the point in a region that is farthest from its edge.
 
-    `region` is a mask of shape (columns, lines).
+    `region`, shape (columns, lines), is true at the points of the region.
     """
     from scipy.ndimage import distance_transform_edt
 
@@ -164,14 +231,14 @@ def _find_middle(region: Array) -> tuple[int, int]:
 
 def _make_legend(
     field: Field, schemes: Sequence[str], coinciding: Sequence[Sequence[str]]
-) -> list[Patch]:
+) -> list[Shades]:
     hidden = {name for group in coinciding for name in group[:-1]}
     handles = []
     for number, name in enumerate(schemes):
         if name not in hidden:
             share = _describe_share(float(np.mean(field.best == number)))
             color = style_of(name, schemes).color
-            handles.append(Patch(color=color, label=style.label_of(f"{name}: {share}")))
+            handles.append(Shades(color=color, label=style.label_of(f"{name}: {share}")))
     return handles
 
 
@@ -184,8 +251,10 @@ def _describe_share(won: float) -> str:
 def _explain(field: Field, origin: str, coinciding: Sequence[Sequence[str]]) -> str:
     sentences = [
         "Full lines: where the best scheme changes. Dashed: by how many per cent the runner-up's"
-        f" MSE is larger. {origin}"
+        " MSE is larger."
     ]
     if np.mean(~field.distinguishable) > LEAST_REGION:
-        sentences.append(f"Hatched: the two differ by less than {100 * field.resolution:g} %.")
+        percent = 100 * field.resolution
+        sentences.append(f"Hatched: best and runner-up differ by less than {percent:g} %.")
+    sentences.append(origin)
     return " ".join([*sentences, *style.explain_coinciding(coinciding)])

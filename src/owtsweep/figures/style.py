@@ -1,4 +1,4 @@
-"""Set the style of figures and save them; figures drawn alike are saved as equal bytes."""
+"""Set the style of figures, and save figures so that equal figures give equal bytes."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from owtsweep.io.files import write_all
 
 RESOLUTION = 160  # dots per inch of PNG files
+EMBEDDED_RESOLUTION = 100  # dots per inch of images inside SVG files
 SVG_LIMIT = 500 * 1024  # bytes
 
 RC: Any = {
@@ -45,7 +48,10 @@ WINDOWS = {"full": "full record", "settled": "settled part of the record"}
 
 @contextmanager
 def context() -> Iterator[None]:
-    """Set matplotlib to the package's settings inside a `with` block, then restore the user's."""
+    """Set matplotlib to this package's settings inside a `with` block.
+
+    After the block the user's settings are restored.
+    """
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(RC)
@@ -53,12 +59,15 @@ def context() -> Iterator[None]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Make an empty figure of a width and height in inches, outside pyplot, so no window opens."""
+    """Make an empty figure; `width` and `height` are in inches.
+
+    The figure is made without pyplot, so no window opens.
+    """
     return Figure(figsize=(width, height), layout="constrained")
 
 
 def footnote(figure: Figure, text: str) -> None:
-    """Write a paragraph below everything else, with lines broken to the width of the figure."""
+    """Write a paragraph at the bottom of a figure; lines are broken to the figure's width."""
     letters = int(13 * figure.get_figwidth())
     figure.supxlabel("\n".join(textwrap.wrap(text, letters)), x=0.01, ha="left", fontsize=8)
 
@@ -68,19 +77,37 @@ def add_origin(figure: Figure, text: str) -> None:
     title = figure.get_suptitle()
     if title:
         figure.suptitle(f"{title}\n{text}", x=0.01, ha="left")
+    elif figure.legends:  # at the top of a map; a title of the figure would lie on the legend
+        legend = figure.legends[0]
+        legend.set_title(f"{text}\n{legend.get_title().get_text()}")
     else:
         figure.suptitle(text, x=0.01, ha="left", fontsize=9)
 
 
 def label_of(name: str) -> str:
-    """The label of a line that stands for somebody's name, so that it is in the legend."""
+    """Return the label for a scheme or another thing called `name`, so that the legend shows it.
+
+    matplotlib leaves labels that begin with "_" out of legends. A character without width is put
+    before such a name; any other name is returned unchanged.
+    """
     return JOINER + name if name.startswith("_") else name
 
 
-def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns: int) -> None:
-    """Put a legend above everything else; the legend's `title` serves as the figure's title."""
+def add_legend_above(
+    figure: Figure,
+    handles: Sequence[Any],
+    title: str,
+    columns: int,
+    handlers: Mapping[Any, Any] | None = None,
+) -> None:
+    """Put a legend with a title at the top of a figure; `title` serves as the figure's title.
+
+    `handles` are the entries of the legend, which are arranged in `columns` columns. `handlers`
+    draw special entries: kind of entry -> handler, as matplotlib's `handler_map`.
+    """
     figure.legend(
         handles=handles,
+        handler_map=None if handlers is None else dict(handlers),
         title=title,
         title_fontsize=11,
         loc="outside upper left",
@@ -91,7 +118,10 @@ def add_legend_above(figure: Figure, handles: Sequence[Any], title: str, columns
 
 
 def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
-    """Write a sentence on each group of schemes that a map shows under the last of its names."""
+    """Return a sentence about each group of schemes with equal results, for a map's footnote.
+
+    Each of the `groups` holds names of schemes; the map shows the group under the last name.
+    """
     return [
         f"{' and '.join(group)} give the same numbers and are shown as {group[-1]}."
         for group in groups
@@ -99,7 +129,10 @@ def explain_coinciding(groups: Sequence[Sequence[str]]) -> list[str]:
 
 
 def describe_window(window: str) -> str:
-    """Describe a window in words, e.g. "full record"; an unknown window is named as it is."""
+    """Return a window in words, e.g. "full record" for "full"; return an unknown name unchanged.
+
+    A window is the part of each record over which errors are averaged.
+    """
     return WINDOWS.get(window, window)
 
 
@@ -111,24 +144,24 @@ def save(
     Parameters
     ----------
     figure
-        Drawn under `context`.
+        The figure, drawn inside `with context():`.
     folder
-        Made if it does not exist.
+        The folder for the files, which is made if it does not exist.
     stem
-        File name without suffix.
+        The name of the files without suffix.
     metadata
-        What to store inside both files, e.g. the run's hash: text chunks of the PNG, the
-        description (as JSON) of the SVG. No date is stored.
+        Name -> text, e.g. the run's hash; stored in both files, as text chunks of the PNG and as
+        the description (in JSON) of the SVG. No date is stored.
 
     Returns
     -------
     list of Path
-        The PNG and the SVG.
+        The paths of the PNG and of the SVG.
 
     Raises
     ------
     OSError
-        If the file system refuses; older files stay as they were.
+        If a file cannot be written. Files of these names that existed before are not changed.
     """
     notes = dict(metadata or {})
     folder.mkdir(parents=True, exist_ok=True)
@@ -138,12 +171,12 @@ def save(
     with context(), warnings.catch_warnings():
         # of a letter that the font lacks, or a name as long as the figure: both are drawn
         warnings.simplefilter("ignore", UserWarning)
-        raster = _render(figure, "png", dpi=RESOLUTION, metadata=notes)
-        vector = _render(figure, "svg", metadata=described)
+        raster = _render_png(figure, notes)
+        vector = _render_svg(figure, described)
         if len(vector) > SVG_LIMIT:
             # letters as text instead of outlines: smaller, but in the viewer's font
             with mpl.rc_context({"svg.fonttype": "none"}):
-                vector = _render(figure, "svg", metadata=described)
+                vector = _render_svg(figure, described)
     write_all({png: raster, svg: vector})
     return [png, svg]
 
@@ -155,7 +188,19 @@ def _draw_names_as_typed(figure: Figure) -> None:
             text.set_parse_math(False)
 
 
-def _render(figure: Figure, kind: str, **options: Any) -> bytes:
+def _render_png(figure: Figure, notes: Mapping[str, str]) -> bytes:
+    # `Figure.savefig` draws each figure twice, the first time only to lay it out. The canvas lays
+    # the figure out while it draws.
     buffer = BytesIO()
-    figure.savefig(buffer, format=kind, **options)
+    figure.dpi = RESOLUTION
+    canvas: Any = FigureCanvasAgg(figure)  # matplotlib gives the method no types
+    canvas.print_png(buffer, metadata=dict(notes))
+    return buffer.getvalue()
+
+
+def _render_svg(figure: Figure, notes: Mapping[str, str | None]) -> bytes:
+    buffer = BytesIO()
+    figure.dpi = EMBEDDED_RESOLUTION
+    canvas: Any = FigureCanvasSVG(figure)
+    canvas.print_svg(buffer, metadata=dict(notes))
     return buffer.getvalue()

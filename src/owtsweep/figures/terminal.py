@@ -1,26 +1,40 @@
-"""Show the best-scheme map in the terminal, at the end of the command `sweep`."""
+"""Make the map of best schemes that the command `sweep` prints in the terminal at its end.
+
+The map is understood without colours: a name or a letter stands in each cell, and a sign after it
+marks what the data do not distinguish.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from string import ascii_uppercase
 from typing import Any
 
 import pandas as pd
 from rich import box
-from rich.console import Group, RenderableType
+from rich.cells import cell_len
+from rich.console import Console, ConsoleOptions, Group, RenderableType, RenderResult
+from rich.measure import Measurement
 from rich.style import Style
 from rich.table import Table
 from rich.text import Text
 
-from owtsweep.figures.palette import style_of
+from owtsweep.figures import margin
+from owtsweep.figures.palette import style_of, text_color_on
 from owtsweep.figures.plane import Plane
 from owtsweep.results.conditions import Condition
 
 #: Mark after a scheme's name in cells where the data do not distinguish it from the next best.
 MARK = "~"
 NO_RESULT = "-"
-#: Width of one table in characters; the columns of a wider map continue in a table below.
-WIDTH = 64
+#: If a scheme's name is longer, letters stand in the cells.
+LONGEST_NAME = 10
+#: What `Console.color_system` says of a terminal -> whether the map shows the margin by shades.
+#: With 256 colours, pale shades of two schemes become one colour, so there all cells are full. The
+#: 8 or 16 colours of other terminals are those of the user's theme, on which text may be
+#: unreadable: there, the map has no colour.
+SHADED = {"truecolor": True, "256": False}
 
 
 def grid(
@@ -29,21 +43,30 @@ def grid(
     conditions: Sequence[Condition],
     criterion: str,
     window: str,
+    *,
+    notes: Sequence[str] = (),
 ) -> RenderableType:
-    """Make the map as a coloured grid: first condition horizontal, second vertical.
+    """Make a map of the best schemes for the terminal, as tables of names with a legend.
+
+    A cell of the map is one value of each condition. The first condition runs from left to right,
+    the second from bottom to top. There is one map for each combination of values of the third and
+    further conditions. If no row of `best` has the criterion and the window, return a sentence that
+    says so.
 
     Parameters
     ----------
     best
-        The table best_scheme.csv of a run.
+        A run's table best_scheme.csv, one row per cell, criterion and window.
     schemes
-        All schemes compared.
+        Names of all schemes and baselines that the table names; they determine the colours.
     conditions
-        The study's conditions. There is one grid for each combination of values of the third and
-        any further condition.
-    criterion, window
-        Measure and window of the rows to show. If there are no such rows, a sentence that says so
-        is returned.
+        The study's conditions.
+    criterion
+        The measure by which schemes are judged, e.g. "position".
+    window
+        The part of the records over which the criterion is averaged: "full" or "settled".
+    notes
+        Sentences below the map.
     """
     shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
     if shown.empty:
@@ -51,61 +74,158 @@ def grid(
     parts: list[RenderableType] = [
         Text(f"Best scheme by {criterion} MSE, {window} record", style="bold")
     ]
+    signs = _choose_signs(schemes)
     further = conditions[2:]
     names = [condition.name for condition in further]
     groups: Any = shown.groupby(names, sort=False) if names else [((), shown)]
+    holes = False
     for values, cells in groups:
         if names:
             told = zip(further, values, strict=True)
             parts.append(Text(", ".join(f"{c.word} {c.show(value)}" for c, value in told)))
-        parts += _make_tables(cells, schemes, Plane.of(cells, conditions[:2]))
-    parts.append(_make_legend(shown, schemes))
+        plane = Plane.of(cells, conditions[:2])
+        rows = {plane.place(row): row for row in cells.to_dict("records")}
+        parts.append(_Map(rows, schemes, signs, plane))
+        holes |= len(rows) < plane.size
+    parts += [_make_legend(shown, schemes, signs, holes=holes), _Explanation()]
+    parts += [Text(note) for note in notes]
     return Group(*parts)
 
 
-def _make_tables(best: pd.DataFrame, schemes: Sequence[str], plane: Plane) -> list[Table]:
-    width = max(len(name) for name in schemes)
-    cells = {plane.place(row): _make_cell(row, schemes, width) for row in best.to_dict("records")}
-    step = max(1, WIDTH // (width + len(MARK) + 5))
-    columns = range(len(plane.columns))
-    return [_make_table(cells, plane, columns[start : start + step]) for start in columns[::step]]
+def _choose_signs(schemes: Sequence[str]) -> dict[str, str]:
+    """Return scheme -> what stands for it in a cell: its name, or letters if a name is long."""
+    if max(map(cell_len, schemes)) <= LONGEST_NAME:
+        return {name: name for name in schemes}
+    letters = (f"{ascii_uppercase[n % 26]}{n // 26 or ''}" for n in range(len(schemes)))
+    return dict(zip(schemes, letters, strict=True))
 
 
-def _make_table(
-    cells: Mapping[tuple[int, int], Text], plane: Plane, columns: Sequence[int]
-) -> Table:
-    """Make the table of some columns of the map.
+@dataclass(frozen=True)
+class _Map:
+    """The cells of one map; the width and the colours are chosen when it is printed.
 
-    Parameters
+    Attributes
     ----------
-    cells
-        (column, line) of a cell -> its text.
-    columns
-        The columns to show.
+    rows
+        (column, line) of a cell -> its row of best_scheme.csv.
+    schemes
+        All schemes compared.
+    signs
+        Scheme -> what stands for it in a cell.
+    plane
+        The axes of the map.
     """
-    table = Table(box=box.SIMPLE, padding=(0, 1), header_style="")
-    upwards = plane.upwards
-    table.add_column(upwards.word if upwards else "", justify="right", no_wrap=True)
-    for column in columns:
-        shown = plane.across.show(plane.columns[column])
-        table.add_column(shown, justify="center", no_wrap=True)
-    for line in reversed(range(len(plane.lines))):
-        value = upwards.show(plane.lines[line]) if upwards else ""
-        table.add_row(value, *(cells.get((column, line), NO_RESULT) for column in columns))
-    return table
+
+    rows: Mapping[tuple[int, int], Mapping[Any, Any]]
+    schemes: Sequence[str]
+    signs: Mapping[str, str]
+    plane: Plane
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """Yield tables that are as wide as fits; what is left continues in a table below."""
+        shaded = SHADED.get(console.color_system or "")
+        widths = self._column_widths()
+        cells = {
+            (column, line): self._make_cell(row, shaded, widths[column])
+            for (column, line), row in self.rows.items()
+        }
+        for columns in self._break_columns(options.max_width):
+            yield self._make_table(cells, columns)
+
+    def __rich_measure__(self, console: Console, options: ConsoleOptions) -> Measurement:
+        """Return the least and the greatest width that the map can use."""
+        widths = self._column_widths()
+        outer = self._outer_width()
+        most = outer + sum(widths) + len(widths)
+        return Measurement(outer + max(widths) + 1, most).with_maximum(options.max_width)
+
+    def _outer_width(self) -> int:
+        """Return the width of the column of labels, with the space around it and the table."""
+        return max(map(cell_len, [self._heading(), *self._labels()])) + 2
+
+    def _column_widths(self) -> list[int]:
+        """Return the width of each column of cells."""
+        longest = max(map(cell_len, self.signs.values())) + 2 + len(MARK)
+        return [max(cell_len(shown), longest) for shown in self._headers()]
+
+    def _break_columns(self, width: int) -> Iterator[list[int]]:
+        """Yield the columns of each table; each has at least one column."""
+        room = 0
+        columns: list[int] = []
+        for column, wide in enumerate(self._column_widths()):
+            if columns and wide + 1 > room:
+                yield columns
+                columns = []
+            if not columns:
+                room = width - self._outer_width()
+            columns.append(column)
+            room -= wide + 1
+        yield columns
+
+    def _headers(self) -> list[str]:
+        return [self.plane.across.show(value) for value in self.plane.columns]
+
+    def _heading(self) -> str:
+        return self.plane.upwards.word if self.plane.upwards else ""
+
+    def _labels(self) -> list[str]:
+        upwards = self.plane.upwards
+        return [upwards.show(value) if upwards else "" for value in self.plane.lines]
+
+    def _make_table(self, cells: Mapping[tuple[int, int], Text], columns: Sequence[int]) -> Table:
+        """Make the table of some columns of the map.
+
+        Parameters
+        ----------
+        cells
+            (column, line) of a cell -> its text.
+        columns
+            The columns to show.
+        """
+        table = Table(box=box.SIMPLE, padding=0, header_style="")
+        headers, labels = self._headers(), self._labels()
+        table.add_column(Text(self._heading()), justify="right", overflow="fold")
+        for column in columns:
+            table.add_column(Text(headers[column], justify="center"), overflow="fold")
+        hole = Text(NO_RESULT, justify="center")
+        for line in reversed(range(len(labels))):
+            texts = [cells.get((column, line), hole) for column in columns]
+            table.add_row(Text(labels[line]), *texts)
+        return table
+
+    def _make_cell(self, row: Mapping[Any, Any], shaded: bool | None, wide: int) -> Text:
+        """Make the text of a cell of a width; `shaded` is None for a cell without colour."""
+        width = max(map(cell_len, self.signs.values()))
+        mark = " " if row["distinguishable"] else MARK
+        text = f" {self.signs[row['best']]:^{width}} {mark}".center(wide)
+        if shaded is None:
+            return Text(text)
+        look = style_of(row["best"], self.schemes)
+        fill = margin.fill_cell(look, margin.ratio_of(row)) if shaded else look.color
+        return Text(text, style=Style(color=text_color_on(fill), bgcolor=fill))
 
 
-def _make_cell(row: Mapping[Any, Any], schemes: Sequence[str], width: int) -> Text:
-    look = style_of(row["best"], schemes)
-    mark = " " if row["distinguishable"] else MARK
-    text = f" {row['best']:^{width}} {mark}"
-    return Text(text, style=Style(color=look.text_color, bgcolor=look.color))
+class _Explanation:
+    """The sentence that explains the shades, printed only where the map has shades."""
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """Yield the sentence, or nothing."""
+        if SHADED.get(console.color_system or "") and not console.no_color:
+            yield Text(margin.EXPLANATION)
 
 
-def _make_legend(best: pd.DataFrame, schemes: Sequence[str]) -> Text:
+def _make_legend(
+    best: pd.DataFrame, schemes: Sequence[str], signs: Mapping[str, str], *, holes: bool
+) -> Text:
     names = best["best"].to_list()
-    counts = ", ".join(f"{name} {names.count(name)}" for name in schemes if name in names)
+    counts = ", ".join(
+        f"{name if signs[name] == name else f'{signs[name]} = {name}'} {names.count(name)}"
+        for name in schemes
+        if name in names
+    )
     legend = f"cells won: {counts}"
     if not best["distinguishable"].all():
         legend += f"; {MARK} not distinguishable from the runner-up"
+    if holes:
+        legend += f"; {NO_RESULT} no result"
     return Text(legend)

@@ -1,7 +1,7 @@
-"""Draw quantities of a record over time: one panel for x, one for y, and a panel of errors below.
+"""Draw quantities of a record over time, in two or three panels below each other.
 
-The lowest panel usually shows the errors of x, or the accumulated errors of x and y. A study
-defines what each panel shows (`Panel`). This module defines layout, legend and looks.
+Usually the panels show x, y, and the errors of some schemes. A study defines what each panel shows
+(`Panel`). This module defines layout, legend and looks.
 """
 
 from __future__ import annotations
@@ -25,19 +25,33 @@ RATIOS = (1.0, 1.0, 0.8)
 UNITS = {"position": "m", "velocity": "m/s", "acceleration": "m/s²", "bias": "m/s²"}
 NAMES = {"bias": "Accelerometer bias"}
 
+#: The place in the order of drawing of a curve above all other curves, but below the fixes.
+ON_TOP = 2.8
+
 #: Times (n,) in s, and the errors at them, (n, axes).
 Errors = tuple[Array, Array]
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A line and its matplotlib properties; a `label` among them makes an entry in the legend."""
+    """A line in a panel.
+
+    Attributes
+    ----------
+    line
+        Times in s and values of each part of the line between two gaps.
+    look
+        Matplotlib's properties of the line. With the property "label", the line is in the legend.
+    """
 
     line: Line
     look: Mapping[str, Any]
 
     def draw(self, axes: Axes) -> None:
-        """Draw the pieces of the line; only the first piece carries the label."""
+        """Draw the line into `axes`.
+
+        The line may have gaps. Only its first part gets the label, so the legend has one entry.
+        """
         look = dict(self.look)
         for time, values in self.line:
             axes.plot(time, values, **look)
@@ -46,20 +60,23 @@ class Curve:
 
 @dataclass(frozen=True)
 class Level:
-    """A horizontal line at `value`, dotted if `bound` is true."""
+    """A horizontal line in a panel, at the height `value`; dotted if `bound` is true, else full."""
 
     value: float
     bound: bool = False
 
     def draw(self, axes: Axes) -> None:
-        """Draw the line over the whole width of the axes."""
+        """Draw the horizontal line over the whole width of `axes`."""
         width, dashes = (1.0, ":") if self.bound else (0.8, "-")
         axes.axhline(self.value, color="0.3", linewidth=width, linestyle=dashes)
 
 
 @dataclass(frozen=True)
 class Band:
-    """The area between the series `low` and `high`; all arrays have shape (n,), time is in s."""
+    """A filled area in a panel between two time series, `low` and `high`.
+
+    `time`, in s, `low` and `high` have the shape (n,). `color` is a colour of matplotlib.
+    """
 
     time: Array
     low: Array
@@ -67,28 +84,29 @@ class Band:
     color: str
 
     def draw(self, axes: Axes) -> None:
-        """Fill the area between both series."""
+        """Fill the area between the series `low` and `high` in `axes`."""
         axes.fill_between(self.time, self.low, self.high, color=self.color, alpha=0.15, linewidth=0)
 
 
 @dataclass(frozen=True)
 class Panel:
-    """The contents of one panel.
+    """The contents of one panel of a figure.
 
     Attributes
     ----------
     label
         Label of the vertical axis.
     marks
-        The things to draw, in this order.
+        The lines and areas to draw; later ones are drawn over earlier ones.
     view
-        First and last time shown, in s.
+        First and last time on the horizontal axis, in s.
     limits
-        Lower and upper limit of the vertical axis; None for a limit that follows from the values.
+        Lower and upper limit of the vertical axis. None in place of a limit lets matplotlib choose
+        it from the values.
     note
-        Text above the panel; "" for none.
+        Text above the panel; "" means no text.
     note_color
-        Colour of the note.
+        Colour of `note`.
     """
 
     label: str
@@ -107,18 +125,19 @@ def draw(
     time_label: str = "time (s)",
     shared: bool = False,
 ) -> Figure:
-    """Draw two or three panels below each other; the legend lists the marks of the uppermost panel.
+    """Draw two or three panels over time below each other; the legend is that of the top panel.
 
     Parameters
     ----------
     panels
-        The panels from top to bottom.
+        The contents of the panels, from top to bottom.
     title, footnote
-        Texts above and below the panels.
+        Texts above and below all panels.
     time_label
-        Label of the lowest panel's horizontal axis.
+        Label of the horizontal axis of the lowest panel.
     shared
-        Whether all panels show the same span of time; then only the lowest has tick labels.
+        Whether all panels share one horizontal axis. If so, only the lowest panel has tick labels
+        on it.
     """
     count = len(panels)
     figure = style.new_figure(WIDTH, HEIGHT[count])
@@ -145,24 +164,41 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
 
 
 def describe(quantity: str) -> str:
-    """Return the name of a quantity, such as "bias", as the beginning of a title."""
+    """Return the name of a quantity for the beginning of a title, e.g. "Position" for "position".
+
+    The name of "bias" is "Accelerometer bias".
+    """
     return NAMES.get(quantity, quantity.capitalize())
 
 
 def show_truth(line: Line, label: str = "truth") -> Curve:
-    """Make the curve of the true values of a quantity."""
+    """Make the curve of the true values of a quantity, in black.
+
+    `line` holds times in s and values of each part of the line between two gaps. `label` is the
+    legend entry.
+    """
     return Curve(line, {"color": "black", "linewidth": 1.4, "label": label})
 
 
 def show_measurement(line: Line) -> Curve:
-    """Make the curve of the IMU's measurements."""
+    """Make the curve of an IMU's measurements, in grey, with the legend entry "IMU".
+
+    `line` holds times in s and values of each part of the line between two gaps.
+    """
     return Curve(line, {"color": "0.75", "linewidth": 0.6, "label": "IMU"})
 
 
 def show_fixes(time: Array, values: Array, *, label: str, size: float) -> Curve:
-    """Make the marks of a slow sensor's position fixes at the times at which they arrived.
+    """Make a curve of separate marks "+", one for each position fix of a slow sensor, e.g. GNSS.
 
-    `time` in s and `values` have shape (n,); `size` is the size of a mark in points.
+    Parameters
+    ----------
+    time, values
+        Times in s at which the fixes arrived, and the fixes along one axis; shape (n,) each.
+    label
+        The legend entry.
+    size
+        Size of a mark in points (1/72 inch).
     """
     look = {"color": "0.45", "marker": "+", "linestyle": "none", "markersize": size}
     return Curve([(time, values)], {**look, "label": label, "zorder": 3})
@@ -176,19 +212,32 @@ def show_scheme(name: str, names: Sequence[str], line: Line, **look: Any) -> Cur
     name
         Name of the scheme.
     names
-        All schemes of the study, which determine the look of schemes without a reserved look.
+        Names of all schemes of the study. The look of a scheme may depend on its place among them.
     line
-        The line to draw.
+        Times in s and values of each part of the line between two gaps.
     **look
-        Further matplotlib properties.
+        Further properties of the line for matplotlib, e.g. `linewidth`.
     """
     scheme = style_of(name, names)
     return Curve(line, {"color": scheme.color, "linestyle": scheme.line, **look})
 
 
-def show_estimate(name: str, names: Sequence[str], line: Line) -> Curve:
-    """Make the curve of a scheme's estimate, drawn above the truth; arguments as `show_scheme`."""
-    return show_scheme(name, names, line, linewidth=1.2, label=style.label_of(name), zorder=2.5)
+def show_estimate(name: str, names: Sequence[str], line: Line, *, on_top: bool = False) -> Curve:
+    """Make the curve of a scheme's estimate, drawn over the curve of the true values.
+
+    Parameters
+    ----------
+    name
+        Name of the scheme, which is also the legend entry.
+    names
+        Names of all schemes of the study. The look of a scheme may depend on its place among them.
+    line
+        Times in s and values of each part of the line between two gaps.
+    on_top
+        Whether to draw the curve over those of the other schemes too.
+    """
+    zorder = ON_TOP if on_top else 2.5
+    return show_scheme(name, names, line, linewidth=1.2, label=style.label_of(name), zorder=zorder)
 
 
 def show_errors(
@@ -205,17 +254,19 @@ def show_errors(
     Parameters
     ----------
     errors
-        Scheme -> its errors.
+        Name of a scheme -> times in s, shape (n,), and errors at these times, shape (n, 2), with
+        the columns x and y.
     names
-        All schemes of the study, which determine the looks.
+        Names of all schemes of the study. The look of a scheme may depend on its place among them.
     quantity
-        The quantity to which the errors belong, a key of `UNITS`.
+        The quantity to which the errors belong, e.g. "position"; a key of `UNITS`.
     view
-        First and last time shown, in s.
+        First and last time on the horizontal axis, in s.
     bound
-        A bound on the error, marked on both sides of zero; None for none.
+        A bound on the absolute error, drawn as two dotted lines, above and below zero; None draws
+        no bound.
     note
-        Text above the panel.
+        Text above the panel; "" means no text.
     """
     marks: list[Curve | Level] = [
         show_estimate(name, names, make_line(*clip(time, error[:, 0], view)))
@@ -234,13 +285,14 @@ def show_accumulated(
     Parameters
     ----------
     errors
-        Scheme -> its errors over the whole record, in equal steps from 0 s.
+        Name of a scheme -> times in s, shape (n,), and errors at these times, shape (n, 2), with
+        the columns x and y. The times cover the whole record in equal steps from 0 s.
     names
-        All schemes of the study, which determine the looks.
+        Names of all schemes of the study. The look of a scheme may depend on its place among them.
     quantity
-        The quantity to which the errors belong, a key of `UNITS`.
+        The quantity to which the errors belong, e.g. "position"; a key of `UNITS`.
     end
-        End of the record in s.
+        The last time on the horizontal axis, i.e. the end of the record, in s.
     """
     marks, ends = [], []
     for name, (time, error) in errors.items():
@@ -253,5 +305,5 @@ def show_accumulated(
         marks=marks,
         view=(0.0, end),
         limits=(0.0, None),
-        note=f"over the whole record; at its end: {', '.join(ends)}",
+        note=f"over the whole record; at its end: {', '.join(ends)} {unit}",
     )

@@ -1,1 +1,1 @@
-"""Reads and writes files: whole or not at all, and tables without loss of any digit."""
+"""Reads and writes files. A file is written whole or not at all; a table loses no digit."""

@@ -40,9 +40,11 @@ def write_atomically(path: Path, content: bytes | str) -> None:
 
 
 def write_all(contents: Mapping[Path, bytes | str]) -> None:
-    """Write several files, path -> content, each as `write_atomically` does.
+    """Write several files; a reader sees either the old or the new content of each file.
 
-    If the files do not all fit on the disk, none of them is changed.
+    `contents` maps the path of each file to its content; text is written as UTF-8. Each content is
+    first written to a temporary file. When all are written, the temporary files are renamed. So if
+    the contents do not all fit on the disk, no file is changed.
 
     Raises
     ------
@@ -77,10 +79,10 @@ def _write_through(path: Path, data: bytes) -> None:
 
 
 def remove_stale(folder: Path) -> None:
-    """Delete the temporary files in a folder that are older than one hour.
+    """Delete the temporary files of `write_atomically` in a folder that are older than one hour.
 
-    Killed processes have left these files. Younger temporary files stay, because another process
-    may still be writing them.
+    Processes that were killed have left these files. Younger temporary files stay, because another
+    process may still be writing them.
     """
     now = time.time()
     for path in folder.glob(".*.tmp"):
@@ -91,7 +93,7 @@ def remove_stale(folder: Path) -> None:
 
 
 def _sync_folder(folder: Path) -> None:
-    """Flush a folder to the disk, so that the new names of its files survive a power cut.
+    """Flush a folder's list of files to the disk, so that new file names survive a power cut.
 
     If the file system does not support this, nothing happens.
     """
@@ -111,13 +113,14 @@ ELSEWHERE = "name another folder by results=FOLDER"
 def check_writable(folder: Path, argument: str = "results", remedy: str = ELSEWHERE) -> None:
     """Check that a file can be created in a folder, and leave no file there.
 
-    If the folder does not exist, the nearest existing folder above is checked.
+    If the folder does not exist, the nearest existing folder above it is checked.
 
     Raises
     ------
     InputError
         If no file can be created, the path is too long, or more than `MOST_NEW` folders would have
-        to be made. The message names `argument` and ends with the advice `remedy`.
+        to be made. The message begins with `argument`, the name of the setting that holds the
+        folder, and ends with `remedy`, the advice to the user.
     """
     # Not `exists`: a dangling link prevents the creation of a folder too.
     nearest, missing = folder.absolute(), 0
@@ -140,14 +143,16 @@ def check_writable(folder: Path, argument: str = "results", remedy: str = ELSEWH
 def refuse_in_one_line(folder: Path) -> Iterator[None]:
     """Turn an error of the file system inside the context into an InputError of one line.
 
-    `folder` is the folder to which the files are written.
+    `folder` is the folder in which the files are written.
 
     Raises
     ------
     InputError
-        Instead of any OSError. The message names the file, or `folder` if the file is not known.
+        Instead of any other OSError. The message names the file, or `folder` if the file is not
+        known.
     OSError
-        If the process may not open more files: that is no fault of the file.
+        If the process has too many open files. This error is passed on, because no file is at
+        fault.
     """
     try:
         yield
@@ -158,9 +163,10 @@ def refuse_in_one_line(folder: Path) -> Iterator[None]:
 
 
 def name_refusal(error: OSError, folder: Path) -> str:
-    """Return a text with the file that could not be written, and the reason.
+    """Return a text that names the file that could not be written, and the reason.
 
-    If the error does not name the file, the text names `folder`.
+    The file is the one in the note that `write_all` adds to the error, else the one that the error
+    itself names. If there is neither, the text names `folder`.
     """
     notes = getattr(error, "__notes__", [])
     refused = notes[0] if notes else error.filename or folder
@@ -172,7 +178,9 @@ def unwritable(
 ) -> InputError:
     """Return (not raise) the one-line InputError for a folder that cannot be written.
 
-    The message names `argument` and the folder, gives the reason, and ends with `remedy`.
+    The message begins with `argument`, the name of the setting that holds the folder. Then it names
+    the folder (at most 200 characters) and gives the reason of `error`. It ends with `remedy`, the
+    advice to the user.
     """
     reason = error.strerror or str(error)
     shown = str(folder) if len(str(folder)) <= 200 else f"{str(folder)[:200]}..."

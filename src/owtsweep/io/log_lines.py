@@ -1,4 +1,4 @@
-"""Makes logged messages printable lines, because schemes and libraries log what they like."""
+"""Turns logged messages into printable lines; schemes and libraries may log any characters."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from owtsweep.errors import as_text, printable
 
 
 def read_message(record: logging.LogRecord) -> str:
-    """Return the message of a log record; if it cannot be formatted, a text that says so."""
+    """Return the message of a log record, or a text saying that the message cannot be formatted."""
     try:
         return record.getMessage()
     except Exception as error:  # the text and its arguments are a scheme's or a library's
@@ -16,9 +16,10 @@ def read_message(record: logging.LogRecord) -> str:
 
 
 class Lines(logging.Formatter):
-    """The formatter that makes printable lines of a log record.
+    """A logging formatter that turns a log record into printable lines.
 
-    All lines of a message but the first are indented, so that none looks like a new message.
+    The first line of a message is not indented. All further lines are, so that none of them looks
+    like a new message.
     """
 
     def format(self, record: logging.LogRecord) -> str:
@@ -28,5 +29,5 @@ class Lines(logging.Formatter):
         return "\n".join([printable(first), *(f"  {printable(line)}" for line in more)])
 
     def text(self, record: logging.LogRecord) -> str:
-        """Return the text that is written as the record's message; a subclass may override this."""
+        """Return the text to write as the record's message; a subclass may override this method."""
         return read_message(record)

@@ -9,14 +9,14 @@ from collections.abc import Collection, Iterable, Sequence
 def table(
     columns: Sequence[str], rows: Iterable[Sequence[str]], *, numbers: Collection[str] = ()
 ) -> str:
-    """Return a table as Markdown text, without a line break after the last row.
+    """Return a table in Markdown as one text, without a line break after the last row.
 
     Parameters
     ----------
     columns
         Headings of the columns.
     rows
-        Rows of texts, one text per column.
+        The rows below the headings, each with one text per column.
     numbers
         Headings of the columns to align to the right.
     """
@@ -25,7 +25,7 @@ def table(
 
 
 def escape(text: str) -> str:
-    """Return the text as one line of Markdown that makes no HTML tag, no link and no picture."""
+    """Return a text as one line of Markdown that makes no HTML tag, no link and no picture."""
     line = re.sub(r"[\r\n\v\f\x1c-\x1e\x85\u2028\u2029]+", " ", text)
     return re.sub(r"<(?=[A-Za-z/!?])", "&lt;", line).replace("](", "]\\(")
 

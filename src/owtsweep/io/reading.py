@@ -10,12 +10,13 @@ from owtsweep.errors import InputError
 
 
 def require_regular(path: Path) -> None:
-    """Check that a path is a regular file: a pipe would block, and a device may never end.
+    """Check that a path is a regular file. (Reading a pipe could block; a device may never end.)
 
     Raises
     ------
     InputError
-        If nothing exists at the path, or a folder, a pipe or a device is there.
+        If nothing exists at the path, the path cannot be read, or a folder, a pipe or a device is
+        there.
     """
     mode = _mode(path, "file")
     if not stat.S_ISREG(mode):
@@ -29,7 +30,8 @@ def require_folder(path: Path) -> None:
     Raises
     ------
     InputError
-        If nothing exists at the path, or something other than a folder is there.
+        If nothing exists at the path, the path cannot be read, or something other than a folder is
+        there.
     """
     if not stat.S_ISDIR(_mode(path, "folder")):
         raise InputError(f"{path}: this is a file; name a folder")
@@ -86,8 +88,8 @@ def read_json(path: Path, most: int) -> Any:
     Raises
     ------
     InputError
-        If `read_text` refuses the file, the text is no JSON, or the data nest too deeply for
-        Python's parser.
+        If the file is refused as by `read_text`, if the text is no JSON, or if the data nest too
+        deeply for Python's parser.
     """
     import json
 

@@ -22,22 +22,31 @@ _QUOTED = re.compile(rb'"[^"]*"')
 
 
 def write_tables(folder: Path, tables: Mapping[str, pd.DataFrame]) -> None:
-    """Write each table as `<name>.csv` without its index; if the disk is full, write none.
+    """Write each table to the file `<name>.csv` in a folder, without the table's index.
+
+    `tables` maps names to tables. If the files do not all fit on the disk, no file is changed.
 
     Raises
     ------
     OSError
         If the file system refuses a file.
     """
+    write_all({folder / name: text for name, text in dump_tables(tables).items()})
+
+
+def dump_tables(tables: Mapping[str, pd.DataFrame]) -> dict[str, str]:
+    """Return file name (`<name>.csv`) -> text, for each table without its index."""
     # pandas writes a float as `repr` does: the shortest text that reads back as the same number.
-    contents = {}
-    for name, table in tables.items():
-        contents[folder / f"{name}.csv"] = table.to_csv(index=False, lineterminator="\n")
-    write_all(contents)
+    return {
+        f"{name}.csv": table.to_csv(index=False, lineterminator="\n")
+        for name, table in tables.items()
+    }
 
 
 def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
-    """Write a table as `<name>.csv` without its index, whole or not at all; return the path.
+    """Write a table to the file `<name>.csv` in a folder, whole or not at all.
+
+    The table's index is not written. Return the path of the file.
 
     Raises
     ------
@@ -51,13 +60,13 @@ def write_table(folder: Path, name: str, table: pd.DataFrame) -> Path:
 def read_table(folder: Path, name: str) -> pd.DataFrame:
     """Read the table `<name>.csv` in the folder of a run.
 
-    An empty field becomes NaN in a column of numbers, and "" in a column of text. A column whose
+    An empty field becomes NaN in a column of numbers and "" in a column of texts. A column whose
     fields are all empty is read as a column of NaN.
 
     Raises
     ------
     InputError
-        If the run has no such table, or the file is damaged.
+        If the folder does not hold this file, or the file is damaged.
     """
     path = folder / f"{name}.csv"
     if not os.path.lexists(path):
@@ -95,6 +104,9 @@ def _parse(data: bytes) -> pd.DataFrame:
 
 
 def _is_exact(version: str) -> bool:
-    """Return whether pandas reads numbers exactly without an option (from version 3.1 on)."""
+    """Return whether a version of pandas, e.g. "3.1.0", reads numbers exactly without an option.
+
+    Versions from 3.1 on do.
+    """
     major, minor = version.split(".")[:2]
     return (int(major), int(minor)) >= (3, 1)

@@ -1,4 +1,4 @@
-"""Motion of a structure: spectra, records made from them, recorded motion.
+"""Motion of a structure: spectra, records drawn from spectra, and recorded motion.
 
 This package imports neither sensors nor estimators.
 """

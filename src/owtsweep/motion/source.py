@@ -1,4 +1,7 @@
-"""The interface of sources of motion: spectra, recorded files, anything that gives a `Motion`."""
+"""The interface of sources of motion, such as spectra and recorded files.
+
+A source is anything that gives a `Motion`.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +16,14 @@ from owtsweep.arrays import Array
 
 @dataclass(frozen=True)
 class Motion:
-    """One realisation of a motion, with the past positions that delayed measurements report.
+    """One realisation of a motion, with positions before t = 0, which delayed sensors report.
 
     Attributes
     ----------
     step
         Sampling interval, s.
     position, velocity, acceleration
-        Series from t = 0 on, in m, m/s, m/s^2: shape (steps,) for a motion along one direction,
+        Series from t = 0 on, in m, m/s and m/s^2. Shape (steps,) for a motion along one direction,
         (steps, axes) for a motion along several axes.
     before
         Positions before t = 0, oldest first, m; shape (history,) or (history, axes).
@@ -35,7 +38,8 @@ class Motion:
     def position_at(self, first: int, stride: int, count: int) -> Array:
         """Return `count` positions, at the steps first, first + stride, first + 2 stride, ...
 
-        Steps are counted from t = 0. `first` may be negative.
+        Steps are counted from t = 0; `first` may be negative. The result has shape (count,) or
+        (count, axes); it is shorter if the record ends earlier.
 
         Raises
         ------
@@ -55,17 +59,17 @@ class Motion:
 class Source(Protocol):
     """The interface of a source of motion, such as a spectrum or a recorded file.
 
-    All randomness of a realisation comes from the named streams that `realise` takes. Therefore,
-    two realisations with the same streams are equal bit by bit.
+    All randomness of a realisation comes from the named random streams that `realise` is given.
+    Therefore, two realisations with the same streams are equal bit by bit.
 
     Attributes
     ----------
     streams
-        Names of the random streams that the source draws from. Without any, all realisations are
-        equal.
+        Names of the random streams that the source draws from. If there are no names, all
+        realisations are equal.
     duration
-        Duration of the longest record that the source can give, including the time before t = 0, s;
-        None if there is no bound.
+        Duration in s of the longest record that the source can give, including the time before t =
+        0; None if the duration has no bound.
     """
 
     @property
@@ -87,9 +91,9 @@ class Source(Protocol):
         Parameters
         ----------
         stream
-            Function that returns a new random generator for a name of a stream.
+            Function that returns a new random generator, given the name of a random stream.
         steps, step
-            Number of samples and sampling interval (s) of the fastest sensor.
+            Number of samples and sampling interval (s) of the motion.
         history
             Number of steps before t = 0 for which positions are needed: the longest delay of a
             sensor.
@@ -97,6 +101,6 @@ class Source(Protocol):
         Raises
         ------
         InputError
-            If the source cannot give such a record; the message says what would work.
+            If the source cannot give a record of this length; the message says what would work.
         """
         ...

@@ -35,7 +35,8 @@ TABLE_4 = {
 class Spectrum:
     """The one-sided spectrum S(f) = a f / (f^2 + b f + c), Eq. (1) of Ren et al. (2019).
 
-    Only the spectrum's shape matters for a record that is normalised.
+    A record that is scaled to a given peak or rms depends on the shape of the spectrum, but not on
+    the coefficient a.
 
     Attributes
     ----------
@@ -54,7 +55,7 @@ class Spectrum:
 
     @property
     def peak_margin(self) -> float:
-        """The value 2 sqrt(c) + b in Hz; the peak is finite if it is positive.
+        """The value 2 sqrt(c) + b in Hz; the peak is finite if this value is positive.
 
         The height of the peak is a / (2 sqrt(c) + b). The text below Eq. (2) of Ren et al. (2019)
         prints a / (2 sqrt(c + b)) by mistake.
@@ -70,16 +71,17 @@ def translated(natural_period: float, bandwidth: float = TABLE_4_BANDWIDTH) -> S
     """Return a spectrum of fixed half-bandwidth with its peak at 1 / natural_period.
 
     Section 2.2 of Ren et al. (2019) describes the spectra of Table 4 in this way: as one peak that
-    is shifted along the frequency axis. With a = 0.4611e-6 T, b = -2/T + k T and c = 1/T^2 the
-    denominator of Eq. (1) is (f - 1/T)^2 + k T f. The peak is at 1/T, and its half-bandwidth is
-    sqrt(k) for every T.
+    is shifted along the frequency axis. With the natural period T, a constant k, a = 0.4611e-6 T, b
+    = -2/T + k T and c = 1/T^2, the denominator of Eq. (1) is (f - 1/T)^2 + k T f. The peak is at
+    1/T, and its half-bandwidth is sqrt(k) for every T.
 
     Parameters
     ----------
     natural_period
-        T in s.
+        The natural period T in s.
     bandwidth
-        k in s^-2. 2.4e-4 gives the printed digits of Table 4; 6.7e-6 corresponds to 1 % damping.
+        The squared half-bandwidth k in s^-2. The default, 2.4e-4, gives the printed digits of Table
+        4; 6.7e-6 corresponds to 1 % damping.
     """
     T = natural_period
     return Spectrum(a=AMPLITUDE_PER_PERIOD * T, b=-2.0 / T + bandwidth * T, c=1.0 / T**2)
@@ -98,8 +100,8 @@ def printed(natural_period: float) -> Spectrum:
     if row is None:
         periods = ", ".join(f"{period:g}" for period in TABLE_4)
         raise InputError(
-            f"spectrum=printed: Table 4 has no natural period {natural_period:g} s (it has "
-            f"{periods} s): use spectrum=translated"
+            f"spectrum=printed: the paper's Table 4 has no natural period {natural_period:g} s, "
+            f"only {periods} s: use spectrum=translated"
         )
     spectrum = Spectrum(*row)
     if spectrum.peak_margin <= 1e-12:
@@ -115,12 +117,16 @@ KINDS = ("translated", "printed")
 
 
 def spectrum(kind: str, natural_period: float, bandwidth: float) -> Spectrum:
-    """Return the spectrum of a kind, "translated" or "printed" (see the functions of these names).
+    """Return the spectrum of a kind: "translated" or "printed", as the functions of these names do.
+
+    `natural_period` is in s. `bandwidth` is the squared half-bandwidth in s^-2; "printed" does not
+    use it.
 
     Raises
     ------
     InputError
-        If `kind` is neither, or the printed spectrum does not exist for the natural period (s).
+        If `kind` is neither "translated" nor "printed", or if the printed spectrum does not exist
+        for the natural period.
     """
     if kind == "translated":
         return translated(natural_period, bandwidth)

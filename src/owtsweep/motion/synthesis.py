@@ -1,4 +1,7 @@
-"""Draws records of a motion spectrum by random phases; position and derivatives are consistent."""
+"""Draws records of motion from a spectrum, with random phases.
+
+Velocity and acceleration are the exact derivatives of the position.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +22,7 @@ NORMALISATIONS = ("peak", "rms")
 
 
 def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], Array]:
-    """Return numbers m and frequencies m / period (Hz) of the spectral lines inside a band.
+    """Return the numbers m and the frequencies m / period (Hz) of the spectral lines inside a band.
 
     `band` is the lower and the upper edge, Hz; lines at the edges are inside. `period` is in s.
 
@@ -34,12 +37,15 @@ def lines(band: tuple[float, float], period: float) -> tuple[NDArray[np.int64], 
 
 
 def line_numbers(band: tuple[float, float], period: float) -> range:
-    """The numbers that `lines` gives, as a range: it takes no memory, however many there are.
+    """Return the numbers m of the spectral lines m / period (Hz) inside a band, as a range.
+
+    `band` is the lower and the upper edge, Hz; lines at the edges are inside. `period` is in s. A
+    range takes no memory, however many numbers it has.
 
     Raises
     ------
     InputError
-        If there are none.
+        If there are no lines in the band.
     """
     first = int(np.ceil(band[0] * period - 1e-9))
     last = int(np.floor(band[1] * period + 1e-9))
@@ -47,7 +53,7 @@ def line_numbers(band: tuple[float, float], period: float) -> range:
     if not numbers:
         raise InputError(
             f"band: [{band[0]:g}, {band[1]:g}] Hz holds no line of a record that is "
-            f"{period / 2:g} s long; widen it or lengthen record.duration"
+            f"{period / 2:g} s long; widen the band or lengthen record.duration"
         )
     return numbers
 
@@ -62,35 +68,35 @@ def synthesise(
     normalise: str = "peak",
     history: int = 0,
 ) -> Motion:
-    """Draw one record of a spectrum.
+    """Draw one record of motion along one direction from a spectrum.
 
-    Spectral lines at f_m = m df, df = 1 / (2 duration), inside the band have the amplitude
-    sqrt(2 S(f_m) df) and a uniform random phase. Position, velocity and acceleration are one
-    inverse Fourier transform each (`transform.interleaved`). The first half of the transform's
-    period is the record, so nothing repeats inside the record. The time before t = 0 is the end of
-    the second half.
+    Spectral lines at f_m = m df, df = 1 / (2 duration), inside the band have the amplitude sqrt(2
+    S(f_m) df) and a uniform random phase. Position, velocity and acceleration are one inverse
+    Fourier transform each (`transform.interleaved`). The first half of the transform's period is
+    the record, so nothing repeats inside the record. The positions before t = 0 are the end of the
+    second half.
 
     Parameters
     ----------
     spectrum
-        Shape of the spectrum.
+        The spectrum. Only its shape matters, because the record is normalised.
     phase
-        Random generator of the phases. Line m always takes the m-th number. So moving an edge of
-        the band does not change the phases of lines that stay inside.
+        Random generator of the phases. Line m always takes the random number of index m. So moving
+        an edge of the band does not change the phases of lines that stay inside.
     steps, step
         Number of samples and sampling interval (s); the duration is their product.
     band
-        Lower and upper edge, Hz.
+        Lower and upper edge of the band, Hz.
     normalise
         "peak": the largest displacement in the record is 1 m, up to its sign. "rms": the standard
         deviation of the displacement is 1 m.
     history
-        Number of steps before t = 0 to keep.
+        Number of steps before t = 0 whose positions are kept.
 
     Raises
     ------
     InputError
-        If no line lies in the band, or `normalise` is neither of the two.
+        If no line lies in the band, or `normalise` is neither "peak" nor "rms".
     """
     numbers, frequency, line = _drawn_lines(spectrum, phase, steps, step, band)
     result = np.empty((3, steps))
@@ -121,7 +127,27 @@ def displacement(
     step: float,
     band: tuple[float, float],
 ) -> Array:
-    """Draw the displacement that `synthesise` draws, without scaling it; shape (steps,), in m."""
+    """Draw one record of displacement along one direction, not normalised; shape (steps,), in m.
+
+    `synthesise` with the same spectrum, phases, steps and band draws the same displacement,
+    multiplied by a factor.
+
+    Parameters
+    ----------
+    spectrum
+        The spectrum of the displacement.
+    phase
+        Random generator of the phases.
+    steps, step
+        Number of samples and sampling interval (s).
+    band
+        Lower and upper edge of the band in which spectral lines are drawn, Hz.
+
+    Raises
+    ------
+    InputError
+        If no line lies in the band.
+    """
     numbers, _, line = _drawn_lines(spectrum, phase, steps, step, band)
     return _first_half(_sampled(numbers, line, steps)).T.reshape(-1)
 
@@ -133,7 +159,12 @@ def _drawn_lines(
     step: float,
     band: tuple[float, float],
 ) -> tuple[NDArray[np.int64], Array, NDArray[np.complex128]]:
-    """Draw a record's spectral lines: numbers, frequencies (Hz) and complex amplitudes (m)."""
+    """Draw the spectral lines of a record: numbers, frequencies (Hz) and complex amplitudes (m).
+
+    All three have shape (lines,). The record has `steps` samples at the interval `step` (s); line m
+    has the frequency m / (2 steps step). Only lines inside `band` (lower and upper edge, Hz) are
+    drawn. `phase` is the random generator of the phases.
+    """
     period = 2 * steps * step
     numbers, frequency = lines(band, period)
     amplitude = np.sqrt(2.0 * spectrum.density(frequency) / period)
@@ -142,21 +173,31 @@ def _drawn_lines(
 
 
 def _sampled(numbers: NDArray[np.int64], line: NDArray[np.complex128], steps: int) -> Array:
-    """Compute the 2 * steps samples of a whole period, arranged as by `transform.interleaved`."""
+    """Compute the 2 * steps samples of a whole period from its spectral lines.
+
+    `numbers` and `line` hold the number and the complex amplitude of each line, shape (lines,). The
+    result has shape (L, 2 * steps / L): successive samples are in a column, as
+    `transform.interleaved` arranges them.
+    """
     bins = np.zeros(numbers[-1] + 1, dtype=complex)
     bins[numbers] = line
     return interleaved(bins, 2 * steps)
 
 
 def _first_half(whole: Array) -> Array:
-    """Return the first half of a period that is arranged as by `transform.interleaved`."""
+    """Return the first half of the samples of a period, shape (L, samples / L / 2).
+
+    `whole` holds all samples, shape (L, samples / L): successive samples are in a column, as
+    `transform.interleaved` arranges them.
+    """
     return whole[:, : whole.shape[1] // 2]
 
 
 def _newest(whole: Array, count: int) -> Array:
     """Return the last `count` samples of a period, in order of time.
 
-    The period is arranged as by `transform.interleaved`: successive samples are in a column.
+    `whole` holds all samples, shape (L, samples / L): successive samples are in a column, as
+    `transform.interleaved` arranges them.
     """
     columns = -(-count // len(whole))
     some = whole[:, whole.shape[1] - columns :].T.reshape(-1)
@@ -166,7 +207,8 @@ def _newest(whole: Array, count: int) -> Array:
 def _put(rows: Array, scale: float, out: Array) -> None:
     """Write samples times `scale` to `out`, in order of time.
 
-    `rows` are samples arranged as by `transform.interleaved`: successive samples are in a column.
+    `rows` holds the samples, shape (L, samples / L): successive samples are in a column, as
+    `transform.interleaved` arranges them. `out` has shape (samples,).
     """
     np.multiply(rows.T, scale, out=out.reshape(rows.T.shape))
 
@@ -178,12 +220,12 @@ class SpectralSource:
     Attributes
     ----------
     spectrum
-        Shape of the spectrum.
+        The spectrum. Only its shape matters, because records are normalised.
     band
         Lower and upper edge of the band in which spectral lines are drawn, Hz.
     normalise
-        "peak" or "rms": whether the largest displacement of a record or the displacement's standard
-        deviation is 1 m (`synthesise`).
+        "peak": the largest displacement of a record is 1 m, up to its sign. "rms": the standard
+        deviation of the displacement is 1 m.
     """
 
     spectrum: Spectrum
@@ -200,7 +242,22 @@ class SpectralSource:
         step: float,
         history: int = 0,
     ) -> Motion:
-        """Draw one record of any length, as `synthesise` does."""
+        """Draw one record of the motion, of any length.
+
+        Parameters
+        ----------
+        stream
+            Function that returns a new random generator, given a name; it is called with "phase".
+        steps, step
+            Number of samples and sampling interval (s).
+        history
+            Number of steps before t = 0 whose positions are kept.
+
+        Raises
+        ------
+        InputError
+            If no spectral line lies in the band, or `normalise` is neither "peak" nor "rms".
+        """
         return synthesise(
             self.spectrum,
             stream("phase"),

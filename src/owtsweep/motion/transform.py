@@ -1,4 +1,7 @@
-"""Computes inverse Fourier transforms in which most bins are zero: few lines, many samples."""
+"""Computes inverse Fourier transforms of few spectral lines to many samples.
+
+Most bins of such a transform are zero, and little time is spent on these bins.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ LONG = 2**19
 
 
 def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
-    """Compute Re sum_m bins[m] exp(2 pi i m n / samples) for all samples n.
+    """Compute Re sum_m bins[m] exp(2 pi i m n / samples) for n = 0, ..., samples - 1.
 
     One long Fourier transform is split into L short ones. The samples n = r, r + L, r + 2 L, ...
     are a transform of length samples / L of bins[m] exp(2 pi i m r / samples). Short transforms fit
@@ -63,9 +66,11 @@ def interleaved(bins: NDArray[np.complex128], samples: int) -> Array:
 
 @lru_cache
 def _short_length(last: int, samples: int) -> int:
-    """Choose the length of the short transforms: an even divisor of `samples`.
+    """Choose the length of the short transforms into which a long transform is split.
 
-    `last` is the number of the last spectral line.
+    The long transform has `samples` samples. The length is the least even divisor of `samples` that
+    is at least `LEAST` and at least `SHORT` times `last`, the number of the last spectral line.
+    Without such a divisor, the length is `samples`.
     """
     for count in range(samples // max(SHORT * last, LEAST), 1, -1):
         if samples % (2 * count) == 0:
@@ -77,7 +82,9 @@ def _short_length(last: int, samples: int) -> int:
 def _turns(bins: int, samples: int, length: int) -> NDArray[np.complex128]:
     """Compute the factor of each bin in each short transform, shape (samples / length, bins).
 
-    The factor for bin m and row r is exp(2 pi i m r / samples) times length / 2.
+    A transform of `samples` samples is split into short ones of the length `length`. The factor for
+    bin m and short transform r is exp(2 pi i m r / samples) times length / 2. `bins` is the number
+    of bins.
     """
     numbers, first = np.arange(bins), np.arange(samples // length)
     # the exact product modulo a whole turn: a large angle would lose its last digits

@@ -36,7 +36,7 @@ class Fit:
     """A spectrum fitted to a record, and measures of how well the spectrum fits.
 
     The spectrum S(f) is Eq. (1) of Ren et al. (2019). Lines are the frequencies f_j of the record's
-    periodogram; I_j is the periodogram's value there.
+    periodogram; I_j is the periodogram's value at f_j.
 
     Attributes
     ----------
@@ -48,20 +48,22 @@ class Fit:
         Square of the half-bandwidth, s^-2.
     errors
         Standard errors of a, b, c, natural_period, bandwidth and half_bandwidth, from the expected
-        Hessian of the likelihood (the Fisher information); valid if the spectrum's shape is right.
+        Hessian of the likelihood (the Fisher information); these are valid if the shape of Eq. (1)
+        is right.
     band, lines
         Lower and upper edge of the fitted band, Hz, and the number of lines inside the band.
     band_share
         Share of the record's variance (mean and trend removed) that lies inside the band.
     explained
         Share of the band's variance that the fitted curve accounts for. Periodogram and curve are
-        smoothed over 9 lines. The share is the area that lies under both, divided by the area under
-        the periodogram. (The areas under the two curves are equal.) A curve of the right shape
-        reaches about 0.87, because the periodogram scatters.
+        smoothed over 9 lines. The share is the area that lies under both smoothed curves, divided
+        by the area under the smoothed periodogram. A curve of the right shape reaches about 0.87,
+        because the periodogram scatters.
     probability
-        Probability of a departure from the shape at least as large as observed, if the shape were
-        right, by Bartlett's test on the accumulated I_j / S(f_j). The probability tends to be too
-        large, because the shape was fitted to the record itself.
+        The p-value of Bartlett's test that the shape of Eq. (1) is right. If the shape is right,
+        the accumulated I_j / S(f_j) are a straight line up to scatter. The p-value is the
+        probability of a departure from a straight line at least as large as observed. The value
+        tends to be too large, because the shape was fitted to the record itself.
     warnings
         What is wrong with the fit, in words; empty for a good fit.
     """
@@ -84,7 +86,7 @@ class Fit:
 
 
 def periodogram(position: Array, step: float) -> tuple[Array, Array]:
-    """Compute the one-sided periodogram of a record without its mean and linear trend.
+    """Compute the one-sided periodogram of a record; mean and linear trend are removed first.
 
     Parameters
     ----------
@@ -96,9 +98,9 @@ def periodogram(position: Array, step: float) -> tuple[Array, Array]:
     Returns
     -------
     frequency, density
-        Hz and m^2/Hz, shape (n // 2,) each, without the line at zero. The sum of
-        density / (n step) is the variance. Of a record with more than `LONG` samples, up to 4 in
-        1000 samples at the end may be left out.
+        Frequencies in Hz and spectral densities in m^2/Hz, shape (n // 2,) each, without the
+        frequency zero. The sum of density / (n step) is the variance. Of a record with more than
+        `LONG` samples, up to 4 in 1000 samples at the end may be left out.
     """
     from scipy.fft import rfft
 
@@ -113,10 +115,12 @@ def periodogram(position: Array, step: float) -> tuple[Array, Array]:
 
 
 def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
-    """Compute what `periodogram` returns for long series (axes, n), in little memory.
+    """Compute the one-sided periodogram of a long record, in little memory.
 
-    The last samples, at most 4 in 1000, are left out. Mean and trend are removed one after the
-    other, since a straight line over [-1, 1] has the mean zero.
+    `series` are positions in m, shape (axes, n); `step` is the sampling interval, s. Return
+    frequencies (Hz) and the sum of the axes' spectral densities (m^2/Hz), without the frequency
+    zero. The last samples, at most 4 in 1000, are left out. Mean and trend are removed one after
+    the other, since a straight line over [-1, 1] has the mean zero.
     """
     from scipy.fft import next_fast_len, rfft
 
@@ -139,9 +143,11 @@ def _long_periodogram(series: Array, step: float) -> tuple[Array, Array]:
 
 
 def _make_one_sided(power: Array, n: int, step: float) -> tuple[Array, Array]:
-    """Scale the squares of n samples' Fourier coefficients, in place, to a one-sided density.
+    """Scale squared Fourier coefficients to a one-sided density, in place.
 
-    Return frequencies (Hz) and density (m^2/Hz), without the line at zero.
+    `power` holds the squared magnitudes of the coefficients of n samples at the interval `step`
+    (s), shape (n // 2 + 1,). Return frequencies (Hz) and density (m^2/Hz), without the frequency
+    zero.
     """
     power *= 2.0 * step / n
     if n % 2 == 0:
@@ -172,14 +178,30 @@ def fit(position: Array, step: float, *, band: tuple[float, float] = BAND) -> Fi
 
 
 def fit_lines(frequency: Array, power: Array, *, band: tuple[float, float] = BAND) -> Fit:
-    """Fit as `fit` does, given what `periodogram` returns: frequencies (Hz) and power (m^2/Hz)."""
+    """Fit the spectrum of Eq. (1) of Ren et al. (2019) to a periodogram.
+
+    Parameters
+    ----------
+    frequency, power
+        Frequencies (Hz) and spectral densities (m^2/Hz) of the lines, as `periodogram` returns
+        them.
+    band
+        Lower and upper edge of the band to fit, Hz; lines at the edges are inside.
+
+    Raises
+    ------
+    InputError
+        If fewer than `FEWEST_LINES` lines lie in the band, if the record has no motion in the band,
+        or if positions are missing.
+    """
     df = float(frequency[0])
     inside = (frequency >= band[0] * (1 - 1e-9)) & (frequency <= band[1] * (1 + 1e-9))
     f, observed = frequency[inside], power[inside]
     if len(f) < FEWEST_LINES:
         raise InputError(
-            f"band: [{band[0]:g}, {band[1]:g}] Hz holds {len(f)} lines of a record of "
-            f"{1 / df:.4g} s; at least {FEWEST_LINES} are needed: widen it or take a longer record"
+            f"band: [{band[0]:g}, {band[1]:g}] Hz holds {len(f)} lines of the periodogram "
+            f"of a record of {1 / df:.4g} s; at least {FEWEST_LINES} are needed: widen the band "
+            "or use a longer record"
         )
     if not np.all(np.isfinite(power)) or observed.sum() <= 1e-24 * len(f):
         raise InputError(
@@ -210,10 +232,11 @@ def _shape(f: Array, peak: float, k: float) -> Array:
 
 
 def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> tuple[float, float]:
-    """Search the peak frequency (Hz) and squared half-bandwidth (s^-2) of greatest likelihood.
+    """Find the peak frequency (Hz) and squared half-bandwidth (s^-2) of greatest likelihood.
 
-    The search begins on a coarse grid and ends with Nelder and Mead's simplex method. `f` and
-    `observed` are the periodogram in the band, `df` is the distance of its lines, Hz.
+    The search begins on a coarse grid and ends with Nelder and Mead's simplex method. `f` (Hz) and
+    `observed` (m^2/Hz) are the frequencies and densities of the periodogram's lines inside `band`
+    (lower and upper edge, Hz). `df` is the distance between two neighbouring lines, Hz.
     """
     from scipy.optimize import minimize
 
@@ -237,10 +260,12 @@ def _search(f: Array, observed: Array, df: float, band: tuple[float, float]) -> 
 
 
 def _estimate_errors(f: Array, a: float, peak: float, k: float) -> dict[str, float]:
-    """Compute the standard errors of the fitted numbers, by name.
+    """Return the standard errors of a fit: name -> standard error.
 
-    Standard errors are computed from the Fisher information: the sum, over the lines f (Hz), of the
-    outer products of the derivatives of log S with respect to the parameters.
+    The names are a, b, c, natural_period, bandwidth and half_bandwidth. `f` are the frequencies of
+    the lines, Hz; `a`, `peak` (Hz) and `k` (squared half-bandwidth, s^-2) are the fitted parameters
+    of the spectrum S. Standard errors are computed from the Fisher information: the sum, over the
+    lines, of the outer products of the derivatives of log S with respect to the parameters.
     """
     below = (f - peak) ** 2 + (k / peak) * f
     slopes = np.array(
@@ -269,7 +294,8 @@ def _estimate_errors(f: Array, a: float, peak: float, k: float) -> dict[str, flo
 def _measure_overlap(observed: Array, fitted: Array, lines: int = 9) -> float:
     """Return the area that lies under both curves, divided by the area under the observed curve.
 
-    Both curves are first smoothed over `lines` lines.
+    `observed` and `fitted` are the heights of the curves at the same frequencies. Both curves are
+    first smoothed: each point becomes the mean of `lines` neighbouring points.
     """
     window = np.ones(lines) / lines
     smooth, curve = (np.convolve(series, window, "valid") for series in (observed, fitted))
@@ -277,10 +303,12 @@ def _measure_overlap(observed: Array, fitted: Array, lines: int = 9) -> float:
 
 
 def _test_shape(ratio: Array) -> float:
-    """Return the probability that accumulated ratios depart this far, or farther, from a line.
+    """Return the p-value of Bartlett's test that a fitted spectrum has the right shape.
 
-    The ratios are those of periodogram and fitted spectrum. If the shape is right, their running
-    sum is a straight line up to scatter (Bartlett's test).
+    `ratio` is the periodogram divided by the fitted spectrum, in order of frequency, shape
+    (lines,). If the shape is right, the running sum of the ratios is a straight line up to scatter.
+    The p-value is the probability that the sum departs from the straight line at least as far as
+    observed.
     """
     from scipy.special import kolmogorov
 

@@ -1,1 +1,1 @@
-"""Summaries of the rows of a run: a cube over its conditions, tables, boundaries."""
+"""Summarises the rows of a run: as arrays over the conditions, as tables, and by boundaries."""

@@ -1,7 +1,9 @@
 """Makes the table best_scheme.csv: the best scheme of every cell, and whether the data show it.
 
+Baselines do not compete. Columns of their own say whether the best of them beats the best scheme.
+
 A cell is one combination of values of the conditions. Schemes are compared replicate by replicate,
-because in each replicate all schemes saw the same motion and the same noise.
+because in each replicate all schemes get the same motion and the same noise.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from owtsweep.errors import InputError
 from owtsweep.results.conditions import sort_lines
 from owtsweep.results.cube import Cube
 from owtsweep.results.unable import tell_in_best_scheme
-from owtsweep.statistics.contest import agree, contest, group_coinciding
+from owtsweep.statistics.contest import agree, challenge, contest, group_coinciding
 from owtsweep.statistics.holm import holm
 
 if TYPE_CHECKING:
@@ -26,20 +28,21 @@ VERDICT_COLUMNS = (
     "ci_low", "ci_high", "distinguishable",
 )  # fmt: skip
 
-
-def name_columns(conditions: Sequence[str]) -> list[str]:
-    """Return the columns of a best-scheme table, given the names of the conditions."""
-    return [*conditions, *VERDICT_COLUMNS]
+#: Further columns of a run with baselines.
+BASELINE_COLUMNS = ("baseline", "mse_baseline", "baseline_wins")
 
 
-def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.DataFrame:
-    """Find the scheme of least mean in every cell, and whether the next scheme is distinguishable.
+def find_best_schemes(
+    cube: Cube, window: str, criteria: Sequence[str], baselines: Sequence[str] = ()
+) -> pd.DataFrame:
+    """Find the scheme of least mean in every cell, and whether the runner-up is distinguishable.
 
-    A cell is one combination of conditions. Means are over the replicates that all schemes of the
-    cell finished. A scheme that finished no replicate of a cell takes no part there. A cell without
-    a common replicate has no row. Schemes that agree to `statistics.contest.COINCIDENCE` in every
-    replicate count as one scheme; of their names, the last in `cube.schemes` is used. The runner-up
-    is the best scheme that does not coincide with the best one.
+    A cell is one combination of conditions. A scheme that finished no replicate in a cell takes no
+    part in that cell. Means are over the replicates that all schemes taking part in the cell have
+    finished; a cell without such a replicate has no row. Schemes whose values agree to
+    `statistics.contest.COINCIDENCE` in each of these replicates count as one scheme, under the name
+    that comes last in `cube.schemes`. The runner-up is the best of the other schemes; if all
+    schemes of a cell agree, the runner-up is another of these schemes.
 
     Parameters
     ----------
@@ -48,17 +51,26 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
     window
         The part of the records to judge, e.g. "full" or "settled".
     criteria
-        Measures to judge by, each on its own.
+        Names of the measures to judge by. Each measure gives rows of its own.
+    baselines
+        Those of `cube.schemes` that do not compete with the others. In each cell, the best scheme
+        is compared with the baseline of least mean, over the replicates that decide between the
+        schemes.
 
     Returns
     -------
     DataFrame
-        The columns of `name_columns`, sorted by conditions and criterion. `ci_low` and `ci_high`
-        are the 95 % confidence interval of `difference` by the paired t-test in that cell alone.
-        `distinguishable` applies Holm's step-down correction at 5 % to all cells of the criterion.
-        With one scheme, `runner_up` is empty and the numbers that need a runner-up are NaN. With
-        one replicate, the interval is NaN. In both cases `distinguishable` is false. If a scheme
-        was unable to work in any cell, there are also `status` and `reason`.
+        The conditions, `VERDICT_COLUMNS` and, if there are baselines, `BASELINE_COLUMNS`, sorted by
+        conditions, then in the order of `criteria`. `difference` is the runner-up's mean minus the
+        best scheme's. `ci_low` and `ci_high` are the ends of the 95 % confidence interval of
+        `difference` by the paired t-test in that cell alone. `distinguishable` applies Holm's
+        step-down correction at 5 % to all cells of the criterion. In a cell with one scheme,
+        `runner_up` is empty and the numbers that need a runner-up are NaN. In a cell with one
+        replicate, the interval is NaN. In both cases `distinguishable` is false. `baseline` is the
+        baseline of least mean, and `mse_baseline` its mean. `baseline_wins` says whether
+        `mse_baseline` is less than the best scheme's mean and the paired difference is significant,
+        with Holm's correction at 5 % over all cells of the criterion. If a scheme was unable to
+        work in any cell, there are also the columns `status` and `reason`.
 
     Raises
     ------
@@ -67,24 +79,38 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
     """
     import pandas as pd
 
-    columns = name_columns(cube.names)
+    columns = [*cube.names, *VERDICT_COLUMNS, *(BASELINE_COLUMNS if baselines else ())]
     last = cube.names[-1]
-    schemes = range(len(cube.schemes))
-    names = np.array([*cube.schemes, ""], dtype=object)  # index -1: no runner-up
+    competing = [i for i, name in enumerate(cube.schemes) if name not in baselines]
+    beside = [cube.schemes.index(name) for name in baselines]
+    names = np.array([*(cube.schemes[i] for i in competing), ""], dtype=object)  # -1: no runner-up
+    beside_names = np.array([*baselines, ""], dtype=object)
     tables: list[pd.DataFrame] = []
     for criterion in criteria if not cube.empty else ():
         measure = _find_place(cube.measures, criterion, "criteria")
         at = _find_place(cube.windows, window, "window")
         parts = []
         for place in cube.outer_places():
-            values = [cube.values(i, place, [measure])[:, 0, at] for i in schemes]
+            values, others = (
+                [cube.values(i, place, [measure])[:, 0, at] for i in some]
+                for some in (competing, beside)
+            )
             result = contest(np.stack(values))
+            told = result._asdict() | {
+                "best": names[result.best],
+                "runner_up": names[result.runner_up],
+            }
+            if others:
+                duel = challenge(np.stack(values), result.best, np.stack(others))
+                told |= duel._asdict() | {"baseline": beside_names[duel.baseline]}
             cells = cube.name_outer(place) | {last: cube.levels[-1], "criterion": criterion}
-            part = pd.DataFrame(cells | {"window": window} | result._asdict())
-            part = part.assign(best=names[result.best], runner_up=names[result.runner_up])
+            part = pd.DataFrame(cells | {"window": window} | told)
             parts.append(part[result.judged])
         table = pd.concat(parts)
-        tables.append(table.assign(distinguishable=holm(table["p"])))
+        table = table.assign(distinguishable=holm(table["p"]))
+        if baselines:
+            table["baseline_wins"] = holm(table["p_baseline"]) & (table["gain"] > 0.0)
+        tables.append(table)
     if not tables:
         return pd.DataFrame(columns=columns)
     order = dict(zip(cube.names, cube.levels, strict=True))
@@ -95,13 +121,19 @@ def find_best_schemes(cube: Cube, window: str, criteria: Sequence[str]) -> pd.Da
 def find_coinciding(cube: Cube, criteria: Sequence[str]) -> list[tuple[str, ...]]:
     """Find groups of schemes that coincide by all criteria in every cell and replicate.
 
-    The members of a group are in the order of `cube.schemes`. The last member is the name that
-    `find_best_schemes` uses for the group.
+    Two schemes coincide if their values are equal up to rounding. A cell is one combination of
+    conditions. `criteria` are names of measures. The members of a group are in the order of
+    `cube.schemes`. The last member is the name that `find_best_schemes` uses for the group. Without
+    coinciding schemes, the list is empty.
     """
     judged = [index for index, measure in enumerate(cube.measures) if measure in criteria]
 
     def coincide(i: int, j: int) -> bool:
-        """Return whether some cell holds values of both schemes, all such pairs being equal."""
+        """Return whether the schemes with the indices i and j coincide.
+
+        Two schemes coincide if their values agree wherever both schemes have a value, and if there
+        is at least one value that both have.
+        """
         compared = False
         for place in cube.outer_places():
             one, other = cube.values(i, place, judged), cube.values(j, place, judged)

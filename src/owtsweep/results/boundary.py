@@ -1,10 +1,11 @@
 """Finds the boundary of two schemes: the amplitude at which they are equally good.
 
-In each record MSE(N) = N^2 motion + 2 N cross + noise (`superposition`). The mean difference of two
-schemes is therefore a parabola in the amplitude N, and the boundary is the parabola's root. So the
-boundary does not depend on a grid of amplitudes. Confidence intervals are percentiles of a
-bootstrap: records are resampled. Both schemes saw the same records, so the products motion, cross
-and noise of both schemes in a record are drawn together.
+In each record the mean square error of a scheme at the amplitude N is N^2 motion + 2 N cross +
+noise, with three products that do not depend on N (`superposition`). The mean difference between
+two schemes is therefore a parabola in N, and the boundary is the parabola's root. So the boundary
+does not depend on a grid of amplitudes. Confidence intervals are percentiles of a bootstrap, which
+resamples the records. Both schemes saw the same records. Therefore, when a record is drawn, the
+products of both schemes in that record are drawn together.
 """
 
 from __future__ import annotations
@@ -45,26 +46,34 @@ def find_boundary(
     Parameters
     ----------
     rows
-        The rows of a run's cases. Only superposed rows are used, which hold for all amplitudes.
+        The rows of a run's cases. Only superposed rows are used: those that hold for all
+        amplitudes.
     conditions
-        The study's conditions; the last expands.
+        The study's conditions; the last one expands (one computed result serves all its values).
     schemes
-        The scheme that is expected to win below the boundary, and the one that is above it.
+        The scheme that is expected to be better below the boundary, then the scheme that is
+        expected to be better above the boundary.
     measure, window
-        The measure and the window to compare.
+        Names of the measure to compare, and of the part of the records.
 
     Returns
     -------
     DataFrame
-        One row per cell: the other conditions and `COLUMNS`, sorted by condition. `boundary` is in
-        the unit of the last condition, and `ci_low` and `ci_high` are its 95 % confidence interval.
-        `n` is the number of records that both schemes finished. `wins` is empty if there is a
-        boundary. Without one, `boundary` is NaN and `wins` names the scheme that is better at every
-        amplitude; `wins` is "neither" if the means cross the other way round, or twice. `ci_low`
-        and `ci_high` are NaN without a boundary and for a single record. Otherwise, `ci_low` (or
-        `ci_high`) is 0 if it falls on a resample in which the second scheme is better at every
-        amplitude, and infinite if the first scheme is. If it falls on a resample in which neither
-        is, `ci_low` is NaN and `ci_high` is infinite.
+        One row per cell, sorted by condition. The columns are all conditions but the last, then
+        `COLUMNS`: boundary, ci_low, ci_high, n, wins.
+
+        `boundary` is in the unit of the amplitude. `n` is the number of records that both schemes
+        finished. `wins` is "" if there is a boundary. Otherwise `boundary` is NaN, and `wins` names
+        the scheme that is better at every amplitude. `wins` is "neither" if the second scheme is
+        better only below some amplitude, or if the mean errors cross twice.
+
+        `ci_low` and `ci_high` are the ends of the 95 % confidence interval of the boundary. They
+        are NaN without a boundary, and with a single record. Otherwise they are percentiles of the
+        boundaries of resampled records. The boundary of a resample counts as 0 if the second scheme
+        is better at every amplitude, and as infinite if the first scheme is. A resample in which
+        neither is true, and which has no boundary either, counts as lying below `ci_low` and above
+        `ci_high`. If `ci_low` falls on such a resample, `ci_low` is NaN; if `ci_high` does,
+        `ci_high` is infinite.
 
     Raises
     ------
@@ -97,20 +106,26 @@ def find_boundary_ratio(
     """Compute the ratio of the boundaries in two cells, with its confidence interval.
 
     A boundary is the amplitude above which the second scheme is better than the first. A cell is
-    one combination of all conditions but the last, the amplitude. The records of two cells are
-    independent, so they are resampled independently.
+    one combination of all conditions but the last, the amplitude. Records of two different cells
+    are independent, so they are resampled independently.
 
     Parameters
     ----------
+    rows
+        The rows of a run's cases. Only superposed rows are used: those that hold for all
+        amplitudes.
+    conditions
+        The study's conditions; the last one expands (one computed result serves all its values).
     cells
-        The cells of the numerator and of the denominator.
-    rows, conditions, schemes, measure, window
-        As for `find_boundary`.
+        The cells of the numerator and of the denominator, each a tuple of values.
+    schemes, measure, window
+        Names of the two schemes and the measure to compare, and of the part of the records.
 
     Returns
     -------
     tuple of float
-        The ratio and the ends of its 95 % interval, as `divide_crossings` returns them.
+        The ratio and the ends of its 95 % confidence interval. All three are NaN if a cell has no
+        boundary; the ends are NaN if a cell has a single record (see `divide_crossings`).
 
     Raises
     ------
@@ -140,11 +155,18 @@ def subtract_schemes(
     measure: str,
     window: str,
 ) -> pd.DataFrame:
-    """Subtract the second scheme's products from the first's, in records that both finished.
+    """Subtract the second scheme's products from the first scheme's, in records that both finished.
 
-    The products are the columns motion, cross and noise of superposed rows. The table returned has
-    these columns; its index, sorted, is all conditions but the last, and the replicate. Parameters
-    and errors are the same as for `find_boundary`.
+    The products are the columns motion, cross and noise of superposed rows: those rows that hold
+    for all amplitudes. `rows` are the rows of a run's cases. The last of `conditions` is the
+    amplitude. `schemes`, `measure` and `window` are names of schemes, a measure and a part of the
+    records. The table returned has the columns motion, cross and noise. It is indexed, and sorted,
+    by all conditions but the last and by the replicate.
+
+    Raises
+    ------
+    InputError
+        If a scheme, the measure or the window is not among superposed rows.
     """
     *outer, last = [condition.name for condition in conditions]
     used = rows[(rows["status"] == OK) & rows[last].isna()]
@@ -163,9 +185,10 @@ def subtract_schemes(
 
 
 def split_cells(difference: pd.DataFrame) -> dict[Cell, Array]:
-    """Split what `subtract_schemes` returns into cells: cell -> array (records, 3).
+    """Split the table that `subtract_schemes` returns into cells: cell -> array.
 
-    A cell is a tuple of the values of all conditions but the last.
+    A cell is a tuple of the values of all conditions but the last. Its array has one row per record
+    and the columns motion, cross and noise, shape (records, 3).
     """
     products = difference.to_numpy(dtype=float)
     outer = difference.index.names[:-1]
@@ -181,25 +204,28 @@ def divide_crossings(
 ) -> tuple[float, float, float]:
     """Compute the ratio of the boundaries in two cells, with its confidence interval.
 
-    A boundary is the amplitude at which two schemes are equally good.
+    A boundary is the amplitude above which the second of two schemes is better than the first. A
+    cell is one combination of all conditions but the last, the amplitude.
 
     Parameters
     ----------
     above, below
-        Numerator and denominator: each a cell (values of the conditions) and its differences
-        between the products of two schemes, shape (records, 3). If the two cells are equal, the
-        same records are drawn for both.
+        Numerator and denominator. Each is a cell, as a tuple of values of the conditions, and an
+        array of shape (records, 3): the first scheme's products motion, cross and noise minus the
+        second scheme's. If the two cells are equal, the same records are drawn for both.
     apart
         Whether to draw different records for the cell `above` even if the two cells are equal.
 
     Returns
     -------
     tuple of float
-        The ratio and the ends of its 95 % interval. All three are NaN if a cell has no boundary;
-        the ends are NaN if a cell has a single record. Each resample gives a ratio of two
-        boundaries, which may be 0 or infinite as in `find_boundary`. An undefined ratio, such as
-        0 / 0, counts as lying below the lower end and above the upper end. An end that falls on an
-        undefined ratio is NaN (lower end) or infinite (upper end).
+        The ratio and the ends of its 95 % confidence interval. All three are NaN if a cell has no
+        boundary; the ends are NaN if a cell has a single record. Otherwise the ends are percentiles
+        of the ratios in resampled records. In a resample the boundary counts as 0 if the second
+        scheme is better at every amplitude, and as infinite if the first scheme is. A ratio that is
+        undefined, such as 0 / 0, counts as lying below the lower end and above the upper end. If
+        the lower end falls on an undefined ratio, the lower end is NaN; if the upper end does, the
+        upper end is infinite.
     """
     a, b = _find_mean_crossing(above[1]), _find_mean_crossing(below[1])
     if not (0.0 < a < np.inf and 0.0 < b < np.inf):
@@ -213,15 +239,24 @@ def divide_crossings(
 
 
 def _find_mean_crossing(products: Array) -> float:
-    """Return the amplitude at which the mean of differences of products (records, 3) is zero.
+    """Return the amplitude above which the second of two schemes is better on average.
 
-    Where there is no single such amplitude, return what `find_crossing` returns.
+    `products` are the first scheme's products motion, cross and noise minus the second scheme's,
+    shape (records, 3). Without such an amplitude, return 0 if the second scheme is better at every
+    amplitude, infinity if the first scheme is, and NaN if neither is.
     """
     return float(find_crossing(products.mean(axis=0)[None])[0])
 
 
 def _resample_crossings(cell: Cell, products: Array, *, apart: bool = False) -> Array:
-    """Draw resamples of a cell's records; return the boundary of each resample's mean."""
+    """Draw resamples of a cell's records; return the boundary of each resample, shape (resamples,).
+
+    The boundary is the amplitude above which the second of two schemes is better on average; it may
+    be 0, infinite or NaN, as `find_crossing` returns it. `products` are the first scheme's products
+    motion, cross and noise minus the second scheme's, shape (records, 3). The draws depend only on
+    `cell` (values of the conditions), on the number of records, and on `apart`. With `apart`, other
+    records are drawn than without.
+    """
     key = [encode_value(value) for value in cell] or [0]
     if apart:  # a different key draws different records: the first condition is shifted by 1e4
         key[0] += 10**10

@@ -26,9 +26,10 @@ class Condition:
     Attributes
     ----------
     name
-        The column of tables and the key below `grid`.
+        Name of the condition's column in tables, and of its key below `grid` in the configuration.
     label, unit
-        Name and unit in figures, e.g. "motion amplitude" and "m"; "" if there is no unit.
+        The name and the unit to write on axes of figures, e.g. "motion amplitude" and "m"; "" if
+        there is no unit.
     scale
         How the condition's numbers are spaced: "linear" or "log".
     in_streams
@@ -36,9 +37,9 @@ class Condition:
         different random numbers.
     expands
         Whether one computed result serves all values of the condition (`results.superposition`). In
-        such a row the condition is NaN. Only the last condition may expand.
+        the row of such a result the condition is NaN. Only the last condition may expand.
     plural
-        The plural used in sentences; by default the label with an s.
+        The plural of the label, used in sentences; if it is "", the label with an s is used.
     """
 
     name: str
@@ -51,21 +52,24 @@ class Condition:
 
     @property
     def title(self) -> str:
-        """The label of an axis or a column, e.g. "motion amplitude (m)"."""
+        """The label with the unit, for an axis or a column, e.g. "motion amplitude (m)"."""
         return f"{self.label} ({self.unit})" if self.unit else self.label
 
     @property
     def word(self) -> str:
-        """The name as used in a sentence: with spaces instead of underscores."""
+        """The condition's name as used in a sentence: with spaces instead of underscores."""
         return self.name.replace("_", " ")
 
     @property
     def values_word(self) -> str:
-        """The plural as used in a sentence, e.g. "amplitudes"."""
+        """The plural of the condition's label, as used in a sentence, e.g. "amplitudes"."""
         return self.plural or f"{self.label}s"
 
     def show(self, value: Value) -> str:
-        """Return a value with its unit as text, e.g. "0.2 m"; a value that is text has no unit."""
+        """Return a value of the condition as text; a number is followed by its unit, e.g. "0.2 m".
+
+        A value that is a text gets no unit.
+        """
         shown = show_value(value)
         return f"{shown} {self.unit}" if self.unit and not isinstance(value, str) else shown
 
@@ -81,7 +85,9 @@ def require_usable(conditions: Sequence[Condition]) -> None:
     Raises
     ------
     InputError
-        If there is no condition, if two have the same name, or if one that is not the last expands.
+        If there is no condition, or if two conditions have the same name. Also if a condition other
+        than the last has `expands` set. (Only the last may have one computed result that serves all
+        its values.)
     """
     names = [condition.name for condition in conditions]
     if not names or len(set(names)) < len(names):
@@ -89,8 +95,8 @@ def require_usable(conditions: Sequence[Condition]) -> None:
     for condition in conditions[:-1]:
         if condition.expands:
             raise InputError(
-                f"conditions: {condition.name} expands and is not the last; put it at the end, "
-                "and let no other expand"
+                f"conditions: {condition.name} expands and is not the last condition; put "
+                f"{condition.name} at the end, and let no other condition expand"
             )
 
 
@@ -107,7 +113,11 @@ def order_values(column: Any, listed: Iterable[Value] = ()) -> list[Value]:
 
 
 def sort_lines(table: pd.DataFrame, order: Mapping[str, Sequence[Any]]) -> pd.DataFrame:
-    """Sort a table by the columns in `order`, each of which has its values in the order given."""
+    """Return a table sorted by some of its columns.
+
+    `order` maps the names of these columns, the most important first, to all values of the column
+    in the wanted order.
+    """
     return table.sort_values(
         list(order), kind="stable", ignore_index=True,
         key=lambda column: column.map({v: i for i, v in enumerate(order[str(column.name)])}),

@@ -30,24 +30,26 @@ _SPARSEST, _ORDINARY = 1000, 10_000_000
 class Cube:
     """The values of a run as arrays, with one axis each for scheme, conditions, measure and so on.
 
-    An element is NaN where there is no value. Below, "outer conditions" are all but the last; each
-    of them has an axis. A superposed row serves all amplitudes, the values of the last condition.
-    The values at each amplitude are computed on request, because they would not fit into memory.
+    An element is NaN where there is no value. Below, "outer conditions" are all conditions but the
+    last; each outer condition has an axis. A superposed row serves all values of the last
+    condition, the amplitude. The values at each amplitude are computed on request from the products
+    in superposed rows, because they would not fit into memory.
 
     Attributes
     ----------
     schemes, measures, windows, replicates
         The labels of these axes.
     conditions, levels
-        The study's conditions, and the values of each.
+        The study's conditions, and the values of each condition.
     products
-        `PRODUCTS` of superposed rows, shape (3, scheme, *outer, measure, window, replicate); None
-        without superposed rows.
+        The columns `PRODUCTS` (motion, cross, noise) of superposed rows, shape (3, scheme, *outer,
+        measure, window, replicate); None without superposed rows.
     direct
-        Values of rows that have a value of the last condition, shape
-        (scheme, *conditions, measure, window, replicate); None without such rows.
+        Values of rows that have a value of the last condition, shape (scheme, *conditions, measure,
+        window, replicate); None without such rows.
     unable
-        One line per scheme and cell in which it was unable to work: scheme, conditions, reason.
+        Table of schemes that were unable to work under some conditions. One line per scheme and
+        combination of conditions; columns scheme, conditions, reason.
     """
 
     schemes: tuple[str, ...]
@@ -71,34 +73,39 @@ class Cube:
         return [condition.name for condition in self.conditions]
 
     def outer_places(self) -> Iterator[tuple[int, ...]]:
-        """Yield every combination of the outer conditions as indices; the last changes fastest.
+        """Yield every combination of the outer conditions as a tuple of indices.
 
-        The outer conditions are all but the last. Nothing is yielded if the cube is empty.
+        The outer conditions are all conditions but the last. The last index of a tuple changes
+        fastest. Nothing is yielded if the cube is empty.
         """
         if not self.empty:
             yield from np.ndindex(*(len(levels) for levels in self.levels[:-1]))
 
     def name_outer(self, place: tuple[int, ...]) -> dict[str, Value]:
-        """Return name -> value of all conditions but the last, given their indices."""
+        """Return condition -> value for all conditions but the last.
+
+        `place` holds the index of each condition's value.
+        """
         outer = zip(self.names, self.levels, place, strict=False)  # the last condition has no index
         return {name: levels[index] for name, levels, index in outer}
 
     def values(self, scheme: int, place: tuple[int, ...], measures: Any = slice(None)) -> Array:
-        """Return the values of one scheme at one place of the outer conditions.
+        """Return the values of one scheme under one combination of all conditions but the last.
 
         Parameters
         ----------
         scheme
             Index of the scheme.
         place
-            Indices of all conditions but the last.
+            Indices of the values of all conditions but the last.
         measures
-            The measures as a slice or a list of indices.
+            Indices of the measures to return, as a slice or a list; by default all measures.
 
         Returns
         -------
         array
-            Axes: value of the last condition, measure, window, replicate. NaN without a value.
+            Axes: value of the last condition, measure, window, replicate. An element is NaN where
+            there is no value.
 
         Raises
         ------
@@ -122,8 +129,10 @@ class Cube:
     ) -> dict[str, Any]:
         """Return the labels of some elements of `values(scheme, place)` as columns: name -> labels.
 
-        `indices` has one array of indices for each axis of `values`. Without an array for the
-        replicates there is no column of replicates.
+        `scheme` and `place` are indices, as for `values`. The columns are scheme and conditions,
+        then measure, window and replicate. `indices` has one array of indices for each axis of
+        `values`: last condition, measure, window, replicate. If the array for the replicates is
+        left out, so is the column replicate.
         """
         import pandas as pd
 
@@ -135,7 +144,7 @@ class Cube:
         return columns
 
     def to_table(self) -> pd.DataFrame:
-        """Make a table of one line per value.
+        """Make a table of one line per value; elements that are NaN have no line.
 
         Columns: scheme, conditions, measure, window, replicate, value.
         """
@@ -161,21 +170,31 @@ class Cube:
         *,
         measures: Sequence[str] = (),
     ) -> Cube:
-        """Make the cube from a run's rows; it takes a tenth of the memory of `to_table`.
+        """Make the cube from a run's rows.
+
+        The cube takes a tenth of the memory of the table that `to_table` makes.
 
         Parameters
         ----------
         rows
-            The rows of a run's cases. Those that failed, lack a label, or have no number up to
-            `LARGEST` are left out, and so is a scheme in a cell that it is unable to work in.
+            The rows of a run's cases. A row that failed, lacks a label (such as its window), or has
+            no number up to `LARGEST` is left out. If a scheme was unable to work under a
+            combination of conditions, all rows of that scheme and combination are left out.
         schemes
             The schemes that take part.
         conditions
-            The study's.
+            The study's conditions.
         grid
-            Their values. Rows at other values of a condition that expands are left out.
+            Condition -> values. If the last condition expands (one computed result serves all its
+            values), rows at values of this condition that `grid` does not have are left out.
         measures
-            The order of measures in tables; others follow alphabetically.
+            The order of measures in tables. Measures that are not named here follow alphabetically.
+
+        Raises
+        ------
+        InputError
+            If the conditions cannot be used (`require_usable`), if two rows give a value for the
+            same element, or if the labels of the rows do not fit together.
         """
         require_usable(conditions)
         unable = list_unable(rows[rows["scheme"].isin(list(schemes))], conditions, grid)
@@ -213,7 +232,10 @@ class Cube:
 
 
 def join_lines(parts: Sequence[pd.DataFrame], columns: Sequence[str]) -> pd.DataFrame:
-    """Join tables with these columns, one below the other."""
+    """Return one table with the lines of all tables in `parts`, in this order.
+
+    If no table has a line, return an empty table with the columns `columns`.
+    """
     import pandas as pd
 
     filled = [part for part in parts if len(part)]
@@ -223,10 +245,10 @@ def join_lines(parts: Sequence[pd.DataFrame], columns: Sequence[str]) -> pd.Data
 def _choose(
     rows: pd.DataFrame, schemes: Sequence[str], conditions: Sequence[Condition], grid: Grid
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Choose the rows to use; return two masks.
+    """Choose the rows to use; return two masks of the rows.
 
     The first mask marks superposed rows, which serve all values of the last condition. The second
-    marks rows that have one value of the last condition.
+    mask marks rows that have one value of the last condition.
     """
     *outer, last = conditions
     finished = ((rows["status"] == OK) & rows["scheme"].isin(list(schemes))).to_numpy()
@@ -243,19 +265,20 @@ def _choose(
 
 
 def _usable(column: Any) -> NDArray[np.bool_]:
-    """Which values are numbers up to `LARGEST`."""
+    """Return a mask of the numbers in a column whose magnitude is at most `LARGEST`."""
     return np.asarray(np.abs(column.to_numpy(dtype=float)) <= LARGEST)
 
 
 def _there(column: Any) -> NDArray[np.bool_]:
-    """Which values are neither missing nor infinite."""
+    """Return a mask of the values in a column that are neither missing nor infinite."""
     there: NDArray[np.bool_] = column.notna().to_numpy()
     return there & np.isfinite(column.to_numpy()) if column.dtype.kind == "f" else there
 
 
 def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
-    """Compute values at all amplitudes from products (3, measure, window, replicate).
+    """Compute the mean square errors at all amplitudes from the products of superposed rows.
 
+    `products` holds the products motion, cross and noise, shape (3, measure, window, replicate).
     The axes of the result are amplitude, measure, window, replicate. The longer of the axes
     amplitude and replicate is innermost in memory, where loops and sums are fastest.
     """
@@ -275,14 +298,26 @@ def _arrange(
     axes: Sequence[str],
     columns: Sequence[str],
 ) -> Array:
-    """Arrange columns of the chosen rows as an array with the axes (columns, *axes).
+    """Arrange numbers of the chosen rows as an array with the axes (columns, *axes).
 
-    `labels` gives the labels of each axis. An element is NaN where there is no row.
+    An element is NaN where there is no row.
+
+    Parameters
+    ----------
+    rows, chosen
+        The rows of a run, and a mask of those to use.
+    labels
+        Name of an axis -> its labels, in the order of the axis.
+    axes
+        Names of the axes. The column of the same name says where on the axis a row belongs.
+    columns
+        Names of the columns whose numbers are arranged.
 
     Raises
     ------
     InputError
-        If two rows belong to the same element.
+        If two rows belong to the same element, or if the array would have far more elements than
+        there are rows.
     """
     import pandas as pd
 
@@ -299,7 +334,8 @@ def _arrange(
     size = math.prod(len(labels[name]) for name in axes)
     require(
         size <= max(_SPARSEST * place.size, _ORDINARY),
-        f"rows: {place.size} values for {size} cases; the labels of their rows do not fit together",
+        f"rows: {place.size} values for an array of {size}; "
+        "the labels of the rows do not fit together",
     )
     arrays = np.full((len(columns), *(len(labels[name]) for name in axes)), np.nan)
     for flat, name in zip(arrays.reshape(len(columns), -1), columns, strict=True):
@@ -309,7 +345,10 @@ def _arrange(
 
 
 def _of(rows: pd.DataFrame, name: str, chosen: NDArray[np.bool_]) -> Any:
-    """Return a column of the chosen rows, without a copy if all rows are chosen."""
+    """Return the values of the column `name` in the chosen rows; no copy if all rows are chosen.
+
+    `chosen` is a mask of the rows.
+    """
     column = rows[name].array
     return column if chosen.all() else column[chosen]
 

@@ -1,4 +1,4 @@
-"""The outcome of a case: the `status` of its row."""
+"""The possible outcomes of a case, which are the values of the column `status`."""
 
 from __future__ import annotations
 

@@ -23,8 +23,9 @@ def superpose(motion: Any, cross: Any, noise: Any, amplitude: Any) -> Any:
     Parameters
     ----------
     motion, cross, noise
-        Numbers, arrays or columns, at amplitude 1: mean square of the error due to motion, mean
-        product of the errors due to motion and to noise, mean square of the error due to noise.
+        Numbers, arrays or columns. `motion` is the mean square of the error due to motion of
+        amplitude 1, `noise` the mean square of the error due to noise, and `cross` the mean product
+        of these two errors.
     amplitude
         N: a number, or an array that can be broadcast against the other arguments.
     """
@@ -37,15 +38,15 @@ def find_crossing(products: Array) -> Array:
     Parameters
     ----------
     products
-        One row (a, c, f) per parabola, shape (n, 3): differences of the products motion, cross and
-        noise of two schemes.
+        One row (a, c, f) per parabola, shape (n, 3): the differences between two schemes in the
+        products motion, cross and noise (see `superpose`).
 
     Returns
     -------
     array
-        Shape (n,). The result is 0 for a parabola that is positive at every N > 0, infinite for one
-        that is negative at every N > 0, and NaN for one that changes from positive to negative or
-        changes its sign twice.
+        The amplitudes, shape (n,). The amplitude is 0 for a parabola that is positive at every N >
+        0, infinite for a parabola that is negative at every N > 0, and NaN for a parabola that
+        changes from positive to negative or changes its sign twice.
     """
     a, c, f = np.asarray(products, dtype=float).T
     discriminant = c * c - a * f

@@ -16,10 +16,12 @@ if TYPE_CHECKING:
 
 
 def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid) -> pd.DataFrame:
-    """List the cells in which schemes were unable to work: scheme, conditions, reason.
+    """Return a table of the cells in which a scheme was unable to work.
 
-    A cell is one combination of conditions. A row in which the last condition expands and is NaN
-    stands for all values that the grid has for this condition.
+    A cell is one combination of conditions. The table has one line per scheme and cell, and the
+    columns scheme, conditions, reason. It is empty if no row of `rows` has the status "unable". If
+    the last condition expands (one computed result serves all its values) and is NaN in a row, the
+    row stands for all values that `grid` gives for this condition.
     """
     import pandas as pd
 
@@ -37,10 +39,10 @@ def list_unable(rows: pd.DataFrame, conditions: Sequence[Condition], grid: Grid)
 
 
 def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.DataFrame:
-    """Return the rows except those of schemes in cells in which they were unable to work.
+    """Remove schemes from the cells in which they were unable to work; return the other rows.
 
     A cell is one combination of conditions. If a scheme was unable to work in one replicate of a
-    cell, all its rows of this cell are left out.
+    cell, all rows of this scheme in this cell are removed.
     """
     import pandas as pd
 
@@ -55,8 +57,9 @@ def without_unable(rows: pd.DataFrame, conditions: Sequence[Condition]) -> pd.Da
 def tell_in_summary(table: pd.DataFrame, unable: pd.DataFrame) -> pd.DataFrame:
     """Add to a summary the columns `status` and `reason`, and a line for each line of `unable`.
 
-    The lines of schemes that were unable to work have neither measure nor mean. Lines are not
-    sorted.
+    `table` is the summary. `unable` is the table that `list_unable` returns: one line per scheme
+    and combination of conditions in which the scheme was unable to work. In the added lines the
+    measure is "" and the mean is missing. The result is not sorted.
     """
     import pandas as pd
 
@@ -70,8 +73,10 @@ def tell_in_best_scheme(
 ) -> pd.DataFrame:
     """Add `status` and `reason` to a best-scheme table if a scheme was unable to work in any cell.
 
-    If there is no such scheme, return the table as it is. `unable` is what `list_unable` returns;
-    `names` are the names of the conditions.
+    A cell is one combination of conditions. `unable` is the table that `list_unable` returns, and
+    `names` are the names of the conditions. In cells in which a scheme was unable to work, the
+    status is "unable" and the reason names the scheme. In other cells, the status is "ok" and the
+    reason is "". If `unable` is empty, `table` is returned as it is.
     """
     if unable.empty:
         return table

@@ -9,19 +9,31 @@ if TYPE_CHECKING:
 
 
 def tell_winners(cells: pd.DataFrame) -> str:
-    """Return in one sentence which schemes are best in how many cells.
+    """Return in one sentence which schemes, and which baselines, win in how many cells.
 
     Parameters
     ----------
     cells
-        Rows of best_scheme.csv with one criterion and one window: one row per cell.
+        Rows of best_scheme.csv with one criterion and one window: one row per cell. A baseline wins
+        where the column `baseline_wins`, which a run without baselines lacks, is true.
     """
-    counts = cells["best"].value_counts(sort=False).sort_values(ascending=False, kind="stable")
-    total = len(cells)
-    first, *others = [f"{name} is best in {n}" for name, n in counts.items()]
-    more = [told.replace(" is best in ", " in ") for told in others]
-    sentence = f"{first} of {total} cells" + "".join(f", {told}" for told in more)
-    ties = int((~cells["distinguishable"].astype(bool)).sum())
+    wins = cells["baseline_wins"].astype(bool) if "baseline_wins" in cells else cells.index < 0
+    won, others = cells[wins], cells[~wins]
+    beaten = ", ".join(f"{name} in {n}" for name, n in _count(won["baseline"])) if len(won) else ""
+    if others.empty:
+        return f"A baseline beats every scheme in all {len(cells)} cells ({beaten})."
+    (first, n), *more = _count(others["best"])
+    sentence = f"{first} is best in {n} of {len(cells)} cells"
+    sentence += "".join(f", {name} in {n}" for name, n in more)
+    if beaten:
+        sentence += f"; in {len(won)} a baseline beats every scheme ({beaten})"
+    ties = int((~others["distinguishable"].astype(bool)).sum())
     if ties:
         sentence += f"; in {ties} the next best cannot be told apart from the best"
     return f"{sentence}."
+
+
+def _count(names: pd.Series[str]) -> list[tuple[str, int]]:
+    """Return each name and how often it occurs, the most frequent first."""
+    counts = names.value_counts(sort=False).sort_values(ascending=False, kind="stable")
+    return [(str(name), int(n)) for name, n in counts.items()]

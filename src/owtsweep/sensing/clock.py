@@ -1,4 +1,4 @@
-"""Models a sensor's wrong clock: time stamps differ from the true times of measurement."""
+"""Models a sensor's wrong clock, whose time stamps differ from the true times of measurement."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from owtsweep.errors import InputError
 class Clock:
     """A clock with an offset and a drift relative to true time.
 
-    A sample that carries the time t was taken at the true time t + offset + drift t.
+    A sample with the time stamp t was taken at the true time t + offset + drift t.
 
     Attributes
     ----------
@@ -40,8 +40,8 @@ class Clock:
         """Return the values that the sensor reports at given times on its clock.
 
         Values between samples come from a spline of degree 5. The spline's error falls with the
-        sixth power of the step. For an oscillation with 100 samples per period the error is below
-        1e-9 of the oscillation's amplitude.
+        sixth power of the sampling interval. For an oscillation with 100 samples per period the
+        error is below 1e-9 of the oscillation's amplitude.
 
         Parameters
         ----------
@@ -55,12 +55,13 @@ class Clock:
         Returns
         -------
         Array
-            Shape (n,) or (n, axes).
+            The values, shape (n,) or (n, axes).
 
         Raises
         ------
         InputError
-            If a true time of measurement lies outside the samples. The message says by how much.
+            If a true time of measurement is before the first sample or after the last. The message
+            says by how much.
         """
         from scipy.interpolate import make_interp_spline
 
@@ -70,7 +71,7 @@ class Clock:
         if missing > 1e-9 * step:
             raise InputError(
                 f"clock: samples are taken up to {missing:.4g} s outside the motion; lengthen it "
-                "at both ends by what offset and drift come to"
+                f"by {missing:.4g} s at both ends, or give a smaller offset and drift"
             )
         inside = np.clip(instants, start, time[-1])
         return np.asarray(make_interp_spline(time, values, k=5)(inside))

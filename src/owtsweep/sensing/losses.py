@@ -14,11 +14,12 @@ from owtsweep.errors import InputError
 class Losses:
     """The losses of a sensor's samples, drawn piece by piece.
 
-    An outage may begin at any sample, also inside another outage. Its probability is equal for all
-    samples and independent of the others. With a length of 1 the losses are independent. No outage
-    begins before the first sample. In the long run the share 1 - (1 - probability)^length of
-    samples is lost. With a higher probability or a greater length, and the same random stream, all
-    samples that were lost with the lower values are lost again, and more.
+    At each sample an outage begins with the same probability, independently of other samples. It
+    may begin inside another outage, too. No outage begins before the first sample. With a length of
+    1, each sample is lost independently of the others. In the long run the share 1 - (1 -
+    probability)^length of samples is lost. If the probability or the length is raised, and the
+    random stream is the same, all samples that were lost before are lost again, and others may be
+    lost too.
 
     Attributes
     ----------
@@ -34,7 +35,7 @@ class Losses:
     Raises
     ------
     InputError
-        If the probability is not from 0 to 1, or the length is less than 1.
+        If the probability is not between 0 and 1, or the length is less than 1.
     """
 
     generator: np.random.Generator
@@ -49,7 +50,7 @@ class Losses:
             raise InputError(f"length: an outage of {self.length} samples; give 1 or more")
 
     def draw(self, count: int) -> NDArray[np.bool_]:
-        """Draw which of the next `count` samples are lost: True where one is, shape (count,)."""
+        """Draw which of the next `count` samples are lost; return a mask of shape (count,)."""
         begins = self.generator.random(count) < self.probability
         sample = np.arange(count)
         last = np.maximum.accumulate(np.where(begins, sample, -self.length))

@@ -1,8 +1,8 @@
-"""White noise and a wandering bias, drawn piece by piece.
+"""Draws white noise and a wandering bias, in one or several pieces.
 
-Both take unit normals from a stream in order and scale them afterwards. Therefore, drawing in
-pieces gives the same numbers, bit for bit, as a single draw. With the same stream, noises of
-different intensity differ only in scale.
+Both are made of standard normal numbers, taken from a random stream one after the other and scaled
+afterwards. Therefore, drawing in pieces gives the same numbers, bit for bit, as a single draw. With
+the same stream, noises of different intensity differ only in scale.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class WhiteNoise:
     Attributes
     ----------
     generator
-        The random stream from which unit normals are drawn.
+        The random stream from which standard normal numbers are drawn.
     sigma
         Standard deviation of each sample, in the unit of the measured quantity.
 
@@ -40,7 +40,7 @@ class WhiteNoise:
             raise InputError(f"sigma: {self.sigma:g} is no standard deviation; give 0 or more")
 
     def draw(self, *shape: int) -> Array:
-        """Draw the next samples, as an array of the given shape."""
+        """Draw the next samples of the noise, as an array of the given shape."""
         noise = self.generator.standard_normal(shape)
         noise *= self.sigma
         return noise
@@ -55,8 +55,8 @@ class WienerBias:
     Attributes
     ----------
     generator
-        The random stream from which unit normals are drawn. The first normal is drawn but not used,
-        so that each step has the same normal regardless of the initial value.
+        The random stream from which standard normal numbers are drawn. The first number is drawn
+        but not used, because the first sample is `initial`.
     walk
         Intensity of the Wiener process, in the unit of the measured quantity per sqrt(s).
     step
@@ -64,12 +64,12 @@ class WienerBias:
     initial
         The bias of the first sample.
     last
-        The bias of the last sample that was drawn; None before the first.
+        The bias of the last sample that was drawn; None if no sample has been drawn.
 
     Raises
     ------
     InputError
-        If the intensity is negative or the step is not positive.
+        If `walk` is negative or `step` is not positive.
     """
 
     generator: np.random.Generator
@@ -86,7 +86,7 @@ class WienerBias:
 
     @property
     def deviation(self) -> float:
-        """The standard deviation of the change from one sample to the next."""
+        """The standard deviation of the change of the bias from one sample to the next."""
         return float(self.walk * np.sqrt(self.step))
 
     def draw(self, steps: int) -> Array:

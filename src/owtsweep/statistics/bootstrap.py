@@ -25,13 +25,14 @@ def resample_means(records: Array, key: Sequence[int]) -> Array:
     records
         One row per record, shape (records, quantities).
     key
-        Integers that are not negative. Different keys give different draws, for independent sets of
-        records.
+        Integers that are not negative. Sets of records that are independent need different keys,
+        which give different draws. Equal keys and equally many records give equal draws.
 
     Returns
     -------
     array
-        Shape (`RESAMPLES`, quantities); (0, quantities) if there are fewer than two records.
+        The means, shape (`RESAMPLES`, quantities); (0, quantities) if there are fewer than two
+        records.
     """
     n = len(records)
     if n < 2:
@@ -42,7 +43,7 @@ def resample_means(records: Array, key: Sequence[int]) -> Array:
 
 
 def percentile_interval(samples: Array) -> tuple[float, float]:
-    """Return the lower and the upper end of the central 95 % of the samples.
+    """Return the ends of the interval that holds the central 95 % of the samples: lower, upper.
 
     A NaN sample counts as -infinity for the lower end and as infinity for the upper end. A lower
     end of -infinity is returned as NaN.

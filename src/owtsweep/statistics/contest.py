@@ -1,7 +1,9 @@
 """Finds the best scheme in each cell, and whether the next best scheme is significantly worse.
 
+`challenge` then compares the best scheme with baselines, which do not compete for the first place.
+
 A cell is one combination of conditions. Two schemes coincide if their values are equal up to
-rounding. Tables of results, advice and statements about the paper all use these rules.
+rounding. These rules hold for tables of results, for advice, and for checks of the paper's claims.
 """
 
 from __future__ import annotations
@@ -26,16 +28,20 @@ Places = NDArray[np.intp]
 class Ranking(NamedTuple):
     """The best scheme and the runner-up in each cell. A cell is one combination of conditions.
 
+    Two schemes coincide in a cell if their values there are equal up to rounding.
+
     Attributes
     ----------
     best, runner_up
-        Indices of schemes, shape (cells,). Of schemes that coincide, the last is named. The
-        runner-up is the best scheme that does not coincide with the winner. If all schemes of a
-        cell coincide, the runner-up is one of them. If only one took part, `runner_up` is -1.
+        Indices of schemes, shape (cells,). Of schemes that coincide, the last one stands for all.
+        The runner-up is the best scheme that does not coincide with the best scheme. If all schemes
+        of a cell coincide, the runner-up is one of them. If only one scheme took part in a cell,
+        `runner_up` is -1.
     like_best
-        Shape (schemes, cells): whether a scheme coincides with the best; true for the best itself.
+        Shape (schemes, cells): whether a scheme coincides with the best scheme; true for the best
+        scheme itself.
     told_apart
-        Shape (cells,): whether some scheme does not coincide with the best.
+        Shape (cells,): whether some scheme does not coincide with the best scheme.
     """
 
     best: Places
@@ -45,16 +51,18 @@ class Ranking(NamedTuple):
 
 
 class Contest(NamedTuple):
-    """The comparison of the schemes in each cell (combination of conditions), shape (cells,) each.
+    """The comparison of the schemes in each cell. A cell is one combination of conditions.
 
-    In cells that are not judged, only `judged` has a meaning.
+    All attributes have the shape (cells,). In cells that are not judged, only `judged` has a
+    meaning.
 
     Attributes
     ----------
     judged
-        Whether there is a replicate that all schemes of the cell have finished.
+        Whether there is a replicate that all schemes taking part in the cell have finished.
     best, runner_up
-        Indices of the scheme of least mean and of the next; see `Ranking`.
+        Indices of the scheme of least mean and of the runner-up (see `Ranking`), which is -1 if
+        only one scheme took part.
     mse_best, mse_runner_up
         Mean of the best scheme, and mean of the runner-up, which is NaN without a runner-up.
     difference, ci_low, ci_high
@@ -76,23 +84,45 @@ class Contest(NamedTuple):
     p: Array
 
 
+class Challenge(NamedTuple):
+    """The comparison of each cell's best scheme with the best of some baselines, (cells,) each.
+
+    In cells in which no replicate counts, the fields have no meaning.
+
+    Attributes
+    ----------
+    baseline
+        Index of the baseline of least mean; -1 if no baseline has all values that count.
+    mse_baseline
+        Mean of this baseline; NaN if there is none.
+    gain
+        By how much this mean is less than the best scheme's; NaN if there is none.
+    p_baseline
+        Two-sided p-value of the paired t-test of `gain`; 1 if there are too few replicates.
+    """
+
+    baseline: Places
+    mse_baseline: Array
+    gain: Array
+    p_baseline: Array
+
+
 def contest(values: Array) -> Contest:
     """Compare the schemes in every cell over the replicates that all of them finished.
+
+    A cell is one combination of conditions. The scheme of least mean is the best. A scheme without
+    any value in a cell takes no part in this cell. Two schemes coincide in a cell if their values
+    agree to `COINCIDENCE` in every replicate that is compared.
 
     Parameters
     ----------
     values
-        Shape (schemes, cells, replicates), NaN where a case has no value. The least mean is the
-        best. A scheme without any value in a cell takes no part in this cell. Schemes coincide in a
-        cell if their values agree to `COINCIDENCE` in every common replicate.
+        Shape (schemes, cells, replicates); NaN where a scheme did not finish a replicate.
     """
-    finite = np.isfinite(values)
-    took_part: Flags = np.asarray(finite.any(axis=-1))
-    common = np.asarray((finite | ~took_part[..., np.newaxis]).all(axis=0))
+    took_part, common = find_common(values)
     n = common.sum(axis=-1)
     judged = took_part.any(axis=0) & (n > 0)
-    with np.errstate(invalid="ignore"):  # cells that are not judged: 0 / 0
-        means = ordered_sum(np.where(common & finite, values, 0.0)) / n
+    means = _average(values, common)
     best, place, _, told_apart = rank(means, find_alike(values, took_part, common), took_part)
     second = judged & (place >= 0)
     cells = np.arange(values.shape[1])
@@ -114,15 +144,68 @@ def contest(values: Array) -> Contest:
     )
 
 
+def challenge(values: Array, best: Places, baselines: Array) -> Challenge:
+    """Compare the best scheme of every cell with the best baseline, over the replicates that count.
+
+    Parameters
+    ----------
+    values, best
+        The values of the schemes, as for `contest`, and the best scheme that it found. The
+        replicates that count are those that all schemes of the cell finished.
+    baselines
+        The values of the baselines, shape (baselines, cells, replicates). A baseline takes part in
+        a cell if it has a value in every replicate that counts.
+    """
+    _, common = find_common(values)
+    cells = np.arange(values.shape[1])
+    able: Flags = np.asarray((np.isfinite(baselines) | ~common).all(axis=-1))
+    means = np.where(able, _average(baselines, common), np.inf)
+    least = np.argmin(means, axis=0)
+    there: Flags = np.asarray(able.any(axis=0))
+    gap = np.where(common & there[:, np.newaxis], values[best, cells], np.nan)
+    with np.errstate(invalid="ignore"):
+        _, error, n = mean_and_error(gap - baselines[least, cells])
+    mse_baseline = np.where(there, means[least, cells], np.nan)
+    gain = _average(values[best, cells], common) - mse_baseline
+    return Challenge(np.where(there, least, -1), mse_baseline, gain, p_value(gain, error, n - 1))
+
+
+def find_common(values: Array) -> tuple[Flags, Flags]:
+    """Find which schemes take part in a cell, and which replicates count there.
+
+    Parameters
+    ----------
+    values
+        As for `contest`.
+
+    Returns
+    -------
+    tuple of array
+        Whether a scheme has any value in a cell, shape (schemes, cells). And whether all such
+        schemes have a value in a replicate, shape (cells, replicates).
+    """
+    finite = np.isfinite(values)
+    took_part: Flags = np.asarray(finite.any(axis=-1))
+    return took_part, np.asarray((finite | ~took_part[..., np.newaxis]).all(axis=0))
+
+
+def _average(values: Array, common: Flags) -> Array:
+    """Return the means over the replicates that count; NaN in cells in which none does."""
+    with np.errstate(invalid="ignore"):  # 0 / 0
+        total = ordered_sum(np.where(common & np.isfinite(values), values, 0.0))
+        return np.asarray(total / common.sum(axis=-1))
+
+
 def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
-    """Find the best scheme and the runner-up in each cell, a combination of conditions.
+    """Find the best scheme and the runner-up in each cell. A cell is one combination of conditions.
 
     Parameters
     ----------
     means
         The values to compare, shape (schemes, cells); the least is the best.
     alike
-        Whether two schemes coincide, shape (schemes, schemes, cells), as `find_alike` returns it.
+        Whether two schemes coincide, i.e. have values that are equal up to rounding, shape
+        (schemes, schemes, cells).
     took_part
         Whether a scheme takes part in a cell, shape (schemes, cells).
     """
@@ -137,18 +220,24 @@ def rank(means: Array, alike: Flags, took_part: Flags) -> Ranking:
 def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, Flags]:
     """Find the contender of least mean in each cell, and all contenders that coincide with it.
 
+    A cell is one combination of conditions.
+
     Parameters
     ----------
-    means, alike
-        As for `rank`.
+    means
+        The values to compare, shape (schemes, cells).
     contenders
         Whether a scheme takes part in a cell, shape (schemes, cells).
+    alike
+        Whether two schemes coincide, i.e. have values that are equal up to rounding, shape
+        (schemes, schemes, cells).
 
     Returns
     -------
     tuple of array
-        Index of the best contender, shape (cells,); of contenders that coincide, the last. And
-        whether a contender coincides with the best, shape (schemes, cells).
+        Two arrays. The index of the best contender, shape (cells,); if other contenders coincide
+        with it, the last of all these. And whether a scheme is a contender that coincides with the
+        best, shape (schemes, cells).
     """
     least = np.argmin(np.where(contenders, means, np.inf), axis=0)
     same = alike[least, :, np.arange(means.shape[1])].T & contenders
@@ -157,21 +246,24 @@ def find_least(means: Array, contenders: Flags, alike: Flags) -> tuple[Places, F
 
 
 def find_alike(values: Array, took_part: Flags, common: Flags) -> Flags:
-    """Find which schemes coincide in a cell, that is, agree in every replicate that counts.
+    """Find which schemes coincide in a cell: their values agree in every replicate that counts.
+
+    A cell is one combination of conditions. Values agree if they are equal up to rounding.
 
     Parameters
     ----------
     values
-        Shape (schemes, cells, replicates).
+        The values of the schemes, shape (schemes, cells, replicates).
     took_part
         Whether a scheme takes part in a cell, shape (schemes, cells).
     common
-        Whether a replicate counts, shape (cells, replicates).
+        Whether a replicate counts in a cell, shape (cells, replicates).
 
     Returns
     -------
     array
-        Whether two schemes coincide, shape (schemes, schemes, cells), symmetric in the schemes.
+        Whether two schemes coincide, shape (schemes, schemes, cells), symmetric in the schemes;
+        false if one of the two takes no part in the cell.
     """
     schemes = len(values)
     alike = np.zeros((schemes, *took_part.shape), dtype=bool)
@@ -187,8 +279,8 @@ def group_coinciding(
 ) -> list[tuple[str, ...]]:
     """Group schemes that coincide; return the groups of two or more, each in the order of `names`.
 
-    `coincide` says whether two schemes coincide, given their indices. A scheme joins the first
-    group whose first member coincides with the scheme.
+    `coincide(i, j)` says whether the schemes `names[i]` and `names[j]` coincide. A scheme joins the
+    first group whose first member coincides with the scheme.
     """
     groups: list[list[int]] = []
     for place in range(len(names)):
@@ -202,6 +294,9 @@ def group_coinciding(
 
 
 def agree(one: Array, other: Array) -> Flags:
-    """Return, elementwise, whether two arrays are equal up to rounding."""
+    """Return, elementwise, whether two arrays are equal up to rounding.
+
+    The relative difference may be at most `COINCIDENCE`. NaN agrees with nothing.
+    """
     scale = np.maximum(np.abs(one), np.abs(other))
     return np.asarray(np.abs(one - other) <= COINCIDENCE * scale)

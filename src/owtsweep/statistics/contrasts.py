@@ -1,7 +1,8 @@
-"""Differences and ratios of two runs' MSE: paired by replicate, or unpaired by Welch's method.
+"""Differences and ratios of two runs' means: paired by replicate, or unpaired by Welch's method.
 
-Source: Welch (1947), The generalization of 'Student's' problem. The interval of a ratio comes from
-the delta method for its logarithm: replicate r influences log(b/a) by b_r/mean(b) - a_r/mean(a).
+Source: Welch (1947), The generalization of 'Student's' problem. The interval of a ratio mean(b) /
+mean(a) comes from the delta method for its logarithm: replicate r influences the logarithm by b_r /
+mean(b) - a_r / mean(a).
 """
 
 from __future__ import annotations
@@ -38,8 +39,12 @@ class Contrast(NamedTuple):
 
 
 def gap(samples: Array) -> Contrast:
-    """Compare the mean over the last axis with zero, ignoring NaN, by the t-test."""
-    with np.errstate(divide="ignore", invalid="ignore"):
+    """Compare the mean over the last axis with zero, ignoring NaN, by the t-test.
+
+    The result's `value` is the mean; `n_first` and `n_second` are both the number of finite
+    samples.
+    """
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         mean, error, n = mean_and_error(samples)
     return _student(mean, error, n - 1.0, n, n)
 
@@ -47,12 +52,12 @@ def gap(samples: Array) -> Contrast:
 def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
     """Compute the difference of means over the replicates, the last axis: `second` minus `first`.
 
-    A replicate that did not finish is NaN. If `paired`, only replicates that both samples have are
-    used.
+    A replicate that did not finish is NaN. If `paired`, only replicates that finished in both
+    samples are used.
     """
     if paired:
         return gap(second - first)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         (a, error_a, n_a), (b, error_b, n_b) = mean_and_error(first), mean_and_error(second)
         error, freedom = _welch(error_a, n_a, error_b, n_b)
     return _student(b - a, error, freedom, n_a, n_b)
@@ -61,10 +66,10 @@ def difference(first: Array, second: Array, *, paired: bool) -> Contrast:
 def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
     """Compute the ratio of means over the replicates, the last axis: `second` divided by `first`.
 
-    Both means must be positive. A replicate that did not finish is NaN. If `paired`, only
-    replicates that both samples have are used.
+    If a mean is not positive, the ratio has no interval; 0 / 0 is NaN. A replicate that did not
+    finish is NaN. If `paired`, only replicates that both samples have are used.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         if paired:
             both = np.isfinite(first) & np.isfinite(second)
             first, second = np.where(both, first, np.nan), np.where(both, second, np.nan)
@@ -80,9 +85,10 @@ def ratio(first: Array, second: Array, *, paired: bool) -> Contrast:
 
 
 def _welch(error_a: Array, n_a: Any, error_b: Array, n_b: Any) -> tuple[Array, Array]:
-    """Compute the standard error of a difference and its degrees of freedom (Welch-Satterthwaite).
+    """Compute the standard error of the difference of two means, and its degrees of freedom.
 
-    The arguments are the standard errors of two means and the numbers of samples.
+    The arguments are the standard error of each mean and its number of samples. The degrees of
+    freedom follow Welch and Satterthwaite.
     """
     error = np.sqrt(error_a**2 + error_b**2)
     share_a, share_b = error_a**4 / (n_a - 1.0), error_b**4 / (n_b - 1.0)

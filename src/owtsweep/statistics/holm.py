@@ -1,4 +1,4 @@
-"""Corrects for many tests at once by Holm's method."""
+"""Corrects the tests of many hypotheses for their number, by Holm's method."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ from owtsweep.statistics.student import CONFIDENCE
 
 
 def holm(p_values: ArrayLike) -> NDArray[np.bool_]:
-    """Return which hypotheses Holm's step-down test rejects at a family-wise error of 5 %.
+    """Return a mask of the hypotheses that Holm's test rejects at a family-wise error of 5 %.
 
-    Source: Holm (1979), A simple sequentially rejective multiple test procedure.
+    `p_values` holds one p-value per hypothesis, shape (n,). Source: Holm (1979), A simple
+    sequentially rejective multiple test procedure.
     """
     p = np.asarray(p_values, dtype=float)
     order = np.argsort(p, kind="stable")

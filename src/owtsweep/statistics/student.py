@@ -16,12 +16,12 @@ CONFIDENCE = 0.95
 
 
 def t_quantile(freedom: Any) -> Array:
-    """Return the half-width of the 95 % confidence interval, in standard errors.
+    """Return the half-width of a 95 % confidence interval, in standard errors of the estimate.
 
     Parameters
     ----------
     freedom
-        Degrees of freedom, any shape; fewer than 1 count as 1.
+        Degrees of freedom of Student's t, any shape; fewer than 1 count as 1.
     """
     from scipy.special import stdtrit
 
@@ -37,8 +37,8 @@ def p_value(value: Any, error: Any, freedom: Any) -> Array:
     Parameters
     ----------
     value, error
-        The estimate and its standard error. If the error is 0, p is 1 for the value 0 and 0 for
-        any other value.
+        The estimate of the quantity, and its standard error. If the error is 0, p is 1 for the
+        value 0, and 0 for any other value.
     freedom
         Degrees of freedom. Where they are not positive, or value or error is not finite, p is 1.
     """

@@ -11,7 +11,8 @@ from owtsweep.arrays import Array
 def ordered_sum(samples: Array) -> Array:
     """Sum over the last axis, adding the terms strictly in their order.
 
-    `np.sum` adds terms in groups that depend on the shape of the array, and so does its rounding.
+    `np.sum` adds terms in groups that depend on the shape of the array. So the rounding error of
+    `np.sum` depends on the shape, too.
     """
     if samples.ndim > 1 and samples.strides[-1] > min(samples.strides[:-1]):
         # The sums of all cells at once, in the same order of terms.
@@ -23,9 +24,10 @@ def ordered_sum(samples: Array) -> Array:
 
 
 def mean_and_error(samples: Array) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Compute means over the last axis, ignoring NaN, their standard errors, and counts of samples.
+    """Compute means over the last axis, ignoring NaN; return (means, standard errors, counts).
 
-    The standard error of a single sample is NaN.
+    The counts are the numbers of samples that are finite. The mean of no sample is NaN, and so is
+    the standard error of fewer than two samples.
     """
     present = np.isfinite(samples)
     n = present.sum(axis=-1)

@@ -1,4 +1,4 @@
-"""The studies: packages, each with a class that implements `owtsweep.sweep.study.Study`."""
+"""The studies: each is a package with a class that implements `owtsweep.sweep.study.Study`."""
 
 from owtsweep.studies.composing import compose, from_mapping, locate
 from owtsweep.studies.registry import get_study, names

@@ -1,4 +1,4 @@
-"""Make the configuration of a study: compose the study's YAML files, type the keys, check them."""
+"""Make a study's configuration: compose its YAML files with Hydra, convert types, check values."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from owtsweep.studies import registry
 
 
 class Located(NamedTuple):
-    """The study, tree and overrides that a configuration is composed from.
+    """What a configuration is composed from: study, YAML files and overrides.
 
     Attributes
     ----------
     study
-        The study that the overrides name; None if they name none, so that the tree names it.
+        Name of the study that an override `study=NAME` names. None without such an override; the
+        YAML files then name the study.
     tree
-        The YAML files of the study.
+        The study's folder of YAML files.
     overrides
         The overrides for Hydra, without `study=NAME`.
     """
@@ -30,15 +31,23 @@ class Located(NamedTuple):
 
 
 def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
-    """Find the study that overrides name, the study's tree of YAML files, and Hydra's overrides.
+    """Find the study and its YAML files; separate `study=NAME` from the overrides for Hydra.
 
-    `primary` is the name of the tree's primary file: "sweep" or "replay".
+    If no override is `study=NAME`, the result names no study. It then has the YAML files of the
+    first built-in study whose main file is `primary`.
+
+    Parameters
+    ----------
+    overrides
+        Hydra overrides, e.g. `["study=hub", "grid.replicates=2"]`.
+    primary
+        Name of the main YAML file, which depends on the command: "sweep" or "replay".
 
     Raises
     ------
     InputError
-        If the overrides name several studies, an unknown study, or a study that another command
-        runs because its primary file is not `primary`.
+        If the overrides name several studies, an unknown study, or a study whose main YAML file is
+        not `primary`, so that another command runs the study.
     """
     name, others = _take_out_study(overrides)
     if name is None:
@@ -56,18 +65,18 @@ def locate(overrides: Sequence[str], *, primary: str = "sweep") -> Located:
 def compose(
     overrides: Sequence[str], config_dir: str | None = None, *, primary: str = "sweep"
 ) -> Config:
-    """Compose, type and check a configuration.
+    """Compose a study's configuration from YAML files and overrides; convert types, check values.
 
     Parameters
     ----------
     overrides
-        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`. `study=NAME` among them
-        selects the study whose tree is composed; without it, the first built-in study whose
-        primary file is `primary` is taken ("hub" for "sweep").
+        Hydra overrides, e.g. `["grid.replicates=2", "tuning=matched"]`. The override `study=NAME`
+        selects the study. Without it, the first built-in study whose main YAML file is `primary`
+        is taken ("hub" for "sweep").
     config_dir
-        A folder with further config groups (`--config-dir`).
+        A folder with further config groups for Hydra (`--config-dir`).
     primary
-        The primary file of the tree: "sweep" or "replay".
+        Name of the main YAML file: "sweep" or "replay".
 
     Raises
     ------
@@ -79,28 +88,29 @@ def compose(
     study = str(plain.get("study", located.study or registry.DEFAULT))
     require(
         located.study in (None, study),
-        f"study: {located.study!r} is named, but its files or another override say {study!r}; "
-        "leave one out",
+        f"study: {located.study!r} is named, but the study's files or another override name "
+        f"{study!r}; name only one study",
     )
     _check_command(study, primary)
     return _checked(plain, study)
 
 
 def from_mapping(mapping: Any, study: str | None = None) -> Config:
-    """Type and check a composed or stored configuration with the model of its study.
+    """Return a composed or stored configuration with its types converted and its values checked.
 
     Parameters
     ----------
     mapping
-        An OmegaConf object.
+        The configuration as an OmegaConf object.
     study
-        The study's name; None takes the value of the mapping's key `study`, or else "hub".
+        Name of the study whose model of the configuration is used. None takes the value of the
+        mapping's key `study`, or "hub" if the mapping has no such key.
 
     Raises
     ------
     InputError
-        For an unknown study, unknown keys (with the nearest known one), wrong types and impossible
-        values.
+        For an unknown study, an unknown key (the message suggests the nearest known key), a wrong
+        type or an impossible value.
     """
     return _checked(resolved(mapping), study)
 
@@ -112,13 +122,16 @@ def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
 
 
 def _check_command(study: str, primary: str) -> None:
-    """Raise `InputError` if a study's primary file is not `primary`: another command runs it."""
+    """Raise `InputError` if the study's main YAML file is not `primary`.
+
+    Another command runs such a study. `study` is the name of the study.
+    """
     needed = registry.find_entry(study).primary
     if needed == primary:
         return
     if primary == "sweep":
-        raise InputError(f"study: {study!r} needs records; use `python -m owtsweep {needed} FILE`")
-    raise InputError(f"study: {study!r} replays no record; leave it out")
+        raise InputError(f"study: {study!r} needs records; use `owtsweep {needed} FILE`")
+    raise InputError(f"study: {study!r} replays no record; leave out study={study}")
 
 
 def _key(override: str) -> str:
@@ -126,18 +139,19 @@ def _key(override: str) -> str:
 
 
 def _take_out_study(overrides: Sequence[str]) -> tuple[str | None, list[str]]:
-    """Return the name of the study that the overrides name, and the other overrides.
+    """Split the overrides: return the name of the study, and the overrides without `study=NAME`.
 
     The name is None if no override is `study=NAME`.
 
     Raises
     ------
     InputError
-        If the overrides are one text, or name an unknown study or several studies.
+        If `overrides` is a single text instead of a list, or names an unknown study, several
+        studies, or an empty name.
     """
     require(
         not isinstance(overrides, str),
-        f"overrides: {overrides!r} is one text; give a list, e.g. ['tuning=matched']",
+        f"overrides: {overrides!r} is one text; give a list of texts, e.g. ['tuning=matched']",
     )
     name, others = None, []
     for override in overrides:

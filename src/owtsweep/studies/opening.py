@@ -1,6 +1,6 @@
-"""Open a run for reading.
+"""Open a stored run for reading.
 
-The run's folder may be another person's, so no code that the folder names is executed.
+The run's folder may come from another person, so no code that its files name is executed.
 """
 
 from __future__ import annotations
@@ -14,34 +14,38 @@ from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
 from owtsweep.io.reading import require_folder
 from owtsweep.studies import registry
+from owtsweep.sweep import asked
 from owtsweep.sweep.runs import Run
 from owtsweep.sweep.stored_plan import read_blocks, read_stored_plan
 
 
 def open_run(folder: Path) -> Run:
-    """Open the run in a folder.
+    """Open the run that is stored in a folder, or one of its questions, `<run>/asked/<hash>`.
 
     Raises
     ------
     InputError
-        If the folder holds no run, this version cannot read the run, or the run's study is not
-        installed.
+        If the folder holds no run, the run cannot be read by this version of the program, or the
+        run's study is not installed.
     """
     path = folder / "config.yaml"
     require_folder(folder)
     require(
-        os.path.lexists(path), f"{folder}: there is no config.yaml in it; name the folder of a run"
+        os.path.lexists(path),
+        f"{folder}: the folder holds no config.yaml; name the folder of a run",
     )
     plain, text = read_stored(path)
     stored = read_stored_plan(folder, text)
     config = _make_config(path, plain, None if stored is None else stored.get("code"))
     tunings = [name for name in config.by_tuning() if name]
     plan = None if stored is None else read_blocks(folder, stored, tunings)
-    return Run(folder, config, registry.get_study(config.study), plan)
+    study = registry.get_study(config.study)
+    question = asked.name_question(study.config_type(), plain, text)
+    return Run(folder, config, study, plan, question, asked.find_home(folder))
 
 
 def load_config(path: Path) -> Config:
-    """Read a config.yaml without the other files of its run.
+    """Read the configuration in a run's config.yaml, without reading other files of the run.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """Write docs/configuration.md: `python -m owtsweep.studies.reference docs/configuration.md`.
 
-The page is made from the models of all studies. It lists the type, unit, default, bounds and
-meaning of each key.
+The page is made from the pydantic models of all studies' configurations. It lists the type, unit,
+default, bounds and meaning of each key.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ INTRODUCTION = """\
 
 Every key of every study. Set one by `key=value` on the command line, e.g.
 `sensors.gnss.delay=0.4`; the defaults are those of a run without overrides. Units are SI, angles
-are in degrees.
+are in degrees. With several tunings, the defaults of `ekf` to `hme` are those of the first.
 
 An *axis* is a list whose entries are numbers, `{log: [first, last, count]}` or
 `{linear: [first, last, count]}`: `'grid.amplitude=[{log:[0.05,10,100]},20]'` (in quotes, because
@@ -52,16 +52,19 @@ LONGEST = 72
 
 
 def reference() -> str:
-    """Return the page as Markdown.
+    """Return the page on all configuration keys, as Markdown.
 
-    The keys that all studies have come first, then those that each built-in study adds or changes.
+    The keys that all studies share come first. Then come, for each built-in study, the keys that
+    this study adds or changes.
     """
     seen = dict.fromkeys(_describe(Config, as_plain(Config(study="")))[1:])
     sentence = "`study=NAME` says which; without it the study is `hub`."
     parts = [INTRODUCTION, "## Every study", sentence, table(COLUMNS, seen)]
     for name, entry in OURS.items():
         config = compose([f"study={name}"], primary=entry.primary)
-        rows = [row for row in _describe(type(config), as_plain(config)) if row not in seen]
+        first = next(iter(config.by_tuning().values()))  # of several tunings, for its sections
+        defaults = {**as_plain(first), **as_plain(config)}
+        rows = [row for row in _describe(type(config), defaults) if row not in seen]
         seen |= dict.fromkeys(rows)
         sentence = "What it adds or changes, besides the keys above."
         parts += [f"## `{name}`", sentence, table(COLUMNS, rows)]
@@ -69,15 +72,15 @@ def reference() -> str:
 
 
 def _describe(model: Any, defaults: Mapping[str, Any], prefix: str = "") -> list[Row]:
-    """Return one row of a table for each key of a model, including the keys of its sections.
+    """Return a row of the page's tables for each key of a model, including keys of its sections.
 
     Parameters
     ----------
     model
-        The model of a configuration or of a section.
+        The pydantic model of a configuration or of a section.
     defaults
-        Key -> value in a configuration without overrides; a key that is missing here gets an empty
-        default in its row.
+        Key -> value in a configuration without overrides. The row of a key that is missing here
+        shows no default.
     prefix
         The text before each key, e.g. "compute." for the keys of that section.
     """
@@ -106,7 +109,7 @@ def _type(field: FieldInfo) -> str:
 
 
 def _bounds(field: FieldInfo) -> Iterator[str]:
-    """Yield the bounds of a field's value in words, e.g. "≥ 0", "not empty", or each option."""
+    """Yield the bounds of a field's value as texts, e.g. "≥ 0"; for a choice, yield each option."""
     kind = bare_type(field.annotation)
     if get_origin(kind) is Literal:
         yield from (f"`{option}`" for option in get_args(kind))
@@ -121,7 +124,13 @@ def _bounds(field: FieldInfo) -> Iterator[str]:
 
 
 def _nested(annotation: Any) -> Iterator[Any]:
-    """Yield pydantic's bounds inside a type: of a list's items, or of a type that allows null."""
+    """Yield pydantic's bounds that stand inside a type, e.g. the bounds of a list's items.
+
+    Parameters
+    ----------
+    annotation
+        The type annotation of a field, e.g. for a list of positive floats.
+    """
     for argument in get_args(annotation):
         yield from argument.metadata if isinstance(argument, FieldInfo) else _nested(argument)
     if get_origin(annotation) is Annotated:
@@ -129,7 +138,10 @@ def _nested(annotation: Any) -> Iterator[Any]:
 
 
 def _shown(value: Any) -> str:
-    """Return a default value as a user would write it; a hint at `--cfg` if it is too long."""
+    """Return a default value between backticks, in the form in which a user would write the value.
+
+    If the text is empty or longer than `LONGEST` characters, return a hint at `--cfg` instead.
+    """
     if value is None:
         text = "null"
     elif isinstance(value, bool):

@@ -1,12 +1,12 @@
-"""Find studies by name: built-in studies, and those of other packages by their entry points.
+"""Find studies by name: built-in studies, and studies of other packages.
 
-A package adds a study with two lines in its pyproject.toml,
+A package adds a study called "tower" by two lines in its pyproject.toml,
 
     [project.entry-points."owtsweep.studies"]
     tower = "tower_study:TowerStudy"
 
-and with YAML files for Hydra in the folder `conf` beside that module. Their primary file is
-sweep.yaml.
+and by YAML files for Hydra in the folder `conf` beside the module tower_study. The main YAML file
+is sweep.yaml.
 """
 
 from __future__ import annotations
@@ -34,17 +34,17 @@ DEFAULT = "hub"
 
 @dataclass(frozen=True)
 class Entry:
-    """How to find a study.
+    """How to find and run a study.
 
     Attributes
     ----------
     target
-        "module:Class"; the class is called without arguments.
+        The study's class as "module:Class". The class is called without arguments.
     primary
-        The name of the primary file of the study's tree, which is also the name of the subcommand
+        Name of the study's main YAML file, without suffix. It is also the name of the subcommand
         that runs the study.
     implied
-        Overrides that select this study in a tree that several studies share.
+        Overrides that select this study where several studies share a folder of YAML files.
     package
         The distribution that contains the study; "" for a built-in study.
     """
@@ -55,7 +55,7 @@ class Entry:
     package: str = ""
 
 
-#: The built-in studies. A study without the folder conf/studies/<name> uses the tree of the hub.
+#: The built-in studies. A study without the folder conf/studies/<name> uses the YAML files in conf.
 OURS = {
     "hub": Entry("owtsweep.studies.hub:HubStudy"),
     "readings": Entry("owtsweep.studies.readings:ReadingsStudy", implied=("experiment=readings",)),
@@ -64,18 +64,18 @@ OURS = {
 
 
 def names() -> list[str]:
-    """Return the names of all studies: first built-in studies, then those of other packages."""
+    """Return the names of all studies: built-in studies first, then those of other packages."""
     return [*OURS, *sorted({name for name, _ in _of_others()})]
 
 
 def find_entry(name: str) -> Entry:
-    """Return the entry of the study called `name`.
+    """Return the entry of the study called `name`, which tells how to find and run the study.
 
     Raises
     ------
     InputError
-        If there is no such study, or if several packages have one. In the first case the message
-        lists all names, after the most similar one.
+        If there is no study of this name; the message lists the known names, the most similar name
+        first. Also if several packages have a study of this name; the message lists the packages.
     """
     if name in OURS:
         return OURS[name]
@@ -89,35 +89,37 @@ def find_entry(name: str) -> Entry:
 
 
 def get_study(name: str) -> Study:
-    """Import the study called `name`, make it, and return it; no other study is imported.
+    """Import the study called `name`, and return an object of its class; import no other study.
 
     Raises
     ------
     InputError
-        If there is no such study, or if a study of another package does not work; the message
-        names the package.
+        If there is no study of this name. Also if a study of another package does not work; the
+        message names the package.
     """
     entry = find_entry(name)
     module, _, attribute = entry.target.partition(":")
     with blame_package(name):
         study = getattr(import_module(module), attribute)()
         lacks = _lacks(study)
-        require(not lacks, f"it lacks {', '.join(lacks)}")
-        require(study.name == name, f"it calls itself {study.name!r}")
-        require(issubclass(study.config_type(), Config), "its configuration is no Config")
+        require(not lacks, f"the study lacks {', '.join(lacks)}")
+        require(study.name == name, f"the study's `name` is {study.name!r}")
+        require(
+            issubclass(study.config_type(), Config), "config_type() returns no subclass of Config"
+        )
     return study  # type: ignore[no-any-return]
 
 
 @contextmanager
 def blame_package(name: str) -> Iterator[None]:
-    """Turn any error inside the context into one line that names the package of a study.
+    """Turn any error inside a `with` block into one line that names the package of a study.
 
-    `name` is the name of the study. If the study is built in, its errors are not changed.
+    `name` is the name of the study. Errors of a built-in study are raised unchanged.
 
     Raises
     ------
     InputError
-        If there is an error inside the context, and the study is of another package.
+        If an error is raised inside the block and the study is of another package.
     """
     try:
         yield
@@ -130,7 +132,7 @@ def blame_package(name: str) -> Iterator[None]:
 
 
 def _of_others() -> list[tuple[str, Entry]]:
-    """Return the names and entries of other packages' studies.
+    """Return a pair (name, entry) for each study of another package.
 
     A study that has the name of a built-in study is left out.
     """
@@ -142,18 +144,19 @@ def _of_others() -> list[tuple[str, Entry]]:
 
 
 def _lacks(study: Any) -> list[str]:
-    """Return the sorted names of those members of the protocol `Study` that an object lacks."""
+    """Return the sorted names of the members of the protocol `Study` that `study` does not have."""
     protocol = {*Study.__annotations__, *(n for n in vars(Study) if not n.startswith("_"))}
     return sorted(member for member in protocol if not hasattr(study, member))
 
 
 def find_tree(name: str) -> Tree:
-    """Return the tree of YAML files of the study called `name`.
+    """Return the folder of YAML files, as a `Tree`, of the study called `name`.
 
     Raises
     ------
     InputError
-        If there is no such study, the study does not work, or it has no tree.
+        If there is no study of this name, or the study does not work. Also if a study of another
+        package lacks its main YAML file.
     """
     entry, model = find_entry(name), get_study(name).config_type()
     if entry.package:

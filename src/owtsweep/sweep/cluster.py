@@ -1,6 +1,7 @@
 """Computes on other machines: on a dask cluster, driven through a backend of joblib.
 
-This module is imported on demand: `dask[distributed]` is an extra, and takes half a second to load.
+This module is imported on demand, because `dask[distributed]` is an optional dependency and takes
+half a second to load.
 """
 
 from __future__ import annotations
@@ -39,9 +40,10 @@ _NETWORK = ("distributed", "tornado")
 
 @dataclass(frozen=True)
 class Lost:
-    """The stand-in for the result of a task that was lost.
+    """The stand-in for the result of a task that the cluster has lost.
 
-    `task` is the number of the task. `final` says whether the whole cluster is lost.
+    `task` is the number of the task, and `reason` says in one line why the task was lost. `final`
+    is True if the whole cluster is lost.
     """
 
     task: int
@@ -51,15 +53,16 @@ class Lost:
 
 @contextmanager
 def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterator[Client]:
-    """Yield a connection to the dask cluster at `address`, after its workers have been checked.
+    """Yield a connection to the dask cluster at `address`, after checking the cluster's workers.
 
-    `metadata` holds the versions that each worker must have (`versions.all_versions`).
+    `metadata` holds the versions that each worker must have, as `versions.all_versions` returns
+    them. `address` is the address of the cluster's scheduler, e.g. tcp://host:8786.
 
     Raises
     ------
     InputError
-        If the scheduler does not answer or has no workers. If a worker cannot load the study or has
-        other versions. If a tls:// address comes without certificates.
+        If the scheduler does not answer or has no workers, if a worker cannot load the study or has
+        other versions, or if `address` begins with tls:// and dask has no certificates.
     """
     _require_certificates(address)
     try:
@@ -87,7 +90,10 @@ def connected(address: str, study: Study, metadata: Mapping[str, str]) -> Iterat
 
 
 def _greet(address: str) -> None:
-    """Connect to a scheduler, and hang up. Raises whatever goes wrong."""
+    """Connect to the scheduler at `address`, and hang up; raise the error if this fails.
+
+    The error may be of any type, because any program may listen at the address.
+    """
     answer: Future[None] = Future()
 
     async def connect_and_close() -> None:
@@ -106,9 +112,9 @@ def _greet(address: str) -> None:
 
 
 def _require_certificates(address: str) -> None:
-    """Raise InputError if a tls:// address comes without certificates.
+    """Raise InputError if `address` begins with tls:// and dask has no certificates.
 
-    dask would notice this too late to clean up.
+    dask itself would notice the missing certificates too late to clean up.
     """
     if address.startswith("tls:"):
         require(
@@ -119,7 +125,7 @@ def _require_certificates(address: str) -> None:
 
 
 def _loggers() -> list[logging.Logger]:
-    """Return those loggers of dask and of its network library that are not disabled."""
+    """Return the loggers of dask and of its network library (tornado) that are not disabled."""
     names = [n for n in logging.root.manager.loggerDict if n.split(".")[0] in _NETWORK]
     return [logger for name in names if not (logger := logging.getLogger(name)).disabled]
 
@@ -141,7 +147,7 @@ def _check_workers(client: Client, address: str, study: Study, metadata: Mapping
     for worker, answer in sorted(answers.items()):
         if isinstance(answer, BaseException):
             answer = (
-                f"the worker cannot load the study ({one_line(answer)}); install owtsweep there"
+                f"the worker cannot load the study ({one_line(answer)}); install owtsweep on it"
             )
         if answer:
             raise InputError(f"compute.scheduler: {worker}: {answer}")
@@ -196,7 +202,7 @@ class Backend(_Base):  # type: ignore[misc]
             await asyncio.sleep(0.01)
 
     async def _watch(self) -> None:
-        """Report a task as lost once there has been no worker for `PATIENCE` seconds."""
+        """Report one task as lost, finally, if there has been no worker for `PATIENCE` seconds."""
         self._last_seen = time.monotonic()
         while self._continue:
             await asyncio.sleep(_LOOK)
@@ -213,7 +219,10 @@ class Backend(_Base):  # type: ignore[misc]
 
 
 def _short(error: Any) -> str:
-    """Return dask's reason for a lost task in one line, without the advice to read the logs."""
+    """Return in one line why dask has lost a task, without dask's advice to read the logs.
+
+    `error` is the exception that dask gives; any other value means that the task was cancelled.
+    """
     text = one_line(error) if isinstance(error, BaseException) else "the task was cancelled"
     if "all those workers died" in text:
         return "KilledWorker: every worker that tried it died"

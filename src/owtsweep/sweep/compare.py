@@ -1,4 +1,7 @@
-"""Compares runs: opens them, finds how they differ, lets their study compare, writes the result."""
+"""Compares runs: opens the runs, finds the keys in which they differ, and writes the comparison.
+
+The comparison itself is the work of the study to which the runs belong.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,7 @@ from owtsweep.io.reading import require_folder
 from owtsweep.io.tables import write_table
 from owtsweep.sweep.multirun_record import read_record
 from owtsweep.sweep.runs import Run
-from owtsweep.sweep.study import FAILED, OK, UNABLE
+from owtsweep.sweep.study import FAILED, OK, UNABLE, blame
 from owtsweep.sweep.swept import RUN, make_pairs, swept_keys
 
 if TYPE_CHECKING:
@@ -41,11 +44,11 @@ class Compared:
     folder
         The folder that the comparison was written to.
     findings
-        What the study has found.
+        What the study has found: its tables and its text.
     overview
         The table that the terminal shows: one row per run.
     notes
-        Lines on runs that are left out or incomplete, and notes of the study.
+        Lines on runs that are left out or incomplete, and the notes of the study.
     """
 
     folder: Path
@@ -75,7 +78,8 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     InputError
         If fewer than two runs have a succeeded case, a run is named twice, the runs belong to
         different studies or have nothing in common, their study cannot compare runs, or the folder
-        cannot be written. Nothing has been written then.
+        cannot be written. Nothing has been written then. Also if the study is of another package
+        and does not work; its figures may have been written then.
     """
     import pandas as pd
 
@@ -89,7 +93,7 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     if len(loaded) < 2:
         number = "no run" if not loaded else "only one run"
         why = f" ({notes[0]})" if notes else ""
-        raise InputError(f"{paths[0]}: {number} with a succeeded case here{why}; compare needs two")
+        raise InputError(f"{paths[0]}: {number} has a succeeded case{why}; compare needs two runs")
     study = loaded[0][0].study
     if not isinstance(study, Comparable):
         raise InputError(f"compare: the study {study.name!r} has no comparison of its runs")
@@ -97,25 +101,36 @@ def compare(paths: Sequence[str], load: Callable[[Path], Run]) -> Compared:
     hashes = " ".join(candidate.hash for candidate in comparison.runs)
     folder = _folder(paths, [run for run, _ in loaded])
     check_writable(folder, "compare", "move away what is there, or get the right to write")
-    findings = study.compare(comparison, folder, metadata={"runs": hashes, "folder": folder.name})
-    every_note = tuple(map(printable, (*notes, *findings.notes)))
     swept = pd.DataFrame([run.shown for run in comparison.runs], columns=list(comparison.keys))
-    overview = pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
-    overview = overview.rename(columns=printable).map(printable)
+    metadata = {"runs": hashes, "folder": folder.name}
+    with blame(study):  # also if it returns something else than findings
+        findings = study.compare(comparison, folder, metadata=metadata)
+        every_note = tuple(map(printable, (*notes, *findings.notes)))
+        overview = pd.concat([swept, findings.overview.reset_index(drop=True)], axis=1)
+        overview = overview.rename(columns=printable).map(printable)
+        report = _report(comparison, findings, overview, every_note)
+        # a file without columns could not be read back
+        tables = {name: table for name, table in findings.tables.items() if len(table.columns)}
     folder.mkdir(parents=True, exist_ok=True)
-    for name, table in findings.tables.items():
-        if len(table.columns):  # a file without columns could not be read back
-            write_table(folder, name, table)
-    write_atomically(folder / "comparison.md", _report(comparison, findings, overview, every_note))
+    for name, table in tables.items():
+        write_table(folder, name, table)
+    write_atomically(folder / "comparison.md", report)
     return Compared(folder, findings, overview, every_note)
 
 
 def _open(
     paths: Sequence[str], load: Callable[[Path], Run]
 ) -> tuple[list[Run], list[str], list[str]]:
-    """Open the runs at these paths.
+    """Open the runs and multiruns at `paths`.
 
-    Return the runs, the keys that multiruns among them swept, and notes on runs that are left out.
+    Return the runs, the keys that the multiruns swept, and notes on runs that are left out. A run
+    of a multirun that cannot be opened is left out.
+
+    Raises
+    ------
+    InputError
+        If a path holds no run, a run is named twice, or a run that `paths` names directly (not
+        through a multirun) cannot be opened.
     """
     runs: list[Run] = []
     preferred: list[str] = []
@@ -129,7 +144,7 @@ def _open(
         preferred += swept
         for folder in folders:
             if folder.resolve() in seen:
-                raise InputError(f"{folder}: this run is named twice; name each once")
+                raise InputError(f"{folder}: this run is named twice; name each run once")
             seen.add(folder.resolve())
             try:
                 runs.append(load(folder))
@@ -141,9 +156,10 @@ def _open(
 
 
 def _members(path: Path, notes: list[str]) -> tuple[list[Path], list[str]]:
-    """Return the run folders of the multirun at `path` in order, and the keys that it swept.
+    """Return the run folders of the multirun at `path`, and the keys that the multirun swept.
 
-    A note on each run that was never started is added to `notes`.
+    The folders are in the multirun's order. Without a multirun.json, the order is alphabetical and
+    there are no keys. A note on each run that was never started is added to `notes`.
     """
     folders = sorted(config.parent for config in path.glob("*/config.yaml"))
     planned = read_record(path)
@@ -210,7 +226,8 @@ def _folder(paths: Sequence[str], runs: Sequence[Run]) -> Path:
     if len(paths) == 1:
         return Path(paths[0]) / "comparison"
     identity = "\n".join(sorted(f"{run.folder.name} {run.hash}" for run in runs))
-    digest = hashlib.blake2b(identity.encode(), digest_size=5).hexdigest()
+    # a folder's name need not be UTF-8
+    digest = hashlib.blake2b(identity.encode(errors="surrogateescape"), digest_size=5).hexdigest()
     return runs[0].folder.parent / f"comparison-{digest}"
 
 

@@ -1,4 +1,4 @@
-"""Runs tasks through joblib and stores their results."""
+"""Runs the tasks of a sweep through joblib and stores the results of the tasks."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ BACKENDS = ("threading", "loky", "dask")
 
 @dataclass(frozen=True)
 class Executor:
-    """The executor, which runs the tasks of a sweep through joblib and stores their shards.
+    """The executor, which runs the tasks of a sweep through joblib and stores the results.
 
     Attributes
     ----------
@@ -56,18 +56,18 @@ class Executor:
     client: Any = None
 
     def run(self, tasks: Sequence[Plan], tell: Callable[[int], None]) -> Generator[TaskResult]:
-        """Run the tasks, and yield the result of each task as soon as it arrives.
+        """Run the tasks, and yield the result of each task as soon as the result arrives.
 
         Closing the generator stops the workers. Processes stop at once. Threads stop after their
-        current block, because a thread cannot be ended from outside.
+        current block (unit of work), because a thread cannot be ended from outside.
 
         Parameters
         ----------
         tasks
-            The tasks; each maps keys to blocks.
+            The tasks, each of which maps the keys of its blocks to the blocks.
         tell
             A function that threads call with the number of cases of each finished block. Processes
-            and other machines do not call it.
+            and other machines do not call this function.
         """
         if not tasks:
             return
@@ -99,10 +99,11 @@ class Executor:
     ) -> Generator[TaskResult]:
         """Run all tasks, and yield their results; if a worker dies, find the block that killed it.
 
-        A broken pool of processes does not say which task has broken the pool. So all tasks that
-        were running are suspects. The suspects run again, one half after the other, until a single
-        suspect is left. Then each block of this task runs as a task of its own, which is appended
-        to `tasks`.
+        A block is a part of a task, stored as one file. A broken pool of processes does not say
+        which task has broken the pool. So all tasks that were running are suspects. The suspects
+        run again, one half after the other, until a single suspect is left. Then each of the
+        suspect's blocks runs as a task of its own, which is appended to `tasks`. `local` is what
+        threads share with the sweep; None for processes and other machines.
         """
         rounds = deque([list(range(len(tasks)))])
         while rounds:
@@ -173,7 +174,7 @@ class Executor:
                 results.close()
 
     def _make_parallel(self, tasks: int) -> Any:
-        """Return a `joblib.Parallel` that suits the backend, for a given number of tasks."""
+        """Return a `joblib.Parallel` for the backend; `tasks` is the number of tasks to run."""
         from joblib import Parallel
 
         options: dict[str, Any]
@@ -195,9 +196,10 @@ class Executor:
         return Parallel(return_as="generator_unordered", batch_size=1, **options)
 
     def _store_returned(self, result: TaskResult) -> None:
-        """Store the shards that a worker has sent back instead of storing them.
+        """Store the shards that a worker has sent back because it could not write them.
 
-        Cases of a shard that cannot be stored are counted as failed in `result`.
+        A shard is the file of one block. If a shard cannot be stored, `result` is changed: the
+        shard's cases then count as failed.
         """
         for shard in result.returned:
             try:
@@ -210,9 +212,10 @@ class Executor:
         result.returned.clear()
 
     def _count_stored(self, number: int, blocks: Plan, reason: str) -> TaskResult:
-        """Make the result of a task that did not report.
+        """Make the result of task number `number`, whose worker has given no answer.
 
-        Blocks that are stored count as computed; all other blocks count as failed for `reason`.
+        `blocks` maps keys to the task's blocks. Blocks that are stored count as computed; all other
+        blocks count as failed for `reason`.
         """
         result = TaskResult(number)
         for key, block in blocks.items():
@@ -230,9 +233,9 @@ class Executor:
 def shared_token(folder: Path) -> Iterator[str | None]:
     """Make a file in the run folder, yield its name, and delete the file at the end.
 
-    A machine that finds the file shares the folder. The file's name is random, so a folder with an
-    equal path on another machine does not contain such a file. If the file cannot be written, yield
-    None; then workers send their shards back.
+    A worker on another machine that finds the file sees the run folder itself. The file's name is
+    random, so another folder with the same path does not contain the file. If the file cannot be
+    written, yield None; then workers send their results back instead of storing them.
     """
     # Named like a temporary file, so that one left by a killed sweep is cleaned up too.
     path = folder / f".shared.{secrets.token_hex(8)}.tmp"
@@ -252,10 +255,10 @@ def shared_token(folder: Path) -> Iterator[str | None]:
 def _hold_interrupts(hold: bool) -> Iterator[None]:
     """Block the signals SIGINT (Ctrl-C) and SIGHUP (the terminal ends) inside the context.
 
-    Processes started inside the context inherit the block. Without it, both signals would reach all
-    of them. A process that is still loading its libraries would die of SIGINT with a traceback.
-    joblib's resource tracker would die of SIGHUP with many tracebacks. If `hold` is False, or this
-    is not the main thread, nothing is blocked.
+    Processes started inside the context inherit the blocked signals. Otherwise both signals would
+    reach all of these processes. A process that is still loading its libraries would die of SIGINT
+    with a traceback. joblib's resource tracker would die of SIGHUP with many tracebacks. No signal
+    is blocked if `hold` is False, or if the current thread is not the main thread.
     """
     if not hold or threading.current_thread() is not threading.main_thread():
         yield

@@ -1,4 +1,4 @@
-"""Joins many shards to one table of rows, in bounded memory.
+"""Joins the rows of many shards (stored files) to one table, in bounded memory.
 
 An Arrow table of a hundred rows takes some 10 kB in addition to its content, and pandas needs more
 memory for text than for numbers. So shards are joined in batches, and each text is stored as an
@@ -29,13 +29,14 @@ def gather(tables: Iterable[Any]) -> pd.DataFrame | None:
     Parameters
     ----------
     tables
-        `pyarrow.Table`s. They are read in batches, so that each can be freed soon.
+        `pyarrow.Table`s. The iterable is read in batches, so that each table can be freed soon.
 
     Returns
     -------
     DataFrame
-        All rows. Text columns are categorical, with sorted categories; `as_text` makes them plain
-        text. If a table lacks a column, the rows of that table have missing values in the column.
+        All rows. Text columns are categorical, with sorted categories; `as_text` turns categorical
+        columns into plain text. If a table lacks a column, the rows of that table have missing
+        values in the column.
 
     Raises
     ------
@@ -70,11 +71,11 @@ def join_tunings(frames: Mapping[str, pd.DataFrame]) -> pd.DataFrame:
 
 
 def sort_rows(frame: pd.DataFrame, columns: list[str]) -> pd.DataFrame:
-    """Sort the rows of a frame in place by these columns; return the frame.
+    """Sort the rows of a frame in place by the values in `columns`; return the frame.
 
-    The first column counts most. Text is sorted alphabetically, missing text comes last, and equal
-    rows keep their order. Columns are sorted one by one, so that memory never holds a second copy
-    of the whole frame.
+    The first of these columns counts most. Text is sorted alphabetically, missing text comes last,
+    and equal rows keep their order. The frame's columns are reordered one by one, so that memory
+    never holds a second copy of the whole frame.
     """
     order = np.lexsort([_rank(frame[name]) for name in reversed(columns)])
     for name in frame.columns:
@@ -89,7 +90,13 @@ def as_text(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
-    """Join some tables; return column name -> values, copied out of Arrow's memory."""
+    """Join some Arrow tables; return column name -> values, copied out of Arrow's memory.
+
+    Raises
+    ------
+    InputError
+        If a column's whole numbers in one table and fractions in another do not fit together.
+    """
     # Permissive: a column may hold whole numbers in one shard and fractions in another.
     try:
         joined = pa.concat_tables(tables, promote_options="permissive").combine_chunks()
@@ -106,9 +113,10 @@ def _columns(tables: list[Any]) -> dict[str, pd.Series[Any]]:
 
 
 def _whole(pieces: list[Any], sizes: list[int]) -> Any:
-    """Join the pieces of one column; a piece may be None or hold missing values only.
+    """Join successive pieces of one column, each of which comes from one batch of tables.
 
-    `sizes` are the numbers of rows of the pieces.
+    A piece is None if its batch lacks the column, and may hold missing values only. `sizes` are the
+    numbers of rows of the batches.
     """
     import pandas as pd
 
@@ -148,7 +156,10 @@ def _is_categorical(column: Any) -> bool:
 
 
 def _rank(column: Any) -> Any:
-    """Return numbers that sort as the column's values do; missing values come last."""
+    """Return one number per value of a column, so that sorting by the numbers sorts the values.
+
+    Text is ranked alphabetically. Missing values get the largest number.
+    """
     if column.dtype.kind in "iufb":
         return column.to_numpy()
     coded = column.astype("category").cat

@@ -1,4 +1,4 @@
-"""Computes names from hashes: the key of a block, the hash of a run, the folder of a run."""
+"""Computes names from hashes: the key of a block (unit of work), a run's hash, a run's folder."""
 
 from __future__ import annotations
 
@@ -20,16 +20,19 @@ HASH_BYTES = 5
 #: Most bytes of a folder's name: every file system takes as many.
 LONGEST_NAME = 255
 #: Top-level keys of a configuration that may change without making another run. They say what is
-#: swept over, how the sweep is computed and where results are stored.
-NOT_IDENTIFYING = frozenset({"grid", "schemes", "compute", "results", "name"})
+#: swept over, how the sweep is computed, where results are stored, and what `tune` searches.
+NOT_IDENTIFYING = frozenset({"grid", "schemes", "baselines", "tune", "compute", "results", "name"})
+
+#: Top-level keys of a configuration on which no table and no figure depends.
+NOT_ASKED = frozenset({"tune", "compute", "results", "name"})
 
 
 def block_key(study: Study, block: Block) -> str:
-    """Return the key of a block, which names its shard: 32 hexadecimal digits.
+    """Return the key of a block (unit of work): 32 hexadecimal digits.
 
-    The key depends only on the study's name, `schema_version` and `numerics_version`, and on the
-    block's content. So the content must hold everything that the rows depend on, including the
-    seed.
+    The key names the file that stores the block's rows. The key depends only on the study's name,
+    `schema_version` and `numerics_version`, and on the block's content. So the content must hold
+    everything on which the rows depend, including the seed.
 
     Raises
     ------
@@ -48,17 +51,28 @@ def block_key(study: Study, block: Block) -> str:
 def run_hash(config: Config) -> str:
     """Return the hash that identifies a run: 10 hexadecimal digits.
 
-    The hash covers the configuration without `grid`, `schemes`, `compute`, `results` and `name`. So
-    a larger grid, another scheme, more workers or another folder do not change the hash.
+    The hash covers the configuration without the keys of `NOT_IDENTIFYING`. So a larger grid,
+    another scheme, more workers or another folder do not change the hash.
     """
     identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_IDENTIFYING}
+    return _digest(identity, HASH_BYTES, what="config")
+
+
+def question_hash(config: Config) -> str:
+    """Return the hash that identifies what a sweep was asked: 10 hexadecimal digits.
+
+    The hash covers the whole configuration with grid and schemes, but without the keys
+    of `NOT_ASKED`.
+    """
+    identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_ASKED}
     return _digest(identity, HASH_BYTES, what="config")
 
 
 def run_folder(config: Config) -> Path:
     """Return the folder of a run: `<results>/<name>`, or `<results>/<experiment>-<hash>`.
 
-    The second form is used if the key `name` is null.
+    The form with the hash is used if the key `name` of the configuration is null. A
+    study may put more between the experiment and the hash (`Config.start_of_folder`).
 
     Raises
     ------
@@ -72,7 +86,8 @@ def run_folder(config: Config) -> Path:
         f"experiment: {config.experiment!r} cannot be part of a folder's name; "
         "use letters, digits, . _ - + = ,",
     )
-    return _folder(config, "experiment", f"{config.experiment}-{run_hash(config)}")
+    start = config.start_of_folder()
+    return _folder(config, "experiment", f"{start}-{run_hash(config)}")
 
 
 def _folder(config: Config, key: str, name: str) -> Path:

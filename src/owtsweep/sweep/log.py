@@ -1,7 +1,7 @@
 """Writes run.log in the run folder: the messages that a sweep and its workers log, with times.
 
 The file has the messages of `owtsweep` from level INFO up. From other loggers (of a user's scheme
-or a library) it has messages from level WARNING up, and Python's warnings.
+or a library) the file has messages from level WARNING up. Python's warnings are logged too.
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ _captures = 0
 
 @dataclass(frozen=True)
 class LogEntry:
-    """A logged message that a worker sends back; plain values only, so that it can be pickled.
+    """A logged message that a worker sends back; it has plain values, so that it can be pickled.
 
-    `name` is the logger's name, and `created` the time in seconds since 1970.
+    `name` is the logger's name, `level` the level of Python's logging, and `created` the time in
+    seconds since 1970.
     """
 
     name: str
@@ -39,13 +40,16 @@ class LogEntry:
 
 
 def working_on(label: str) -> None:
-    """Set the label of the block that this thread runs; run.log shows it with each message."""
+    """Set the label that run.log shows with each message of the current thread.
+
+    The label is that of the block (unit of work) that the thread runs; "" shows no label.
+    """
     _here.label = label
 
 
 @contextmanager
 def run_log(folder: Path) -> Iterator[None]:
-    """Append logged messages to `run.log` in the folder while the context is open.
+    """Append logged messages to the file `run.log` in `folder` while the context is open.
 
     Raises
     ------
@@ -68,11 +72,12 @@ def run_log(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
-    """Yield a list that receives what this thread logs while the context is open.
+    """Yield a list that receives what the current thread logs while the context is open.
 
-    `elsewhere` says whether the thread runs in another process than `run_log`. If it is False, the
-    list stays empty, because `run_log` receives the messages itself. The list has at most
-    `MOST_ENTRIES` messages, and one that counts those left out.
+    `elsewhere` says whether the thread runs in another process than the sweep. If `elsewhere` is
+    False, the list stays empty, because the sweep's `run_log` receives the messages itself. The
+    list has at most `MOST_ENTRIES` messages. If more were logged, a last message says how many were
+    left out.
     """
     entries: list[LogEntry] = []
     if not elsewhere:
@@ -82,7 +87,7 @@ def collect_entries(elsewhere: bool) -> Iterator[list[LogEntry]]:
     with _listening(handler):
         yield entries
     if handler.dropped:
-        text = f"{handler.dropped} more records of this task were left out"
+        text = f"{handler.dropped} more messages of this task were left out"
         entries.append(LogEntry("owtsweep", logging.WARNING, time.time(), text))
 
 
@@ -161,7 +166,7 @@ def _text(record: logging.LogRecord) -> str:
 
 
 class _Labelled(Lines):
-    """The formatter of run.log, which adds the label of the block that the thread runs."""
+    """The formatter of run.log, which adds to a message the label that `working_on` has set."""
 
     def text(self, record: logging.LogRecord) -> str:
         return read_message(record) if hasattr(record, "from_worker") else _text(record)

@@ -1,4 +1,4 @@
-"""Writes and reads `multirun.json`: the runs of a multirun in their order, and what was swept."""
+"""Writes and reads `multirun.json`: the runs of a multirun in order, and the keys that it swept."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MOST_BYTES = 100_000_000
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """A run of a multirun: the name of its folder, all its overrides, and key -> swept value."""
+    """A run of a multirun: the name of the run folder, all overrides, and swept key -> value."""
 
     folder: str
     overrides: list[str]
@@ -38,7 +38,8 @@ class Planned:
 def write_record(folder: Path, overrides: Sequence[str], runs: Sequence[PlannedRun]) -> None:
     """Write `multirun.json` into the multirun's folder.
 
-    `overrides` are the overrides as the user gave them; `runs` are the runs in their order.
+    `overrides` are the overrides (key=value) as the user gave them. `runs` are the planned runs in
+    the order in which they are to run.
     """
     content = {
         "multirun_version": VERSION,
@@ -54,7 +55,7 @@ def read_record(folder: Path) -> Planned | None:
     Raises
     ------
     InputError
-        If the file cannot be read, or is not the record of a multirun.
+        If the file cannot be read, or its content is not the record of a multirun.
     """
     path = folder / RECORD
     if not os.path.lexists(path):

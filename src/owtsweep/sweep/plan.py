@@ -1,4 +1,4 @@
-"""Plans the work of a sweep: the blocks of its configuration by key, grouped into tasks."""
+"""Plans the work of a sweep: the blocks (units of work) by key, grouped into tasks."""
 
 from __future__ import annotations
 
@@ -31,22 +31,18 @@ def make_plan(study: Study, config: Config) -> Plan:
             plan.setdefault(key, block)
             if tuning and tuning not in plan[key].tunings:
                 plan[key] = replace(plan[key], tunings=(*plan[key].tunings, tuning))
-    plan = {key: _label(block) for key, block in plan.items()}
-    require(len(plan) > 0, "grid: it holds no case; give every list a value")
+    for key, block in plan.items():
+        if len(block.tunings) == 1:
+            plan[key] = replace(block, label=f"{block.label}, {block.tunings[0]}")
+    require(len(plan) > 0, "grid: it holds no case; give every list of the grid a value")
     return plan
 
 
-def _label(block: Block) -> Block:
-    """Return the block with its tuning in its label, if it belongs to one of several tunings."""
-    if len(block.tunings) != 1:
-        return block
-    return replace(block, label=f"{block.label}, {block.tunings[0]}")
-
-
 def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
-    """Group the blocks of a plan into tasks: one task per `Block.group`, as key -> block.
+    """Group the blocks (units of work) of a plan into tasks; a task is key -> block.
 
-    Blocks of one group share expensive inputs, so they should run together.
+    There is one task per `Block.group`. Blocks of one group share expensive inputs, so the blocks
+    should run together.
     """
     groups: dict[str, Plan] = {}
     for key, block in plan.items():
@@ -55,5 +51,5 @@ def make_tasks(plan: Mapping[str, Block]) -> list[Plan]:
 
 
 def count_cases(plan: Mapping[str, Block]) -> int:
-    """Return the number of cases that the blocks of a plan hold."""
+    """Return the number of cases in all blocks (units of work) of a plan."""
     return sum(block.cases for block in plan.values())

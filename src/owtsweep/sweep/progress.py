@@ -20,20 +20,23 @@ class Progress:
     """The interface through which a sweep reports its progress; this class shows nothing."""
 
     def start(self, total_cases: int, reused: int) -> None:
-        """Begin: the sweep has `total_cases` cases, of which `reused` are stored already."""
+        """Begin to show a sweep of `total_cases` cases, of which `reused` are stored already."""
 
     def advance(self, cases: int) -> None:
         """Add a number of finished cases, successful or failed; may be called from any thread."""
 
     def fail(self, label: str, reason: str, cases: int) -> None:
-        """Report that `cases` of the finished cases, in the block `label`, failed for `reason`."""
+        """Report failed cases: how many, in the block (unit of work) `label`, for which reason.
+
+        The failed cases count as finished through `advance`, not through this method.
+        """
 
     def stop(self) -> None:
-        """End: the sweep is over, whether it has succeeded or not."""
+        """Stop showing progress; the sweep is over, whether it has succeeded or not."""
 
 
 class LineProgress(Progress):
-    """The progress as plain lines, for logs and pipes: at the start, every 30 s and at the end.
+    """The progress of a sweep as plain lines: at the start, every 30 s and at the end.
 
     Parameters
     ----------
@@ -52,32 +55,36 @@ class LineProgress(Progress):
         self._began = self._said = 0.0
 
     def start(self, total_cases: int, reused: int) -> None:
-        """Print the numbers of cases, note the time, and begin to print a line at intervals."""
+        """Print how many cases there are and how many are stored; then print a line every 30 s."""
         self._total, self._reused, self._done = total_cases, reused, reused
         self._began = self._said = self._clock()
         self._say(f"{total_cases} cases, {reused} of them stored already")
         threading.Thread(target=self._tick, daemon=True).start()
 
     def advance(self, cases: int) -> None:
-        """Count finished cases."""
+        """Count a number of finished cases, successful or failed; nothing is printed."""
         with self._lock:
             self._done += cases
 
     def fail(self, label: str, reason: str, cases: int) -> None:
-        """Count failed cases; the reasons are printed at the end of the sweep."""
+        """Count a number of failed cases, which the next printed line shows.
+
+        `label` and `reason` are not used.
+        """
         with self._lock:
             self._failed += cases
 
     def look(self) -> None:
-        """Print a line if 30 s have passed since the last one."""
+        """Print a line on the progress if 30 s have passed since the last line."""
         if self._clock() - self._said >= INTERVAL:
             self._said = self._clock()
             self._say(self._line())
 
     def stop(self) -> None:
-        """Print the last line."""
+        """Print a last line on the progress, if the sweep has begun to compute; stop printing."""
         self._over.set()
-        self._say(self._line())
+        if self._total:
+            self._say(self._line())
 
     def _tick(self) -> None:
         while not self._over.wait(1.0):
@@ -101,10 +108,10 @@ class LineProgress(Progress):
 
 
 class BarProgress(Progress):
-    """The progress as a bar, with the cases done and failed, their rate and the time left.
+    """The progress of a sweep as a bar: cases finished and failed, cases per second, time left.
 
-    For each reason, the first failure is printed as a line above the bar. All failures are listed
-    at the end of the sweep.
+    The first failure for each reason is printed as a line above the bar. Further failures are only
+    counted; the command line lists the reasons at the end of the sweep.
     """
 
     def __init__(self, console: Console) -> None:
@@ -130,7 +137,7 @@ class BarProgress(Progress):
         )
 
     def start(self, total_cases: int, reused: int) -> None:
-        """Show the bar; the `reused` cases count as done, but not in the rate."""
+        """Show the bar; the `reused` cases count as finished, but not in the cases per second."""
         self._task = self._bar.add_task("", total=total_cases, completed=reused, failed="")
         self._bar.start()
 
@@ -162,7 +169,7 @@ def make_progress() -> Progress:
 
 
 def _duration(seconds: float) -> str:
-    """Return a duration, given in seconds, as text: 45 s, 12 min or 3 h 20 min."""
+    """Return a duration, given in seconds, as text, e.g. "45 s", "12 min" or "3 h 20 min"."""
     if seconds < 90.0:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60.0)

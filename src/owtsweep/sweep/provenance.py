@@ -51,7 +51,7 @@ def start_manifest(
     argv
         The arguments of the command line, or None if the run was started from Python.
     backend, workers
-        The joblib backend and its number of workers (0: all workers of a cluster).
+        The joblib backend and the number of its workers (0: all workers of a cluster).
     """
     packages = (*PACKAGES, *CLUSTER_PACKAGES) if backend == "dask" else PACKAGES
     return {
@@ -97,14 +97,14 @@ def finish_manifest(
     manifest
         The manifest that `start_manifest` made.
     state
-        "done" if no case failed, "incomplete" if some failed, "interrupted" after Ctrl-C, or
+        "done" if no case failed, "incomplete" if a case failed, "interrupted" after Ctrl-C, or
         "error" after another exception.
     seconds
         Wall time of the sweep, s.
     cases
-        Number of cases by `computed`, `reused` and `failed`.
+        "computed", "reused" and "failed" -> number of cases.
     blocks
-        Computing time of each block by its label, s.
+        Label of a block (unit of work) -> computing time of the block, s.
     """
     return {
         **manifest,
@@ -117,9 +117,10 @@ def finish_manifest(
 
 
 def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
-    """Return a summary of the blocks' computing times, given by label in s.
+    """Summarise computing times: number of blocks, sum, median, and the slowest blocks.
 
-    The summary lists each block's time only if there are at most `MOST_BLOCKS` blocks.
+    `blocks` maps the label of each block (unit of work) to the block's computing time in s. The
+    summary lists each block's time only if there are at most `MOST_BLOCKS` blocks.
     """
     slowest = sorted(blocks, key=lambda label: (-blocks[label], label))[:SLOWEST]
     listed = sorted(blocks) if len(blocks) <= MOST_BLOCKS else []
@@ -133,9 +134,10 @@ def summarise_seconds(blocks: Mapping[str, float]) -> dict[str, Any]:
 
 
 def read_earlier_seconds(folder: Path) -> dict[str, float]:
-    """Read the computing times of blocks, by label in s, from the manifest of earlier sweeps.
+    """Read from a run's manifest how long each block (unit of work) took in earlier sweeps.
 
-    Return an empty dict if there is no manifest, or the manifest lists no valid times.
+    Return label of the block -> computing time in s. The result is empty if there is no manifest,
+    or the manifest lists no valid times.
     """
     try:
         each = read_manifest(folder)["blocks"]["each"].items()
@@ -145,10 +147,23 @@ def read_earlier_seconds(folder: Path) -> dict[str, float]:
     return {label: seconds for label, seconds in read.items() if isfinite(seconds)}
 
 
-def was_running(folder: Path) -> bool:
-    """Return whether the manifest's state is "running": a sweep is under way, or was killed.
+def read_mean_seconds(folder: Path) -> float | None:
+    """Read the mean computing time of a block, s, from the manifest of earlier sweeps.
 
-    Return False if there is no readable manifest.
+    Return None if there is no manifest, or the manifest holds no valid times.
+    """
+    try:
+        blocks = read_manifest(folder)["blocks"]
+        mean = float(blocks["seconds"]) / int(blocks["count"])
+    except (ValueError, KeyError, TypeError, OverflowError, ZeroDivisionError):
+        return None
+    return mean if isfinite(mean) and mean >= 0.0 else None
+
+
+def was_running(folder: Path) -> bool:
+    """Return whether a sweep of the run in `folder` is under way, or was killed.
+
+    The manifest's state is then "running". Return False if there is no readable manifest.
     """
     try:
         return bool(read_manifest(folder).get("state") == "running")
@@ -157,7 +172,7 @@ def was_running(folder: Path) -> bool:
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:
-    """Read the manifest of a run; its values are not checked.
+    """Read manifest.json in a run folder; the values in the manifest are not checked.
 
     Raises
     ------
@@ -165,18 +180,19 @@ def read_manifest(folder: Path) -> dict[str, Any]:
         If there is no manifest, or the file cannot be read or holds no mapping.
     """
     path = folder / MANIFEST
-    require(os.path.lexists(path), f"{folder}: there is no {MANIFEST} in it; run its sweep")
+    require(os.path.lexists(path), f"{folder}: the folder has no {MANIFEST}; run its sweep")
     manifest = read_json(path, MOST_BYTES)
     require(isinstance(manifest, dict), f"{path}: this is no manifest; run its sweep again")
     return dict(manifest)
 
 
 def git_state(package: Path) -> dict[str, str | bool] | None:
-    """Return the commit of the package's checkout, and whether its sources differ from the commit.
+    """Return the git commit of the package's sources, and whether the sources have been changed.
 
-    Return None if the package does not run from a checkout, or git fails. `package` is the folder
-    of the package; in a checkout it is `src/<package>` below the repository's root. So a repository
-    that only contains an environment with the installed package does not count.
+    The result is {"commit": hash, "dirty": whether files in src or conf differ from the commit}.
+    `package` is the folder of the package. The result is None if git fails, or if this folder is
+    not `src/<package>` below the root of a git repository. So a repository that only contains an
+    environment with the installed package does not count.
     """
     root = _git(package, "rev-parse", "--show-toplevel")
     if not root or Path(root.strip()).resolve() / "src" / package.name != package:
@@ -198,9 +214,10 @@ def _find_version(package: str) -> str | None:
 
 
 def _without_places(config: Config) -> dict[str, Any]:
-    """Return the configuration without `results` and `compute.scheduler`.
+    """Return the configuration as a mapping without the keys `results` and `compute.scheduler`.
 
-    A run may be published, so its manifest names no results folder and no scheduler's address.
+    A run may be published. So the run's manifest names no results folder and no scheduler's
+    address.
     """
     whole = as_mapping(config)
     del whole["results"]

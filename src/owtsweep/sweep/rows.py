@@ -1,4 +1,4 @@
-"""Examines the rows of a block: can they be stored, and which cases have no number?"""
+"""Examines the rows of a block (unit of work): can they be stored, which cases have no number?"""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Setback:
-    """Cases of one block that have no number for one reason.
+    """The cases of one block (unit of work) that have no number, for one reason.
 
-    These cases failed, or their scheme cannot compute them. `label` is the block's label, and
-    `cases` the number of cases.
+    These cases failed, or the scheme cannot compute them. `label` is the block's label, and `cases`
+    the number of these cases.
     """
 
     label: str
@@ -27,7 +27,9 @@ class Setback:
 
 
 def require_rows(study: Study, config: Any, rows: pd.DataFrame) -> None:
-    """Check, before the rows of a block are stored, that tables can be made of the rows.
+    """Check, before the rows of a block (unit of work) are stored, that tables can use the rows.
+
+    The needed columns are those of `schema.needed_columns`.
 
     Raises
     ------
@@ -50,7 +52,10 @@ def require_rows(study: Study, config: Any, rows: pd.DataFrame) -> None:
 
 
 def collect_setbacks(block: Block, rows: pd.DataFrame, status: str) -> list[Setback]:
-    """Return the cases of a block whose rows have this status: one `Setback` per reason."""
+    """Count the cases of a block (unit of work) that have the given status, by their reason.
+
+    Return one `Setback` per reason; [] if no row has this status.
+    """
     if not (rows["status"].to_numpy() == status).any():
         return []  # saves time: counting nothing with pandas takes longer than writing a shard
     reasons = rows.loc[rows["status"] == status, "reason"].fillna("no reason given").value_counts()

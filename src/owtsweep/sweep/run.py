@@ -1,4 +1,4 @@
-"""Runs a sweep: computes the blocks of the plan that are not stored, then writes the tables."""
+"""Runs a sweep: computes the blocks (units of work) that are not stored, then writes the tables."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from typing import Any
 
-from owtsweep.config import Config, dump, require, typed
-from owtsweep.config.stored import read_stored
+from owtsweep.config import Config, dump, require
 from owtsweep.errors import InputError
-from owtsweep.io.files import check_writable, remove_stale, unwritable, write_all, write_atomically
-from owtsweep.io.tables import write_tables
+from owtsweep.io.tables import dump_tables
+from owtsweep.sweep import asked
 from owtsweep.sweep.execute import BACKENDS, Executor
-from owtsweep.sweep.keys import run_folder, run_hash
+from owtsweep.sweep.keys import question_hash, run_folder
 from owtsweep.sweep.log import repeat, run_log
 from owtsweep.sweep.plan import Plan, count_cases, make_plan, make_tasks
+from owtsweep.sweep.prepare import prepare_folder
 from owtsweep.sweep.progress import Progress
 from owtsweep.sweep.provenance import (
+    MANIFEST,
     finish_manifest,
     read_earlier_seconds,
     start_manifest,
@@ -31,7 +32,7 @@ from owtsweep.sweep.rows import Setback
 from owtsweep.sweep.runs import Results, Run, join_tables
 from owtsweep.sweep.stored_plan import NAME as PLAN
 from owtsweep.sweep.stored_plan import dump_plan
-from owtsweep.sweep.study import UNABLE, Study
+from owtsweep.sweep.study import UNABLE, Study, WarmsUp
 from owtsweep.sweep.versions import all_versions, count_outdated
 from owtsweep.sweep.worker import TaskResult, Work, one_line
 
@@ -71,7 +72,7 @@ class Outcome:
 
 
 class Interrupted(KeyboardInterrupt):
-    """The exception after Ctrl-C; its message has the numbers of stored cases and of all cases."""
+    """The exception after Ctrl-C; its message says how many of all cases are stored."""
 
 
 def sweep(
@@ -87,13 +88,14 @@ def sweep(
     Parameters
     ----------
     study, config
-        The study and its configuration, which must be checked already.
+        The study and its configuration. `config.check` must have been called already.
     fresh
         If True, the stored cases of this run are deleted first.
     progress
         Receives the progress of the sweep; by default nothing is shown.
     argv
-        The arguments of the command line, for the manifest; None if started from Python.
+        The arguments of the command line, for the manifest; None if the sweep was started from
+        Python.
 
     Returns
     -------
@@ -103,65 +105,24 @@ def sweep(
     Raises
     ------
     InputError
-        Before anything is computed, if the plan is empty, the folder cannot be written or holds
+        Before any case is computed, if the plan is empty, the run folder cannot be written or holds
         another run, or the backend cannot be used.
     Interrupted
-        After Ctrl-C, once the workers have stopped; this is a `KeyboardInterrupt`. Stored blocks
-        stay, and the next sweep reuses them.
+        After Ctrl-C, once the workers have stopped; this exception is a `KeyboardInterrupt`. Stored
+        cases stay, and the next sweep reuses them.
     """
     plan = make_plan(study, config)
-    run = Run(run_folder(config), config, study, plan)
+    run = Run(run_folder(config), config, study, plan, question=question_hash(config))
     with _executor(run) as executor:
         text = dump(config)
-        _prepare(run, {"config.yaml": text, PLAN: dump_plan(plan, config, text)}, fresh=fresh)
+        prepare_folder(run, {"config.yaml": text, PLAN: dump_plan(plan, config, text)}, fresh=fresh)
         with run_log(run.folder):
             return _Sweep(run, plan, executor, progress or Progress(), argv)(text)
 
 
-def _prepare(run: Run, texts: Mapping[str, str], *, fresh: bool) -> None:
-    for folder in (run.folder, run.store.cases):
-        check_writable(folder)
-    for name in (*texts, "manifest.json", "run.log"):
-        path = run.folder / name
-        kind = "folder" if path.is_dir() else "pipe or a device"
-        require(
-            path.is_file() or not path.exists(),
-            f"{path}: this is a {kind} where a file belongs; move it away",
-        )
-    if run.config.name is not None and not fresh:
-        _require_same_run(run)
-    try:
-        run.store.cases.mkdir(parents=True, exist_ok=True)
-        if fresh:
-            run.store.clear()
-        write_all({run.folder / name: text for name, text in texts.items()})
-    except OSError as error:
-        raise unwritable(run.folder, error) from error
-    for folder in (run.folder, run.store.cases):
-        remove_stale(folder)
-
-
-def _require_same_run(run: Run) -> None:
-    """Raise InputError if a folder that the user named holds another run.
-
-    The tables of two runs must not be mixed.
-    """
-    path = run.folder / "config.yaml"
-    if path.is_file():
-        plain, _ = read_stored(path)
-        # of another study's configuration the keys would not be known
-        same_study = plain.get("study") == run.config.study
-        model = type(run.config)
-        require(
-            same_study and run_hash(typed(model, model.hide_code(plain, None))) == run.hash,
-            f"name: {run.folder} holds a run with other settings; choose another name, or add "
-            "--fresh to replace it",
-        )
-
-
 @dataclass
 class _Sweep:
-    """A sweep that is under way, with what it has counted so far."""
+    """A sweep that is under way, and its counts of cases up to now."""
 
     run: Run
     plan: Plan
@@ -222,13 +183,25 @@ class _Sweep:
         if others:
             # Another sweep may work on this run: start at the other end, to share the work.
             todo.reverse()
+        if todo:
+            self._warm_up()
         self.progress.start(total, self.reused)
         with closing(self.executor.run(todo, self.progress.advance)) as results:
             for result in results:
                 self._take(result)
 
+    def _warm_up(self) -> None:
+        engine, work = self.run.engine, self.executor.work
+        # a cluster's machines have folders of their own
+        if isinstance(engine, WarmsUp) and work.backend != "dask":
+            for config in self.run.config.by_tuning().values():
+                engine.warm_up(config, self.executor.workers)
+
     def _drop_doubtful(self) -> None:
-        """Delete the stored blocks that must be computed anew, and log why."""
+        """Delete stored blocks (units of work) that must be computed anew, and log why.
+
+        The attribute `anew` of such a block gives the reason.
+        """
         store = self.run.store
         reasons: dict[str, int] = {}
         for key, block in self.plan.items():
@@ -257,7 +230,10 @@ class _Sweep:
             self.progress.fail(failure.label, failure.reason, failure.cases)
 
     def _count_stored(self) -> int:
-        """Return the number of cases that are stored, also by tasks that did not report."""
+        """Return the number of the plan's cases that are stored and have not failed.
+
+        Cases that were stored by tasks whose workers did not report count too.
+        """
         store = self.run.store
         present = {path.name for path in store.cases.glob("part-*.parquet")}
         there = [block for key, block in self.plan.items() if store.path(key).name in present]
@@ -284,7 +260,7 @@ class _Sweep:
             return {}
         tables = join_tables(results)
         try:
-            write_tables(run.folder, tables)
+            asked.write_both(run.folder, run.question, dump_tables(tables))
         except OSError as error:
             names = ", ".join(f"{name}.csv" for name in tables)
             self._fail([Setback(f"{names} (left as they were)", one_line(error), 0)])
@@ -293,7 +269,7 @@ class _Sweep:
     def _write_manifest(self, manifest: dict[str, Any]) -> None:
         text = json.dumps(manifest, indent=2) + "\n"
         try:
-            write_atomically(self.run.folder / "manifest.json", text)
+            asked.write_both(self.run.folder, self.run.question, {MANIFEST: text})
         except OSError as error:  # the stored cases matter more than the manifest
             logger.warning("manifest.json could not be written (%s)", one_line(error))
 

@@ -13,10 +13,11 @@ from owtsweep.config import Config, require
 from owtsweep.errors import InputError, printable
 from owtsweep.figures.drawings import draw_each
 from owtsweep.io.tables import read_table
+from owtsweep.sweep import asked
 from owtsweep.sweep.drawing import list_drawings, name_overview
 from owtsweep.sweep.gather import as_text, join_tunings, sort_rows
 from owtsweep.sweep.keys import run_hash
-from owtsweep.sweep.plan import Plan, make_plan
+from owtsweep.sweep.plan import Plan, count_cases, make_plan
 from owtsweep.sweep.rows import Setback, collect_setbacks
 from owtsweep.sweep.schema import needed_columns
 from owtsweep.sweep.store import Store
@@ -75,38 +76,67 @@ class Run:
     Attributes
     ----------
     folder
-        The run folder.
+        The run folder, or the folder of one of its questions (`owtsweep.sweep.asked`).
     config
         The resolved configuration, which says which cases belong to the run.
     study
         The study to which the configuration belongs.
     stored_plan
-        The run's plan, if it has been made or read already; None if the folder holds no plan.
+        The run's plan (key -> block) as read from the folder or made before. If None, `plan` makes
+        a new plan.
+    question
+        The hash of what was asked; "" if that is not known.
+    home
+        The run folder, if `folder` is that of a question; otherwise None.
     """
 
     folder: Path
     config: Config
     study: Study
     stored_plan: Plan | None = None
+    question: str = ""
+    home: Path | None = None
+
+    def __repr__(self) -> str:
+        """Return one line with the folder, the study and the number of cases of the plan."""
+        plan = self.stored_plan
+        cases = "" if plan is None else f", {count_cases(plan)} cases"
+        return f"<Run {printable(str(self.folder))}: study {self.study.name}{cases}>"
+
+    @property
+    def place(self) -> Path:
+        """The folder of the run's tables and figures.
+
+        It is `folder`, unless another question has been asked of this run folder since. Then it is
+        the folder of this run's own question.
+        """
+        own = asked.question_folder(self.folder, self.question)
+        moved = self.home is None and bool(self.question) and own.is_dir()
+        return own if moved and not asked.is_shown(self.folder, self.question) else self.folder
 
     @property
     def hash(self) -> str:
-        """The hash of the configuration without grid, schemes, compute, results and name."""
+        """The hash that identifies the run: 10 hexadecimal digits.
+
+        It is a hash of the configuration without the keys that identify no run (`sweep.keys`).
+        """
         return run_hash(self.config)
 
     @property
     def store(self) -> Store:
-        """The store of the run's shards."""
+        """The store of the run's rows, in the run folder."""
         with blame(self.study):
-            return Store(self.folder, needed_columns(self.study, self.config))
+            return Store(self.home or self.folder, needed_columns(self.study, self.config))
 
     @property
     def engine(self) -> Engine:
-        """The engine that plans, runs and draws this configuration."""
+        """The engine of the study that plans, runs and draws the run's configuration."""
         return self.study.engine(self.config)
 
     def plan(self) -> Plan:
-        """Return the blocks of the run by key: `stored_plan`, or a new plan if that is None.
+        """Return the run's plan, key -> block: `stored_plan`, or a new plan if that is None.
+
+        A block is the unit of work and storage.
 
         Raises
         ------
@@ -189,9 +219,10 @@ class Run:
         return stored, len(missing)
 
     def unable(self) -> list[Setback]:
-        """Return the stored cases that their scheme cannot compute, by block and reason.
+        """Return the stored cases that their scheme cannot compute.
 
-        This reads all shards of the plan.
+        There is one `Setback` for each block (unit of work) and reason. All files of the run's plan
+        are read.
         """
         setbacks = []
         store = self.store
@@ -209,14 +240,20 @@ class Run:
         InputError
             If the run has no table of this name, or the file is damaged.
         """
-        return read_table(self.folder, name)
+        return read_table(self.place, name)
 
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Read all tables of the run; return them by name, or {} if no case has succeeded yet."""
-        return {
-            path.stem: read_table(self.folder, path.stem)
-            for path in sorted(self.folder.glob("*.csv"))
-        }
+        """Read all tables of the run; return name -> table.
+
+        The result is {} if the run has no tables, e.g. because no case has succeeded yet.
+
+        Raises
+        ------
+        InputError
+            If a file is damaged.
+        """
+        place = self.place
+        return {path.stem: read_table(place, path.stem) for path in sorted(place.glob("*.csv"))}
 
     def make_results(self, stored: Mapping[str, pd.DataFrame]) -> dict[str, Results]:
         """Make the tables of each tuning with a succeeded case; `stored` is what `stored` returns.
@@ -242,13 +279,16 @@ class Run:
         *,
         overview: bool = False,
     ) -> list[Path]:
-        """Draw all figures of the run, or a single figure, into the folder `figures` of the run.
+        """Draw all figures of the run, or a single figure, into the folder `figures` of `place`.
+
+        Figures in the root of the run folder are also copied into the folder of their question.
 
         Parameters
         ----------
         only
-            The name of the single figure to draw; None draws all figures. With several tunings,
-            the name of a tuning's figure ends with the tuning's name.
+            The name of the figure to draw; None draws all figures. With several tunings, the name
+            of a tuning's figure ends with the tuning's name; without this ending, the figures of
+            all tunings are drawn.
         results
             The results to draw by tuning, if they are in memory. If None, the shards are read.
         overview
@@ -268,7 +308,7 @@ class Run:
         OSError
             If the file system refuses a file; figures drawn earlier stay whole.
         """
-        folder = self.folder / "figures"
+        folder = self.place / "figures"
         if results is None:
             results = self.make_results(self._finished())  # not of the tables' files
         require(
@@ -279,11 +319,19 @@ class Run:
             drawings = list_drawings(self.engine, results, self.metadata())
             only = name_overview(self.engine, results) if overview else only
         folder.mkdir(exist_ok=True)
-        return draw_each(drawings, folder, only, partial(blame, self.study))
+        guard = partial(blame, self.study)
+        chosen = [name for name in (f"{only}_{tuning}" for tuning in results) if name in drawings]
+        if only is None or only in drawings or not chosen:
+            files = draw_each(drawings, folder, only, guard)
+        else:
+            files = [file for name in chosen for file in draw_each(drawings, folder, name, guard)]
+        if self.home is None and folder.parent == self.folder:
+            asked.copy_figures(self.folder, self.question, files)
+        return files
 
     def metadata(self) -> dict[str, str]:
-        """Return what the files of the run's figures store: the hash and the folder's name."""
-        return {"run": self.hash, "folder": printable(self.folder.name)}
+        """Return texts to store in the figures' files: the run's hash and the folder's name."""
+        return {"run": self.hash, "folder": printable((self.home or self.folder).name)}
 
     def summary(self) -> pd.DataFrame:
         """Read `summary.csv`: means of the replicates, with confidence intervals."""

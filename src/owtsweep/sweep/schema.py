@@ -1,7 +1,7 @@
-"""Checks what the columns of stored rows hold.
+"""Checks the columns of stored rows: their names, types and values.
 
-The seal of a shard shows damage, but not forgery: whoever has this package can seal other rows. So
-rows are checked when they are read, and also before they are stored.
+The seal of a shard (a stored file of rows) shows damage, but not forgery: whoever has this package
+can seal other rows. So rows are checked when they are read, and also before they are stored.
 """
 
 from __future__ import annotations
@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pyarrow as pa
 
-from owtsweep.sweep.study import FAILED, OK, UNABLE
+from owtsweep.sweep.study import FAILED, OK, UNABLE, Square
 
 if TYPE_CHECKING:
     from owtsweep.config import Config
@@ -26,26 +27,32 @@ _KINDS = {
     "bool": FLAGS,
     "null": NOTHING,
 }
+#: A mean square is 0 or at least this: no number of a configuration is smaller than 1e-30, and no
+#: error smaller than the rounding of such a number.
+LEAST_SQUARE = 1e-300
+
 #: What `Engine.row_types` says of a column -> the kinds of values that the column may hold.
 _ALLOWED: Mapping[type | None, tuple[str, ...]] = {
     str: (TEXT, CATEGORIES, NOTHING),
     float: (NUMBERS, NOTHING),
+    Square: (NUMBERS, NOTHING),
     None: (TEXT, CATEGORIES, NUMBERS, FLAGS, NOTHING),
 }
 
-#: Column -> `str`, `float` (a number), or None where the study does not say.
+#: Column -> `str`, `float` (a number), `Square`, or None where the study does not say.
 Needed = Mapping[str, type | None]
 
 
 class WrongRows(Exception):
-    """The error for rows of which no table can be made; the message says why."""
+    """The error for rows of which no table can be made; the message says what is wrong."""
 
 
 def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
-    """Return the columns that every row of a study must have: name -> `str`, `float` or None.
+    """Return the columns that every row of a study must have, by name, with their types.
 
-    None stands for any type. The columns are `status` and `reason`, those of the engine's
-    `sort_columns` and `row_types`, and the conditions that do not expand.
+    A type is `str`, `float`, `Square` or None, which stands for any type. The columns are `status`
+    and `reason`, those of the engine's `sort_columns` and `row_types`, and the conditions that do
+    not expand.
     """
     engine = study.engine(config)
     conditions = [c.name for c in study.conditions(config) if not c.expands]
@@ -54,15 +61,15 @@ def needed_columns(study: Study, config: Config) -> dict[str, type | None]:
 
 
 def kinds_of(schema: Any) -> dict[str, str]:
-    """Return column name -> kind for a `pyarrow.Schema`.
+    """Return column name -> kind of the column's values, for a `pyarrow.Schema`.
 
-    A kind is "text", "categories" (coded text), "numbers", "flags", or "nothing" for a column of
-    missing values.
+    A kind is "text", "categories" (coded text), "numbers", "flags" (true and false), or "nothing"
+    (missing values only).
 
     Raises
     ------
     WrongRows
-        If two columns have equal names, or a column is of none of these kinds.
+        If two columns have the same name, or a column is of none of these kinds.
     """
     kinds: dict[str, str] = {}
     for name, type_ in zip(schema.names, schema.types, strict=True):
@@ -87,7 +94,8 @@ def check_columns(schema: Any, needed: Needed) -> None:
     Raises
     ------
     WrongRows
-        If a needed column is missing or of another type, or `kinds_of` refuses the schema.
+        If a needed column is missing or of another type, two columns have the same name, or a
+        column holds no text, numbers or flags.
     """
     kinds = kinds_of(schema)
     for name, type_ in needed.items():
@@ -104,17 +112,29 @@ def check_table(table: Any, needed: Needed) -> None:
     Raises
     ------
     WrongRows
-        If there are no rows, a status is unknown, or a needed text other than `reason` is missing.
+        If there are no rows, a status is unknown, a needed text other than `reason` is missing, or
+        a column of squares holds a number between 0 and `LEAST_SQUARE` (or its negative).
     """
     for name, type_ in needed.items():
+        if type_ is Square:
+            _check_squares(name, table[name])
         if type_ is str and name != "reason" and table[name].null_count:
             raise WrongRows(f"its column {name} has an empty value")
     if "status" in needed:
         check_statuses(frozenset(table["status"].unique().to_pylist()))
 
 
+def _check_squares(name: str, column: Any) -> None:
+    values = column.to_numpy().astype(float)  # what is missing becomes NaN
+    tiny = values[(values != 0.0) & (np.abs(values) < LEAST_SQUARE)]
+    if len(tiny):
+        raise WrongRows(
+            f"its column {name} holds {tiny[0]:.3g}, but no mean square is so near to 0"
+        )
+
+
 def check_statuses(statuses: frozenset[Any]) -> None:
-    """Check the distinct values of the column `status`.
+    """Check `statuses`, the distinct values of the column `status`.
 
     Raises
     ------

@@ -1,9 +1,10 @@
 """Makes and reads the bytes of a shard: a Parquet file with a seal that shows any damage.
 
-The page checksums of Parquet cover only the pages. They do not notice a flipped byte in a page
-header or in the footer (column names, row counts, our versions). So each file carries a seal: a
-digest in the file's metadata, computed from the file with zeros in place of the digest. The file
-also has page checksums, for other readers.
+A shard holds the rows of one block (unit of work). The page checksums of Parquet cover only the
+pages. They do not notice a flipped byte in a page header or in the footer (column names, row
+counts, versions of the study). So each shard carries a seal: a digest in the file's metadata,
+computed from the file with zeros in place of the digest. The shard also has page checksums, for
+other readers.
 """
 
 from __future__ import annotations
@@ -32,7 +33,10 @@ _MOST_VALUES = 20
 
 
 class DamagedShard(Exception):
-    """The error for bytes that are damaged or belong to another block; the message says why."""
+    """The error for a file of rows that is damaged or belongs to another block (unit of work).
+
+    The message says what is wrong with the file.
+    """
 
 
 def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
@@ -41,16 +45,16 @@ def encode(key: str, rows: pd.DataFrame, metadata: Mapping[str, str]) -> bytes:
     Parameters
     ----------
     key
-        The key of the block, stored in the file.
+        The key of the block (unit of work) to which the rows belong; it is stored in the file.
     rows
-        The rows; their index is not kept.
+        The rows; the index of the frame is not stored.
     metadata
         Further entries for the file's metadata, e.g. versions; stored under `owtsweep.<name>`.
 
     Raises
     ------
     WrongRows
-        If two columns have equal names, or `decode` would refuse the type of a column.
+        If two columns have the same name, or a column holds no text, numbers or flags.
     """
     # Column by column: `Table.from_pandas` takes longer than the rest of this function.
     table = pa.table({str(name): pa.array(rows[name].array, from_pandas=True) for name in rows})
@@ -79,9 +83,9 @@ def decode(data: bytes, key: str, needed: Needed) -> Any:
     data
         The content of the file.
     key
-        The key of the block.
+        The key of the block (unit of work) whose rows the file should hold.
     needed
-        The columns that the rows must have (`schema.needed_columns`).
+        The columns that the rows must have, as `schema.needed_columns` returns them.
 
     Raises
     ------
@@ -99,10 +103,10 @@ def decode(data: bytes, key: str, needed: Needed) -> Any:
 
 
 def read_statuses(data: bytes, key: str, needed: Needed) -> frozenset[str]:
-    """Return the distinct values of the column `status` in a sealed file.
+    """Return the distinct values of the column `status` in a sealed file, after checking all bytes.
 
-    All bytes are verified, as in `decode`. But the column is decoded only if its statistics show
-    more than one value. Parameters are those of `decode`.
+    The column is decoded only if the file's statistics do not give its values. Parameters are those
+    of `decode`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Hashes the sources of a user's code, so that the key of a block identifies the code."""
+"""Hashes the source of a user's code, so that stored results can name the code that made them."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ def describe_source(code: type) -> dict[str, Any]:
     Returns
     -------
     dict
-        `source`: the hash of the source of the class's module, or `UNKNOWN`. `modules`: name ->
-        hash of each other module of the user that this module imports, directly or indirectly;
-        absent if there is none. `version`: the attribute `version` of the class, as text; absent
-        if the class has none.
+        The entry `source` is the hash of the source of the class's module, or `UNKNOWN`. The entry
+        `modules` maps names to hashes, for each other module of the user that the class's module
+        imports, directly or indirectly; it is absent if there is no such module. The entry
+        `version` is the attribute `version` of the class, as text; it is absent if the class has no
+        such attribute, or the attribute is None.
     """
     module = inspect.getmodule(code)
     entry: dict[str, Any] = {"source": _read_source(module or code)}
@@ -42,7 +43,8 @@ def describe_source(code: type) -> dict[str, Any]:
 def explain_doubt(code: type) -> str:
     """Return in one line why stored results of a user's class may be out of date.
 
-    Return "" if the class declares a version, or all its sources can be read.
+    The reason is a source that cannot be read, so that a change of this source goes unnoticed.
+    Return "" if the class has an attribute `version`, or all sources can be read.
     """
     entry = describe_source(code)
     if "version" in entry:
@@ -67,7 +69,7 @@ def _read_source(code: ModuleType | type) -> str:
 
 
 def _hash_imports(module: ModuleType) -> dict[str, str]:
-    """Return name -> hash of each user's module that `module` imports, directly or indirectly."""
+    """Return name -> hash of each module of the user that `module` imports, also indirectly."""
     hashes: dict[str, str] = {}
     waiting = [(module.__name__, _file_of(module.__name__))]
     package = module.__name__.partition(".")[0]
@@ -83,10 +85,10 @@ def _hash_imports(module: ModuleType) -> dict[str, str]:
 
 
 def _find_imports(name: str, file: Path | None) -> Iterator[str]:
-    """Yield the names of modules that a file imports, also inside functions.
+    """Yield the names of the modules that a source file imports, also inside functions.
 
-    `name` is the name of the file's own module. Some names may be of no module. Nothing is yielded
-    if the file is no readable Python source.
+    `name` is the name of the module that the file defines. Some of the yielded names may belong to
+    functions or classes. No name is yielded if the file is None or no readable Python source.
     """
     if file is None or file.suffix != ".py":
         return
@@ -116,10 +118,11 @@ def _file_of(name: str) -> Path | None:
 
 
 def _is_users(name: str, file: Path | None, package: str) -> bool:
-    """Return whether the module `name` in `file` belongs to the user.
+    """Return whether the module `name`, defined in `file`, is the user's own code.
 
-    It does if it is in the top-level package `package`, or is not installed. Modules of Python's
-    standard library and of owtsweep, and modules without a file, never do.
+    A module in the top-level package `package` is the user's, and so is a module that is not
+    installed. Modules of Python's standard library, modules of owtsweep, and modules without a file
+    are never the user's.
     """
     top = name.partition(".")[0]
     if file is None or top in sys.stdlib_module_names or top == "owtsweep":

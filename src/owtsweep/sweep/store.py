@@ -1,7 +1,8 @@
-"""The store of a run: a folder of immutable shards, one per block, named by the block's key.
+"""The store of a run: a folder of immutable files, the shards, each named by a block's key.
 
-The store needs no lock and no index. A shard is whole or absent. The shard's name says what it
-holds. Two processes that write shards of one name write equal rows.
+A shard holds the rows of one block (unit of work). The store needs no lock and no index. A shard is
+whole or absent. The shard's name determines the rows in the shard. So two processes that write
+shards of the same name write equal rows.
 """
 
 from __future__ import annotations
@@ -36,35 +37,40 @@ Status = Literal["missing", "done", "failed"]
 
 @dataclass(frozen=True)
 class Store:
-    """The store of one run's shards.
+    """The store of one run's shards; a shard is a file with the rows of one block (unit of work).
 
     Every read verifies all bytes and the key. If a file is damaged, it is renamed `*.damaged`, a
-    warning is logged, and the block counts as missing. If a file is whole but holds no rows of this
-    study, its block counts as missing too. But this file keeps its name, because another version of
-    the study may have written it.
+    warning is logged, and the file's block counts as missing. A block counts as missing too if its
+    file is whole but holds no rows of this study. Such a file keeps its name, because another
+    version of the study may have written it.
 
     Attributes
     ----------
     folder
         The run folder.
     needed
-        The columns that every shard must have (`schema.needed_columns`).
+        The columns that every shard must have, as `schema.needed_columns` returns them.
+    read_only
+        If True, a damaged shard keeps its name, and nothing is written.
     """
 
     folder: Path
     needed: Needed = field(default_factory=dict)
+    read_only: bool = False
 
     @property
     def cases(self) -> Path:
-        """The folder that holds the shards."""
+        """The folder of the shards (files of rows); it may not exist yet."""
         return self.folder / "cases"
 
     def path(self, key: str) -> Path:
-        """Return the path of the shard of the block with this key; the file may not exist."""
+        """Return the path of the shard of the block with the key `key`; the file may not exist."""
         return self.cases / f"part-{key}.parquet"
 
     def write(self, key: str, data: bytes) -> None:
-        """Write the shard of a block, whole or not at all; `data` is made by `shard.encode`.
+        """Write the shard of the block with the key `key`, whole or not at all.
+
+        `data` is what `shard.encode` returns.
 
         Raises
         ------
@@ -74,7 +80,10 @@ class Store:
         write_atomically(self.path(key), data)
 
     def read(self, key: str) -> pd.DataFrame | None:
-        """Read the rows of a block, exactly as written; return None if it counts as missing."""
+        """Read the rows of the block with the key `key`, exactly as they were written.
+
+        Return None if there is no shard of the block, or the shard cannot be used.
+        """
         table = self._verified(key, decode)
         if table is None:
             return None
@@ -85,8 +94,9 @@ class Store:
         """Read the rows of many blocks, in the order of the keys.
 
         Return one frame of all rows, and the keys of the blocks that are missing. The frame is None
-        if all blocks are missing. If a shard lacks a column that others have, its rows have missing
-        values there. Text columns are categorical.
+        if all blocks are missing. If a shard lacks a column that other shards have, the shard's
+        rows have missing values in this column. A shard whose column holds another kind of values
+        than in earlier shards counts as missing. Text columns are categorical.
         """
         missing: list[str] = []
         kinds: dict[str, str] = {}
@@ -102,10 +112,11 @@ class Store:
         return gather(tables()), missing
 
     def status(self, key: str) -> Status:
-        """Return whether a block is "missing", "done" or "failed".
+        """Return whether the block with the key `key` is "missing", "done" or "failed".
 
-        A stored block is "failed" if at least one of its cases failed; otherwise it is "done". A
-        case that its scheme cannot compute does not count as failed, and is not tried again.
+        A block is "missing" if it has no shard that can be used. A stored block is "failed" if at
+        least one of its cases failed; otherwise it is "done". A case that its scheme cannot compute
+        does not count as failed, so it is not computed again.
         """
         statuses = self.statuses(key)
         if statuses is None:
@@ -113,19 +124,23 @@ class Store:
         return "failed" if FAILED in statuses else "done"
 
     def statuses(self, key: str) -> frozenset[str] | None:
-        """Return the distinct statuses of a block's cases; None if the block counts as missing."""
+        """Return the distinct statuses of a block's rows; None if the block counts as missing.
+
+        `key` is the key of the block. A status is e.g. "ok".
+        """
         return self._verified(key, read_statuses)
 
     def clear(self) -> None:
-        """Delete all shards, including damaged ones."""
+        """Delete all shards (files of rows), including damaged files that were renamed."""
         # Delete by name, not the whole folder: other files in the folder are kept.
         for path in self.cases.glob("*part-*.parquet*"):
             path.unlink(missing_ok=True)
 
     def _verified(self, key: str, look: Callable[[bytes, str, Needed], T]) -> T | None:
-        """Call `look` on the shard's bytes; return its result, or None if the block is missing.
+        """Call `look` with the bytes of a block's shard, and return what `look` returns.
 
-        A damaged shard and a shard of wrong rows count as missing, and a warning is logged.
+        `key` is the key of the block. Return None if there is no shard. Return None and log a
+        warning if the shard is damaged or holds wrong rows.
         """
         path = self.path(key)
         try:
@@ -136,13 +151,17 @@ class Store:
         except WrongRows as error:
             _leave_out(path, error)
         except DamagedShard as error:
-            _set_aside(path, printable(str(error)))
+            if self.read_only:
+                logger.warning("%s is damaged: %s", path.name, printable(str(error)))
+            else:
+                _set_aside(path, printable(str(error)))
         return None
 
     def _fits(self, key: str, table: Any, kinds: dict[str, str]) -> bool:
-        """Return whether the columns of a shard are of the kinds that earlier shards have.
+        """Return whether the columns of a shard hold the same kinds of values as in earlier shards.
 
-        `kinds` maps column names to the kinds seen so far; kinds of new columns are added.
+        If not, log a warning. `table` holds the rows of the shard of the block `key`. `kinds` maps
+        column names to the kinds in earlier shards, e.g. "text". New columns are added to `kinds`.
         """
         try:
             for name, kind in kinds_of(table.schema).items():

@@ -1,7 +1,8 @@
 """Writes and reads plan.json: the plan of a run, stored beside its configuration.
 
-With this file, a reader of a run finds the run's cases without planning anew. So no code that the
-configuration names is imported, and a run of an older version can still be read.
+The plan is the list of the run's blocks (units of work). With plan.json, the cases of a run are
+found without planning anew. So no code that the configuration names is imported, and a run of an
+older version of owtsweep can still be read.
 """
 
 from __future__ import annotations
@@ -32,9 +33,9 @@ def dump_plan(plan: Plan, config: Config, text: str) -> str:
     Parameters
     ----------
     plan
-        The blocks of the run by key.
+        The blocks (units of work) of the run by key.
     config
-        The run's configuration. Its `describe_code` says what readers must know of a user's code.
+        The run's configuration. Its method `describe_code` says what is stored of a user's code.
     text
         The content of config.yaml, to which the plan belongs.
     """
@@ -49,19 +50,20 @@ def dump_plan(plan: Plan, config: Config, text: str) -> str:
 
 
 def digest(text: str) -> str:
-    """Return the digest of the content of config.yaml: 32 hexadecimal digits."""
+    """Return the digest of a text, the content of config.yaml: 32 hexadecimal digits."""
     return blake2b(text.encode(), digest_size=16).hexdigest()
 
 
 def read_stored_plan(folder: Path, text: str) -> Mapping[str, Any] | None:
     """Read plan.json in a run folder; `text` is the content of the folder's config.yaml.
 
-    Return None if there is no plan.json, or it belongs to another content of config.yaml.
+    Return None if there is no plan.json, or if config.yaml has been changed since plan.json was
+    written.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or is not a JSON mapping.
+        If plan.json cannot be read, or is not a JSON mapping.
     """
     path = folder / NAME
     if not os.path.lexists(path):

@@ -28,14 +28,14 @@ if TYPE_CHECKING:
     C = TypeVar("C", bound=Config)
 
 __all__ = [
-    "FAILED", "OK", "UNABLE", "Block", "Engine", "Joint", "Judged", "Spectral", "Study", "Tunable",
-    "Tuned", "add_versions", "blame", "broken_study",
+    "FAILED", "OK", "UNABLE", "Block", "Engine", "Joint", "Judged", "Predicting", "Spectral",
+    "Square", "Study", "Tunable", "Tuned", "WarmsUp", "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Block:
-    """The unit of work and storage: a set of cases whose rows are stored in one file (shard).
+    """A block, the unit of work and storage: a set of cases whose rows are stored in one file.
 
     Attributes
     ----------
@@ -45,12 +45,13 @@ class Block:
     label
         The name of the block in messages.
     content
-        Everything that the block's rows depend on and nothing else, as plain JSON data. The content
-        determines the block's key, so two blocks of equal content count as one block.
+        Everything on which the block's rows depend, and nothing else, as plain JSON data. The
+        content determines the block's key, so two blocks of equal content count as one block.
     cases
         Number of cases of the block.
     cases_per_row
-        Number of cases for which one row stands, e.g. one row that says why they have no number.
+        Number of cases for which one row of the block stands, e.g. a row that says why these cases
+        have no number.
     anew
         The reason why the block is computed again even if it is stored, e.g. because the block's
         key cannot cover the code on which the rows depend; "" for most blocks.
@@ -72,11 +73,19 @@ class Block:
         return config.by_tuning()[self.tunings[0] if self.tunings else ""]
 
 
+class Square(float):
+    """The type that `row_types` of an engine gives to a column of mean squares or mean products.
+
+    Each number of the column is 0 or at least 1e-300 away from 0, because no study makes others.
+    """
+
+
 def add_versions(base: int, *rooms: ModuleType) -> int:
-    """Return a study's `numerics_version`: `base` plus the `NUMERICS_VERSION` of each module.
+    """Return a study's `numerics_version`: `base` plus the `NUMERICS_VERSION` of all `rooms`.
 
     `rooms` are the modules (packages of owtsweep) that the study uses. The sum rises as soon as
-    `base` or one of these numbers rises. None of them may ever be lowered.
+    `base` or one of these numbers rises. Neither `base` nor any of these numbers may ever be
+    lowered.
     """
     return base + sum(int(room.NUMERICS_VERSION) for room in rooms)
 
@@ -88,7 +97,7 @@ class Engine(Protocol):
     samples: bool
 
     def plan(self, config: Any) -> list[Block]:
-        """Return all blocks of the configuration in a fixed order."""
+        """Return all blocks (units of work) of the configuration, always in the same order."""
 
     def backend(self, config: Any) -> str:
         """Return the joblib backend that suits the blocks: "threading" or "loky" (processes)."""
@@ -96,12 +105,13 @@ class Engine(Protocol):
     def run(self, config: Any, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
         """Run blocks of one group; yield each block with its rows as soon as the block is done.
 
+        A group is all blocks (units of work) with the same `Block.group`, which share inputs.
         Rows have at least the columns `status` (`owtsweep.results.status`) and `reason`. The reason
         is "" in a row with the status "ok".
         """
 
     def sort_columns(self) -> list[str]:
-        """Return the columns that identify a row; rows are sorted by these before any sum."""
+        """Return the columns that identify a row; rows are sorted by these columns before sums."""
 
     def tables(self, config: Any, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
         """Make the tables from all stored rows of the plan; return them by name.
@@ -111,7 +121,10 @@ class Engine(Protocol):
         """
 
     def terminal(self, config: Any, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """Return the result in a few lines, to be shown on the terminal at the end of a sweep."""
+        """Return the main result in a few lines, to be shown on the terminal after a sweep.
+
+        `tables` are the tables by name, as `tables` returns them.
+        """
 
     def drawings(
         self,
@@ -122,11 +135,23 @@ class Engine(Protocol):
     ) -> Mapping[str, Drawing]:
         """Return figure name -> function that draws the figure.
 
-        `metadata` is stored in the figures' files.
+        `tables` are what the method `tables` makes of `rows`, the stored rows of the plan.
+        `metadata` holds texts by name to store in the figures' files.
         """
 
     def overview(self, config: Any) -> str:
-        """Return the name of the figure of the main result, which a sweep draws at its end."""
+        """Return the name of the figure that shows the main result, drawn at the end of a sweep."""
+
+
+@runtime_checkable
+class WarmsUp(Protocol):
+    """The interface of an engine that has work to do once, before the first block is computed."""
+
+    def warm_up(self, config: Any, workers: int) -> None:
+        """Do this work, e.g. compile kernels, in up to `workers` processes side by side.
+
+        It is called in the process of the sweep, once per tuning, and only if blocks are missing.
+        """
 
 
 class Study(Protocol):
@@ -145,7 +170,7 @@ class Study(Protocol):
         """Return the axes of the study's grid, in the order of the tables' columns."""
 
     def engine(self, config: Any) -> Engine:
-        """Return the engine that plans, runs and draws this configuration."""
+        """Return an engine that plans, runs and draws this configuration."""
 
 
 @runtime_checkable
@@ -164,17 +189,31 @@ class Joint(Protocol):
         """
 
 
+@runtime_checkable
+class Predicting(Protocol):
+    """The interface of an engine that can say roughly what blocks take before any has been run."""
+
+    def predict(
+        self, config: Any, blocks: Sequence[Block], workers: int
+    ) -> tuple[float, float] | None:
+        """Return the computing time of the blocks in s, and the memory of the sweep in bytes.
+
+        The time is the sum over the blocks; several workers share it. Return None if no block of
+        this kind has been measured, e.g. one of a user's scheme.
+        """
+
+
 @contextmanager
 def blame(study: Study) -> Iterator[None]:
-    """Turn errors of a study from another package into one line that names this package.
+    """Turn an error of a study from another package into one line that names the other package.
 
     Errors of owtsweep's own studies are not changed.
 
     Raises
     ------
     InputError
-        Instead of any Exception or SystemExit inside the context, except InputError and OSError,
-        which are not changed.
+        Instead of any Exception or SystemExit that the code of the other package raises inside the
+        context. InputError and OSError are not changed.
     """
     try:
         yield
@@ -191,7 +230,11 @@ def blame(study: Study) -> Iterator[None]:
 
 
 def broken_study(name: str, package: str, reason: str) -> InputError:
-    """Return (not raise) the one-line InputError for a study of another package."""
+    """Make (but do not raise) the InputError which says that another package's study is broken.
+
+    `name` is the study's name, `package` the name of the package, and `reason` the error in one
+    line.
+    """
     return InputError(
         f"study: {name!r} of the package {package} does not work ({reason}); "
         "update or uninstall that package"
@@ -207,7 +250,7 @@ class Judged(Protocol):
     ) -> list[Path]:
         """Compare a run with the published results; write `fidelity.html` and other files.
 
-        Return the paths of all files. The rows of the run must be samples (`Engine.samples`).
+        Return the paths of all files. The engine that made the rows must have `samples` = True.
 
         Parameters
         ----------
@@ -216,20 +259,24 @@ class Judged(Protocol):
         folder
             The folder for the files, which is created if it does not exist.
         metadata
-            Facts stored in the figures' files; the entry `folder` names the run.
+            Texts by name to store in the figures' files; the text `folder` names the run.
         """
 
 
 @runtime_checkable
 class Spectral(Protocol):
-    """The interface of a study that can compute error spectra of its schemes without a record."""
+    """The interface of a study that can compute error spectra of its estimation schemes.
+
+    An error spectrum is the error due to motion at each frequency. It needs no simulated record.
+    """
 
     def write_spectrum(
         self, config: Any, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
-        """Write figures and tables of the error spectra into a new `folder`.
+        """Write figures and tables of the schemes' error spectra into `folder`, which is created.
 
-        Return the paths of the files, and the text to print on the terminal.
+        Return the paths of the files, and the text to print on the terminal. `metadata` holds texts
+        by name to store in the figures' files.
         """
 
 

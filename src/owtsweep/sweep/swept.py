@@ -9,14 +9,19 @@ from typing import Any
 from owtsweep.comparing.comparison import Pair, identify
 
 #: Sections and keys that do not count as swept: they say on which grid, where and how to run.
-NOT_SWEPT = frozenset({"grid", "schemes", "compute", "results", "name", "config_version"})
+NOT_SWEPT = frozenset(
+    {"grid", "schemes", "baselines", "compute", "results", "name", "config_version"}
+)
 #: The name of the run folder, used as a key if no other key distinguishes two runs.
 RUN = "run"
 FIRST = "first run"
 
 
 def flatten(config: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return dotted key -> value for nested mappings; a list or an empty mapping is a value."""
+    """Return dotted key -> value for nested mappings, e.g. "hme.mhe.horizon" -> 10.
+
+    A list is a value, and so is an empty mapping. `prefix` is put before each key.
+    """
     flat: dict[str, Any] = {}
     for key, value in config.items():
         if isinstance(value, Mapping) and value:
@@ -31,9 +36,10 @@ def swept_keys(
 ) -> tuple[list[str], list[str]]:
     """Find a few keys that distinguish the configurations.
 
-    Return these keys, and the keys that differ too but follow from them. Keys are tried in order:
-    a key is kept unless its value is determined by the keys kept so far. For example, the key
-    `tuning` changes dozens of keys; if `tuning` is kept, those keys follow.
+    Return two lists of dotted keys: the distinguishing keys, and the other keys in which the
+    configurations differ. Keys are tried in order. A key is put into the first list unless the keys
+    already in this list determine its value. For example, the key `tuning` changes dozens of keys.
+    If `tuning` is in the first list, these keys are in the second list.
 
     Parameters
     ----------
@@ -65,16 +71,16 @@ def swept_keys(
 def make_pairs(places: Sequence[Sequence[int]], keys: Sequence[str]) -> list[Pair]:
     """Return the pairs of runs to compare.
 
-    Two runs are a pair if they differ in one key only and have neighbouring values of that key. The
-    first run is also paired with each other run.
+    Two runs are a pair if they differ in one key only and have neighbouring values of this key. The
+    first run is also paired with every other run. A pair is the two runs' indices and the key.
 
     Parameters
     ----------
     places
         One sequence per run, with one number per key: the rank of the run's value among all values
-        of that key (`comparing.comparison.rank_values`).
+        of the key, as `comparing.comparison.rank_values` computes it.
     keys
-        The swept keys.
+        The keys in which the runs differ.
     """
     pairs = []
     for axis, key in enumerate(keys):

@@ -1,4 +1,4 @@
-"""Compares versions: would this program compute what stored blocks hold?"""
+"""Compares versions: would this version of owtsweep compute the rows that are stored?"""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINDS = ("schema_version", "numerics_version")
 
 
 def shard_metadata(study: Study) -> dict[str, str | int]:
-    """Return what identifies the versions of a study: its name and its two version numbers."""
+    """Return a study's name and versions, under study, schema_version and numerics_version."""
     return {
         "study": study.name,
         "schema_version": study.schema_version,
@@ -29,7 +29,10 @@ def shard_metadata(study: Study) -> dict[str, str | int]:
 
 
 def all_versions(study: Study) -> dict[str, str]:
-    """Return the name and versions of a study, and the version of owtsweep, all as text."""
+    """Return a study's name and versions, and the version of owtsweep, all as text.
+
+    The keys are study, schema_version, numerics_version and owtsweep_version.
+    """
     from owtsweep import __version__
 
     entries = {**shard_metadata(study), "owtsweep_version": __version__}
@@ -37,9 +40,10 @@ def all_versions(study: Study) -> dict[str, str]:
 
 
 def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
-    """Return why a worker is refused: its versions differ from `expected`; "" if they agree.
+    """Return in one line how the versions of a worker differ from `expected`; "" if they agree.
 
-    This runs on the worker. `expected` is what `all_versions` returns for the sweep's own process.
+    This function runs on the worker. `expected` is what `all_versions` returns in the process that
+    started the sweep.
     """
     ours = all_versions(study)
     differing = [name for name, value in expected.items() if ours.get(name, value) != value]
@@ -50,13 +54,15 @@ def tell_other_versions(study: Study, expected: Mapping[str, str]) -> str:
 
 
 def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dict[str, int]:
-    """Count the missing cases that are stored in another version of the study.
+    """Count the cases that must be computed anew because another version of the study stored them.
 
     Return change of version -> number of cases; a change reads like "schema version 1 -> 2".
 
-    Versions are part of a block's key, so shards of other versions have names outside the plan. A
-    sample of these shards shows which versions exist. Then the names that the missing blocks would
-    have in those versions are looked up. `missing` holds the blocks of `plan` that are not done.
+    A block is the unit of work. Its rows are stored in a file, the shard, which is named by the
+    block's key. Versions are part of the key, so the plan has no key for shards of other versions.
+    A sample of these shards shows which versions exist. Then the shards of the missing blocks are
+    looked up under the keys that the blocks would have in those versions. `missing` holds the
+    blocks of `plan` that are not done.
     """
     if not missing:
         return {}
@@ -87,9 +93,10 @@ def count_outdated(study: Study, store: Store, plan: Plan, missing: Plan) -> dic
 
 
 def _read_versions(path: Path, default: tuple[int, int]) -> tuple[int, int]:
-    """Read the schema version and numerics version of a shard.
+    """Read the schema version and the numerics version from the metadata of a shard.
 
-    Return `default` if the file cannot be read or does not name both.
+    A shard is a stored file of rows. Return `default` if the file cannot be read or lacks one of
+    the two versions.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq

@@ -1,8 +1,9 @@
 """Runs in a worker (a thread, a process or another machine): computes and stores blocks.
 
-A worker writes each shard as soon as the block is done. If the worker does not see the run folder,
-it returns the shard instead. A worker catches every exception but Ctrl-C: if an exception escapes,
-joblib drops its whole queue.
+A block is the unit of work; its rows are stored in one file, the shard. A worker writes each shard
+as soon as the block is done. If the worker does not see the run folder, it returns the shard
+instead. A worker catches every exception but Ctrl-C, because joblib drops its whole queue if an
+exception escapes.
 """
 
 from __future__ import annotations
@@ -38,10 +39,10 @@ NOT_COMPUTED = "not computed, because the disk is full"
 
 @dataclass(frozen=True)
 class Returned:
-    """A sealed shard that its worker could not write into the run folder.
+    """A shard (the file of one block) that a worker could not write into the run folder.
 
     `key` and `label` are those of the block, `data` are the shard's bytes, and `succeeded` is the
-    number of cases that have not failed.
+    number of the block's cases that have not failed.
     """
 
     key: str
@@ -52,7 +53,7 @@ class Returned:
 
 @dataclass
 class TaskResult:
-    """The result of a task, which the worker fills in.
+    """The result of a task (some blocks that run together), which the worker fills in.
 
     Attributes
     ----------
@@ -61,19 +62,20 @@ class TaskResult:
     computed, reused
         Number of cases computed, and of cases that another sweep had stored meanwhile.
     failures
-        Cases that failed. Unless the sweep was stopped, these are all other cases of the task.
+        Cases that failed. Unless the sweep was stopped, each case of the task is computed, reused
+        or failed.
     details
-        Tracebacks of failed blocks; "" if there are none.
+        Tracebacks of failed blocks; "" if no block raised an exception.
     seconds
         Label of each computed block -> its computing time in s.
     returned
-        Shards that the process of the sweep must store.
+        Shards that the process which started the sweep must store.
     entries
         Messages logged in another process or machine; empty for a thread.
     disk_full
         Whether a shard could not be written because the disk is full.
     told
-        Number of cases that a thread has already reported to the progress.
+        Number of cases that the worker, if it is a thread, has already reported to the progress.
     """
 
     task: int
@@ -103,8 +105,8 @@ class Work:
     backend
         The joblib backend: "threading", "loky" (processes) or "dask" (a cluster).
     token
-        The name of a file in the run folder; a machine that finds this file shares the folder. None
-        if there is no such file.
+        The name of a file in the run folder, by which another machine recognises that it sees this
+        folder. None if there is no such file.
     """
 
     study: Study
@@ -115,9 +117,9 @@ class Work:
     token: str | None = None
 
     def shares_folder(self) -> bool:
-        """Return whether this worker sees the run folder itself.
+        """Return whether the worker sees the run folder of the process that started the sweep.
 
-        On another machine, a different folder may have the path of the run folder.
+        On another machine, a different folder may have the same path.
         """
         if self.backend != "dask":
             return True
@@ -128,7 +130,8 @@ class Work:
 class Local:
     """What threads share with the sweep that started them: a stop flag and a progress callback.
 
-    Processes and other machines have no such object.
+    `tell` takes the number of cases of a finished block. Processes and other machines have no such
+    object.
     """
 
     stop: threading.Event
@@ -136,11 +139,12 @@ class Local:
 
 
 def run_task(work: Work, number: int, blocks: Plan, local: Local | None = None) -> TaskResult:
-    """Run the blocks of one task, and store each block as soon as it is done.
+    """Run the blocks (units of work) of one task, and store each block as soon as it is done.
 
-    Return the result of the task, which has the number `number`. If a block raises an exception,
-    this block alone fails, and the remaining blocks are run. If the worker's versions differ from
-    those of the sweep, all blocks fail.
+    Return the result of the task, whose number is `number`. If a block raises an exception, only
+    this block fails, and the remaining blocks are run. If the worker's versions of owtsweep and the
+    study differ from the versions in `work`, all blocks fail. `local` is what a thread shares with
+    the sweep; None for processes and other machines.
     """
     result = TaskResult(number)
     differs = tell_other_versions(work.study, work.metadata)
@@ -196,7 +200,10 @@ class _Task:
             self._fail(key, "RuntimeError: the study gave no rows for it")
 
     def _skip_stored(self) -> None:
-        """Skip the blocks that another sweep has meanwhile stored in this run folder."""
+        """Skip the blocks that another sweep has stored meanwhile; their cases count as reused.
+
+        No block is skipped if the worker does not see the run folder.
+        """
         for key, block in list(self.left.items()):
             if self.shares and self.work.store.status(key) == "done":
                 del self.left[key]
@@ -260,7 +267,7 @@ class _Task:
 
 
 def one_line(error: BaseException) -> str:
-    """Return type and message of an exception in one line; without a message, the type alone."""
+    """Return type and message of an exception in one line; only the type if it has no message."""
     return as_text(error).removesuffix(":")
 
 

@@ -1,4 +1,4 @@
-"""Checks that a user can run on an own scheme, source of motion or study."""
+"""Checks for users who wrote a scheme, a source of motion or a study of their own."""
 
 from owtsweep.testing.schemes import (
     check_declaration,

@@ -1,13 +1,12 @@
-"""Checks that a scheme, also a user's, keeps the contract of a scheme.
+"""Checks that a scheme, e.g. a user's, keeps the contract in `owtsweep.studies.hub.contract`.
 
     from owtsweep.testing import check_scheme
 
     def test_my_scheme():
         check_scheme(MyScheme())
 
-If a scheme breaks the contract, the check raises `AssertionError` with one line that names the
-broken part. The four schemes of the hub study pass these checks. The contract is in
-`owtsweep.studies.hub.contract`.
+If the scheme breaks the contract, the check raises `AssertionError`. Its message is one line that
+names the broken part. The four schemes of the hub study pass these checks.
 """
 
 from __future__ import annotations
@@ -39,15 +38,17 @@ def check_scheme(
     scheme
         An object with `name`, `linear`, `start(sensors, tuning)` and perhaps `kernel`.
     tuning
-        The argument `tuning` of `start`; if None, the configuration of the default study.
+        The argument `tuning` of the scheme's `start`. If None, the configuration of the hub study
+        without overrides is taken.
     sensors
-        The sensors with which the scheme is checked, one after the other; if None,
-        `example_sensors()`.
+        The sensors' parameters with which the scheme is checked, one after the other. If None,
+        `example_sensors()` is taken.
 
     Raises
     ------
     AssertionError
-        If a check fails, with one line that names the scheme and the broken part of the contract.
+        If a check fails. The message is one line that names the scheme and the broken part of the
+        contract.
     """
     check_declaration(scheme)
     if tuning is None:
@@ -63,9 +64,10 @@ def check_scheme(
 
 
 def example_sensors() -> list[Sensors]:
-    """Return three `Sensors` that differ in rate, yaw and gravity.
+    """Return three sets of sensor parameters, which differ in GNSS delay, yaw and gravity.
 
-    Their GNSS delays are zero, shorter than the interval between position fixes, and longer.
+    The GNSS delay is shorter than the interval between position fixes in the first set, zero in the
+    second, and longer than this interval in the third. The IMU rate is 20, 20 and 50 Hz.
     """
 
     def sensors(
@@ -89,7 +91,7 @@ def check_declaration(scheme: Any) -> None:
     Raises
     ------
     AssertionError
-        If one of the three is missing.
+        If the name, `linear` or `start` is missing or invalid.
     """
     try:
         require_scheme(scheme, type(scheme).__name__)
@@ -100,8 +102,15 @@ def check_declaration(scheme: Any) -> None:
 def check_estimates(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
     """Check that estimates are finite and have the right shapes, and that covariances are valid.
 
-    A covariance is valid if it is symmetric and has no negative eigenvalue. If the scheme is
-    linear, its estimate must also stay at zero when all data are zero.
+    A covariance is valid if it is symmetric and has no negative eigenvalue. A linear scheme's
+    estimate must also stay at zero while all measurements are zero.
+
+    Parameters
+    ----------
+    scheme
+        The scheme to check.
+    sensors, tuning
+        The arguments of the scheme's `start`.
 
     Raises
     ------
@@ -128,14 +137,21 @@ def check_estimates(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_starts(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
-    """Check that each call of `start` returns a new estimator, independent of all others.
+    """Check that each call of a scheme's `start` returns a new, independent estimator.
 
-    An estimator must give equal estimates whether it runs alone or beside another one.
+    An estimator must give equal estimates whether it runs alone or in turn with another estimator.
+
+    Parameters
+    ----------
+    scheme
+        The scheme to check.
+    sensors, tuning
+        The arguments of the scheme's `start`.
 
     Raises
     ------
     AssertionError
-        If `start` returns one estimator twice, or estimates depend on another estimator.
+        If `start` returns the same estimator twice, or if another estimator changes the estimates.
     """
     force, fixes = _data(sensors)
     alone = _states(_run(scheme, sensors, tuning, force, fixes))
@@ -153,12 +169,19 @@ def check_starts(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_inputs(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
-    """Check that `update` neither changes its input arrays nor keeps references to them.
+    """Check that an estimator's `update` neither changes nor keeps the arrays that it is given.
+
+    Parameters
+    ----------
+    scheme
+        The scheme to check.
+    sensors, tuning
+        The arguments of the scheme's `start`, which makes the estimator.
 
     Raises
     ------
     AssertionError
-        If `update` changes an array, or estimates change when the caller reuses the arrays.
+        If `update` changes an array, or if estimates change when the caller reuses the arrays.
     """
     force, fixes = _data(sensors)
     expected = _states(_run(scheme, sensors, tuning, force, fixes))
@@ -183,12 +206,19 @@ def check_inputs(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_superposition(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
-    """Check that a linear scheme's estimate for a sum of data is the sum of its estimates.
+    """Check that a linear scheme's estimate for a sum of data is the sum of the estimates.
+
+    Parameters
+    ----------
+    scheme
+        The scheme to check.
+    sensors, tuning
+        The arguments of the scheme's `start`.
 
     Raises
     ------
     AssertionError
-        If the two differ, or the estimate is always zero.
+        If the estimate for the sum differs from the sum of the estimates, or is always zero.
     """
     force_a, fixes_a = _data(sensors, seed=1)
     force_b, fixes_b = _data(sensors, seed=2)
@@ -204,12 +234,19 @@ def check_superposition(scheme: Scheme, sensors: Sensors, tuning: Any) -> None:
 
 
 def check_kernel(scheme: Any, sensors: Sensors, tuning: Any) -> None:
-    """Check that the scheme's kernel for the batch engine gives the estimates that `update` gives.
+    """Check that a scheme's kernel for the batch engine gives the estimates that `update` gives.
+
+    Parameters
+    ----------
+    scheme
+        The scheme to check; it has a `kernel`.
+    sensors, tuning
+        The arguments of the scheme's `start`.
 
     Raises
     ------
     AssertionError
-        If the two differ.
+        If the estimates of the kernel differ from those of `update`.
     """
 
     force, fixes = _data(sensors)
@@ -224,10 +261,10 @@ def check_kernel(scheme: Any, sensors: Sensors, tuning: Any) -> None:
 
 
 def _data(sensors: Sensors, size: float = 1.0, seed: int = 0) -> tuple[Array, Array]:
-    """Draw normally distributed specific forces and positions, of the standard deviation `size`.
+    """Draw normally distributed measurements with mean 0 and standard deviation `size`.
 
-    Return the forces in the IMU's frame, shape (STEPS, 2), and the positions, one row per position
-    fix and two columns.
+    Returns the specific forces in the IMU's frame, shape (STEPS, 2), and the position fixes, shape
+    (number of fixes, 2).
     """
     random = np.random.default_rng(seed)
     fixes = -(-STEPS // sensors.fix_interval)
@@ -235,7 +272,10 @@ def _data(sensors: Sensors, size: float = 1.0, seed: int = 0) -> tuple[Array, Ar
 
 
 def _fix(sensors: Sensors, fixes: Array, step: int) -> Array | None:
-    """Return the position fix that arrives at a step, or None if none arrives."""
+    """Return the position fix, shape (2,), that arrives at a step; None if no fix arrives then.
+
+    `fixes` holds all position fixes, one per row.
+    """
     number, since = divmod(step, sensors.fix_interval)
     return None if since else fixes[number]
 
@@ -255,9 +295,10 @@ def _state(estimate: Estimate) -> Array:
 
 
 def _states(estimates: list[Estimate]) -> Array:
-    """Return position and velocity of all estimates, shape (steps, 4).
+    """Return position (2 columns) and velocity (2 columns) of all estimates, shape (steps, 4).
 
-    The estimates are read after the run, so that an estimator that reuses its output is detected.
+    Call this after all updates: an estimator that writes every estimate into the same array is then
+    detected.
     """
     return np.array([_state(estimate) for estimate in estimates])
 

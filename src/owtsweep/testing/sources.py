@@ -1,12 +1,12 @@
-"""Checks that a source of motion, also a user's, keeps the contract of a source.
+"""Checks that a source of motion, e.g. a user's, keeps the contract in `owtsweep.motion.source`.
 
     from owtsweep.testing import check_source
 
     def test_my_source():
         check_source(MySource(), steps=1000, step=0.02)
 
-If a source breaks the contract, the check raises `AssertionError` with one line that names the
-broken part. The contract is in `owtsweep.motion.source`.
+If the source breaks the contract, the check raises `AssertionError`. Its message is one line that
+names the broken part.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ EDGE = 0.1
 def check_source(
     source: Source, *, steps: int, step: float, history: int = 10, tolerance: float = TOLERANCE
 ) -> None:
-    """Run all checks on a source.
+    """Run all checks on a source of motion.
 
     Parameters
     ----------
@@ -36,15 +36,17 @@ def check_source(
     steps, step, history
         The arguments of `Source.realise` for a record that the source can give: number of steps,
         length of a step in s, and number of steps before t = 0. The step must be short compared
-        with the periods of the motion, and the history at least 1 step.
+        with the periods of the motion, and `history` at least 1.
     tolerance
-        Largest allowed difference of a derivative from the slope, relative to the derivative's
-        largest value.
+        Largest allowed difference between velocity and the slope of position, relative to the
+        largest velocity; also between acceleration and the slope of velocity, relative to the
+        largest acceleration.
 
     Raises
     ------
     AssertionError
-        If a check fails, with one line that names the source and the broken part of the contract.
+        If a check fails. The message is one line that names the source and the broken part of the
+        contract.
     """
     name = type(source).__name__
     assert isinstance(source, Source), f"{name}: needs `streams`, `duration` and `realise`"
@@ -60,15 +62,21 @@ def check_source(
 
 
 def check_streams(source: Source, *, steps: int, step: float, history: int) -> None:
-    """Check that the motion depends on the random streams that the source names, and on no others.
+    """Check that a source draws only from the random streams that it names.
 
-    `steps`, `step` and `history` are the arguments of `Source.realise`.
+    Parameters
+    ----------
+    source
+        The source of motion.
+    steps, step, history
+        The arguments of `Source.realise`: number of steps, length of a step in s, and number of
+        steps before t = 0.
 
     Raises
     ------
     AssertionError
-        If the source asks for streams other than those in `source.streams`. If equal streams give
-        motions that differ in any bit, or different streams give equal motions.
+        If the streams that the source asks for are not exactly those in `source.streams`. Also if
+        equal streams give motions that differ in any bit, or different streams give equal motions.
     """
     name = type(source).__name__
     asked: set[str] = set()
@@ -94,8 +102,8 @@ def check_streams(source: Source, *, steps: int, step: float, history: int) -> N
 def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -> None:
     """Check that velocity is the slope of position, and acceleration the slope of velocity.
 
-    A slope is a central difference. Its relative error is about (omega step)^2 / 6 for a motion of
-    the angular frequency omega in rad/s.
+    A slope is a central difference of a series. For a motion of the angular frequency omega
+    (rad/s), the slope's relative error is about (omega step)^2 / 6.
 
     Parameters
     ----------
@@ -104,12 +112,13 @@ def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -
     motion
         A motion that the source has given.
     tolerance
-        Largest allowed difference from the slope, relative to the derivative's largest value.
+        Largest allowed difference between velocity (or acceleration) and the slope, relative to the
+        largest velocity (or acceleration).
 
     Raises
     ------
     AssertionError
-        If velocity or acceleration differs from the slope by more than `tolerance`.
+        If velocity or acceleration differs from the slope by more than allowed.
     """
     steps = len(motion.position)
     inner = slice(1 + int(EDGE * steps), steps - 1 - int(EDGE * steps))
@@ -125,15 +134,22 @@ def check_derivatives(name: str, motion: Motion, tolerance: float = TOLERANCE) -
 
 
 def check_delayed_positions(name: str, motion: Motion) -> None:
-    """Check that the positions before t = 0 continue into the record without a jump.
+    """Check that the positions before t = 0 lead into the record without a jump.
 
-    A delayed sensor reports positions from before t = 0. `name` names the source in messages.
+    A delayed sensor reports positions from before t = 0 at the beginning of the record.
+
+    Parameters
+    ----------
+    name
+        The name of the source in messages.
+    motion
+        A motion that the source has given.
 
     Raises
     ------
     AssertionError
-        If the positions jump before or at t = 0, or `motion.position_at` does not return the
-        positions before t = 0 followed by the record.
+        If the positions jump before or at t = 0, or if `motion.position_at` does not return the
+        positions before t = 0 followed by those of the record.
     """
     history, steps = len(motion.before), len(motion.position)
     whole = np.concatenate([motion.before, motion.position])
@@ -151,7 +167,11 @@ def check_delayed_positions(name: str, motion: Motion) -> None:
 
 
 def _check_shapes(name: str, motion: Motion, steps: int, step: float, history: int) -> None:
-    """Check that all series of a motion have the requested number of samples and equal axes."""
+    """Raise `AssertionError` if a series of a motion has not the requested length, or other axes.
+
+    The series are position, velocity and acceleration of `steps` samples, and `before` of `history`
+    samples. `name` is the name of the source in messages; `step` is the requested step in s.
+    """
     assert motion.step == step, f"{name}: the step is {motion.step:g} s, not {step:g} s"
     axes = motion.position.shape[1:]
     lengths = {"position": steps, "velocity": steps, "acceleration": steps, "before": history}
@@ -163,14 +183,14 @@ def _check_shapes(name: str, motion: Motion, steps: int, step: float, history: i
 
 
 def _is_same(one: Motion, other: Motion) -> bool:
-    """Return whether all series of two motions have equal values."""
+    """Return whether two motions have equal positions, velocities, accelerations and history."""
     names = ("position", "velocity", "acceleration", "before")
     return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
 
 
 def _streams(replicate: int) -> Callable[[str], np.random.Generator]:
-    """Return a function that makes a new random generator for the name of a stream.
+    """Return a function that takes the name of a stream and returns a new random generator.
 
-    Equal names give equal generators within a replicate.
+    Within a replicate, equal names give generators with equal random numbers.
     """
     return lambda name: np.random.default_rng([replicate, *name.encode()])

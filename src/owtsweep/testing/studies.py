@@ -1,10 +1,12 @@
-"""Checks that a study, also a user's, keeps the contract of a study.
+"""Checks that a study, e.g. a user's, keeps the contract in `owtsweep.sweep.study`.
+
+    from owtsweep.testing import check_study
 
     def test_my_study():
         check_study(MyStudy())
 
-If a study breaks the contract, the check raises `AssertionError` with one line that names the
-broken part. The contract is in `owtsweep.sweep.study`.
+If the study breaks the contract, the check raises `AssertionError`. Its message is one line that
+names the broken part.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from owtsweep.sweep.runs import Run
 from owtsweep.sweep.study import FAILED, OK, UNABLE, Study
 from owtsweep.testing.variations import one_case, reversed_grids, variations
 
-#: Columns of the tables that all studies have: those left and those right of the conditions'.
+#: Columns of the tables `summary` and `best_scheme`: those before and after the conditions.
 SUMMARY = (("scheme",), ("measure", "window", "mean", "ci_low", "ci_high", "n"))
 BEST_SCHEME = (
     (),
@@ -32,7 +34,7 @@ BEST_SCHEME = (
         "ci_low", "ci_high", "distinguishable",
     ),
 )  # fmt: skip
-#: Further columns of these tables, present if a scheme has no value in some cells of the grid.
+#: Further columns of both tables, present if a scheme has no value in some cells of the grid.
 SETBACK = ("status", "reason")
 
 
@@ -46,17 +48,18 @@ def check_study(
     study
         The study.
     config
-        A small configuration of the study, which is run several times; runs are stored below the
-        folder that its key `results` names. If None, the default configuration of the study is
-        used, in a temporary folder.
+        A small configuration of the study. It is run several times, and the runs are stored in the
+        folder that its key `results` names. If None, the study's default configuration is run, and
+        the runs are stored in a temporary folder.
     failing
-        A configuration with which some cases fail and others do not. If None, failures are not
-        checked.
+        A configuration with which some cases fail and others succeed. If None, the handling of
+        failures is not checked.
 
     Raises
     ------
     AssertionError
-        If a check fails, with one line that names the study and the broken part of the contract.
+        If a check fails. The message is one line that names the study and the broken part of the
+        contract.
     """
     if config is None:
         with TemporaryDirectory() as folder:
@@ -74,12 +77,16 @@ def check_study(
 
 
 def check_plan(study: Study, config: Config) -> None:
-    """Check that the plan is deterministic, and that its blocks do not depend on the grid's order.
+    """Check that planning a configuration twice gives equal blocks, whatever the order of the grid.
+
+    A block is a part of the plan. A block's key is a hash of everything on which its results
+    depend.
 
     Raises
     ------
     AssertionError
-        If two plans differ in their keys, or reversing an axis of the grid changes the set of keys.
+        If two plans of the configuration differ in the blocks' keys, or if reversing an axis of the
+        grid changes the set of these keys.
     """
     keys = _keys(study, config)
     assert keys == _keys(study, config), f"{study.name}: two plans of one configuration differ"
@@ -91,17 +98,22 @@ def check_plan(study: Study, config: Config) -> None:
 
 
 def check_keys(study: Study, config: Config) -> list[str]:
-    """Check that every configuration key changes the keys of some blocks, or is declared inert.
+    """Check that each configuration key changes blocks of the plan, unless the key is inert.
+
+    A configuration key is inert if the configuration's type declares that it changes no number. A
+    block of the plan has changed if its hash has changed.
 
     Returns
     -------
     list of str
-        The configuration keys that were not checked, because no tried value was accepted.
+        The configuration keys that were not checked, because the study accepted none of the values
+        that were tried.
 
     Raises
     ------
     AssertionError
-        If an inert key changes the blocks' keys, or another key does not.
+        If changing an inert configuration key changes the blocks' hashes, or changing another
+        configuration key does not.
     """
     keys = set(_keys(study, config))
     untried = []
@@ -121,14 +133,15 @@ def check_keys(study: Study, config: Config) -> list[str]:
 
 
 def check_run(study: Study, config: Config) -> Run:
-    """Sweep twice; check that the second sweep computes nothing, and show and draw the run.
+    """Run a study twice; check that the second run computes nothing, and that results can be shown.
 
-    Return the run.
+    Returns the run.
 
     Raises
     ------
     AssertionError
-        If a case fails, the second sweep computes a case, or nothing is shown or drawn.
+        If a case fails, if the second run computes a case, if the terminal shows nothing, or if no
+        figure is drawn.
     """
     cases = count_cases(make_plan(study, config))
     first = sweep(study, config)
@@ -152,11 +165,13 @@ def check_run(study: Study, config: Config) -> Run:
 def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
     """Check that rows have the required columns and a valid status, and that no row appears twice.
 
+    `rows` are the results of a run of the study with the configuration.
+
     Raises
     ------
     AssertionError
-        If a column is missing, two rows have equal `sort_columns`, a status is unknown, or a row
-        has a reason and the status "ok", or neither.
+        If a column is missing, if two rows agree in all `sort_columns` of the engine, if a status
+        is unknown, if a row with the status "ok" has a reason, or if another row has none.
     """
     identity = study.engine(config).sort_columns()
     conditions = [c.name for c in study.conditions(config) if not c.expands]
@@ -175,14 +190,14 @@ def check_rows(study: Study, config: Config, rows: pd.DataFrame) -> None:
 
 
 def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) -> None:
-    """Check that there are tables, and that two of them have the columns that scripts rely on.
+    """Check that a run has tables, and that `summary` and `best_scheme` have the required columns.
 
-    The two are `summary` and `best_scheme`; either may be absent.
+    Either of these two tables may be absent. `tables` holds all tables of the run by name.
 
     Raises
     ------
     AssertionError
-        If there is no table, or one of the two has other columns.
+        If the run has no table, or if `summary` or `best_scheme` has other columns.
     """
     assert tables, f"{study.name}: a run has no table"
     conditions = [condition.name for condition in study.conditions(config)]
@@ -197,12 +212,15 @@ def check_tables(study: Study, config: Config, tables: dict[str, pd.DataFrame]) 
 
 
 def check_blocks_alone(study: Study, config: Config) -> None:
-    """Check that a block gives equal rows whether it runs alone or together with its group.
+    """Check that each block gives the same rows whether it runs alone or together with its group.
+
+    A block is a part of the plan; blocks of a group run together. The first block of each group is
+    not run alone.
 
     Raises
     ------
     AssertionError
-        If the rows differ.
+        If a block gives other rows when it runs alone.
     """
     engine = study.engine(config)
     for task in make_tasks(make_plan(study, config)):
@@ -216,12 +234,14 @@ def check_blocks_alone(study: Study, config: Config) -> None:
 
 
 def check_failures(study: Study, config: Config) -> None:
-    """Check that a failed case has a reason and does not make all other cases fail.
+    """Check that a failed case has a reason, and that other cases succeed in spite of it.
+
+    `config` is a configuration with which some cases fail.
 
     Raises
     ------
     AssertionError
-        If no case fails with this configuration, no case succeeds, or a reason is empty.
+        If no case fails, if no case succeeds, or if a failed case has no reason.
     """
     outcome = sweep(study, config)
     rows = outcome.run.cases()

@@ -1,4 +1,4 @@
-"""Makes variations of a configuration: one key changed, an axis reversed, or one case only."""
+"""Make variations of a configuration: one key changed, an axis reversed, or a single case."""
 
 from __future__ import annotations
 
@@ -14,13 +14,15 @@ NOT_VARIED = frozenset({"grid", "schemes", "study", "config_version"})
 
 
 def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
-    """Yield, for each key in turn, the configuration with another value that the study accepts.
+    """Yield the configuration with one key changed, for each key in turn.
+
+    Keys in `NOT_VARIED` are left out.
 
     Yields
     ------
     tuple
-        Three items: the dotted key; True if the key may change numbers, False if it is declared
-        inert; the changed configuration, or None if no tried value was accepted.
+        Three items: the dotted key; False if the key is declared to change no number (inert), else
+        True; the changed configuration, or None if the study accepts none of the values tried.
     """
     for name, field, value in _leaves(config):
         sections = {name[:end] for end, sign in enumerate(name) if sign == "."}
@@ -30,16 +32,16 @@ def variations(config: Config) -> Iterator[tuple[str, bool, Any]]:
 
 
 def reversed_grids(config: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the name of each axis of the grid, with the configuration in which it is reversed."""
+    """Yield for each axis of the grid its name, and the configuration with the axis reversed."""
     for name, values in config.grid:
         if isinstance(values, list):
             yield name, with_values(config, {f"grid.{name}": values[::-1]})
 
 
 def one_case(config: Any) -> Any:
-    """Return the configuration of a run with a single case, named `one-case`.
+    """Return the configuration of a run with a single case; the run is named "one-case".
 
-    The case has the first value of each axis, one replicate and the first scheme.
+    The case has the first value of each axis of the grid, one replicate and the first scheme.
     """
     values: dict[str, Any] = {"name": "one-case"}
     for name, item in config.grid:
@@ -50,7 +52,10 @@ def one_case(config: Any) -> Any:
 
 
 def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
-    """Yield dotted key, field and value of each key that is not a section."""
+    """Yield the dotted key, pydantic field and value of each key in a section and its subsections.
+
+    `prefix` is the text before each key, e.g. "grid.". Keys whose value is a section are left out.
+    """
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
         if isinstance(value, Section):
@@ -60,9 +65,16 @@ def _leaves(section: Any, prefix: str = "") -> Iterator[tuple[str, Any, Any]]:
 
 
 def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
-    """Return the configuration with another value of one key: the first that is accepted.
+    """Return the configuration with another value of the key `name`: the first that is accepted.
 
-    Return None if no tried value is accepted.
+    Returns None if no tried value is accepted.
+
+    Parameters
+    ----------
+    config
+        The configuration, which is not changed.
+    name, field, value
+        Dotted key, its pydantic field and its value in `config`.
     """
     for candidate in _candidates(field.annotation, value):
         if candidate == value:
@@ -77,7 +89,15 @@ def _vary(config: Any, name: str, field: Any, value: Any) -> Any:
 
 
 def _candidates(annotation: Any, value: Any) -> list[Any]:
-    """Return values to try for a key of this type; empty if nothing is known of the type."""
+    """Return values to try for a key; an empty list if none are known for its type.
+
+    Parameters
+    ----------
+    annotation
+        The type annotation of the key.
+    value
+        The present value of the key, which may be among the values returned.
+    """
     kind = bare_type(annotation)
     if get_origin(kind) is Literal:
         return list(get_args(kind))

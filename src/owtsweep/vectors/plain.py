@@ -1,8 +1,9 @@
-"""Values of eight lanes in plain numba: the functions and operators of `rows` and `vector`.
+"""Values of eight floats ("lanes") as tuples, for numba without LLVM vectors.
 
+The functions and operators have the names and results of those in the modules `rows` and `vector`.
 A value is a named tuple of floats, eight for each group of lanes. A product keeps its two factors
-until it is added to something, as in `vector`. Rows are the tuples of arrays themselves. Only
-`numba.extending` and one instruction of llvmlite's builder, the fused multiply-add, are used.
+until it is added to something. Rows are tuples of arrays. Of numba and llvmlite, this module uses
+only `numba.extending` and one instruction of llvmlite's builder, the fused multiply-add.
 
 numba compiles one function for each combination of operand types. The source text of this function
 is generated here, because numba can only make a tuple element by element.
@@ -23,13 +24,13 @@ ROOMY = True
 
 
 class Vector(NamedTuple):
-    """The floats of a value: eight for each group of lanes."""
+    """A value of kernels: a tuple of floats, eight for each group of lanes."""
 
     lanes: tuple[float, ...]
 
 
 class Product(NamedTuple):
-    """The two factors of a product that has not been computed yet."""
+    """A product that has not been computed yet: its two factors."""
 
     left: Vector
     right: Vector
@@ -37,7 +38,10 @@ class Product(NamedTuple):
 
 @intrinsic
 def fused(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
-    """Return a * b + c for three floats, rounded once."""
+    """Return a * b + c for three floats, rounded only once (fused multiply-add).
+
+    numba passes `typingctx`.
+    """
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return builder.fma(*args)
@@ -46,7 +50,7 @@ def fused(typingctx: Any, a: Any, b: Any, c: Any) -> Any:
 
 
 def _count(kind: Any) -> int:
-    """Return the number of lanes of a type; 0 if the type is neither a vector nor a product."""
+    """Return the number of lanes of a numba type; 0 if it is neither a vector nor a product."""
     if not isinstance(kind, types.BaseNamedTuple):
         return 0
     if kind.instance_class is Product:
@@ -59,9 +63,16 @@ def _is_product(kind: Any) -> bool:
 
 
 def _lane(kind: Any, name: str) -> str:
-    """Return source text for lane {i} of an operand called `name`, of the numba type `kind`.
+    """Return source text for one lane of an operand; `{i}` stands for the number of the lane.
 
-    The two factors of a product are multiplied. A float has the same value in all lanes.
+    For a product, the text multiplies the two factors. For a float, the text is only the name.
+
+    Parameters
+    ----------
+    kind
+        The numba type of the operand: a vector, a product or a float.
+    name
+        The operand's name in the source text.
     """
     if _is_product(kind):
         return f"({name}.left.lanes[{{i}}] * {name}.right.lanes[{{i}}])"
@@ -79,7 +90,16 @@ def _function(parameters: str, body: str) -> Any:
 
 
 def _define(function: Any, text: Any) -> None:
-    """Define an operator. `text(a, b)` makes the source of one lane from the operands' types."""
+    """Define a Python operator, e.g. `operator.add`, for vectors, products and floats in numba.
+
+    Parameters
+    ----------
+    function
+        The operator.
+    text
+        Function of the numba types of both operands that returns source text for one lane of the
+        result; `{i}` in the text stands for the lane's number.
+    """
 
     @overload(function, jit_options={"error_model": "numpy"})
     def implementation(a, b):
@@ -112,38 +132,43 @@ def _multiply(a, b):
 
 
 def rounded(product):
-    """Multiply a product's factors; return the vector, so that several sums can use it."""
+    """Compute a product; return it as a vector, which several sums can use."""
+
+
+def borrowed_type(kind: Any) -> Any:
+    """Return the numba type that `borrowed` makes of a value of the type `kind`: the same type."""
+    return kind
 
 
 @register_jitable
 def borrowed(value):
-    """Return data for kernels unchanged (with LLVM vectors, `rows.borrowed` changes it)."""
+    """Return data unchanged; with LLVM vectors, `rows.borrowed` removes the reference counts."""
     return value
 
 
 def groups(whole):
-    """Split rows, or a vector, into groups of eight lanes; return a tuple of them."""
+    """Split rows or a vector into groups of eight lanes; return a tuple with one item per group."""
 
 
 def element(array, i):
-    """Return element i, in memory order, of a C-contiguous array of any shape."""
+    """Return element number i, counted in memory order, of a C-contiguous array of any shape."""
 
 
 def load(rows, i):
-    """Return a vector of row i of each group of lanes."""
+    """Return a vector with row i of each array in `rows`; each array is a group of eight lanes."""
 
 
 def store(rows, i, vector):
-    """Write a vector to row i of each group of lanes."""
+    """Write a vector to row i of the arrays in `rows`; each array is a group of eight lanes."""
 
 
 @register_jitable
 def prefetch(rows, i):
-    """Do nothing (with LLVM vectors, `rows.prefetch` fetches row i into the cache)."""
+    """Do nothing; with LLVM vectors, the function `rows.prefetch` fetches row i into the cache."""
 
 
 def zero(rows):
-    """Return a vector of zeros with as many groups of lanes as `rows`."""
+    """Return a vector of zeros with one group of eight lanes for each array in `rows`."""
 
 
 @overload(rounded)

@@ -1,10 +1,10 @@
-"""Load vectors from rows of lanes in memory, and store them there; read elements of other arrays.
+"""Load LLVM vectors from rows of eight floats in memory, and store vectors there.
 
-`borrowed` makes rows from a tuple of C-contiguous arrays (n, 8), one array per group of lanes.
-`load(rows, i)` reads row i and `store(rows, i, vector)` writes row i, without bounds checks.
-`prefetch(rows, i)` fetches row i into the cache early. `zero(rows)` is a vector of zeros. `groups`
-splits rows and vectors into groups of lanes. `element(array, i)` is an element of any C-contiguous
-array, without bounds checks.
+`borrowed` makes rows from a tuple of C-contiguous arrays of shape (n, 8), one array per group of
+eight lanes. `load(rows, i)` reads row i and `store(rows, i, vector)` writes row i, both without
+bounds checks. `prefetch(rows, i)` fetches row i into the cache early. `zero(rows)` is a vector of
+zeros. `groups` splits rows and vectors into groups of lanes. `element(array, i)` reads an element
+of any other C-contiguous array, without bounds checks.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ POINTER = ir.PointerType()
 
 
 class _RowsType(types.Type):
-    """The numba type of rows: the address of the first row of each group of lanes.
+    """The numba type of rows: for each group of eight lanes, the address of the group's first row.
 
-    Values of this type have no reference counts.
+    Values of this type have no reference counts. `parts` is the number of groups.
     """
 
     def __init__(self, parts: int) -> None:
@@ -49,11 +49,12 @@ def _holds_rows(kind: Any) -> bool:
     return whole and kind.dtype == types.float64
 
 
-def _borrowed_type(kind: Any) -> Any:
+def borrowed_type(kind: Any) -> Any:
+    """Return the numba type that `borrowed` makes of a value of the type `kind`."""
     if isinstance(kind, containers.UniTuple) and _holds_rows(kind.dtype):
         return ROWS[len(kind)]
     if isinstance(kind, containers.BaseNamedTuple):
-        return containers.NamedTuple([_borrowed_type(field) for field in kind], kind.instance_class)
+        return containers.NamedTuple([borrowed_type(field) for field in kind], kind.instance_class)
     return kind
 
 
@@ -66,7 +67,7 @@ def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
     if not isinstance(kind, containers.BaseTuple):
         return value
     parts = list(zip(kind, cgutils.unpack_tuple(builder, value, len(kind)), strict=True))
-    target = _borrowed_type(kind)
+    target = borrowed_type(kind)
     if isinstance(target, _RowsType):
         arrays = [context.make_array(one)(context, builder, part) for one, part in parts]
         return join(builder, [array.data for array in arrays], POINTER)
@@ -78,21 +79,24 @@ def _borrow(context: Any, builder: Any, kind: Any, value: Any) -> Any:
 def borrowed(typingctx: Any, value: Any) -> Any:
     """Return data for kernels without reference counts; the caller must keep the data alive.
 
-    A tuple of arrays (n, 8), one for each group of lanes, becomes rows. Other arrays, also those in
-    named tuples, are returned without their owner. With an owner, numba would update the array's
-    reference count, in memory that all threads share, at every call and access. With many short
-    calls these updates take as much time as the filter itself.
+    A tuple of arrays of shape (n, 8), one array for each group of eight lanes, becomes rows. Any
+    other array, alone or in a named tuple, is returned without its owner. If an array had an owner,
+    numba would update a reference count, in memory that all threads share, at every call and
+    access. With many short calls these updates take as much time as the filter itself.
     """
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         return _borrow(context, builder, sig.args[0], args[0])
 
-    return _borrowed_type(value)(value), codegen
+    return borrowed_type(value)(value), codegen
 
 
 @intrinsic
 def groups(typingctx: Any, whole: Any) -> Any:
-    """Split rows, or a vector, into groups of eight lanes; return a tuple of them."""
+    """Split rows or a vector into groups of eight lanes; return a tuple with one item per group.
+
+    `whole` is the numba type of the rows or the vector; numba passes `typingctx`.
+    """
 
     rows = isinstance(whole, _RowsType)
     kind: Any = whole if rows else VECTORS[whole.parts]
@@ -107,10 +111,11 @@ def groups(typingctx: Any, whole: Any) -> Any:
 
 @intrinsic
 def element(typingctx: Any, array: Any, i: Any) -> Any:
-    """Return element i, in memory order, of a C-contiguous array of any shape.
+    """Return element number i, counted in memory order, of a C-contiguous array of any shape.
 
-    There is no bounds check. With one index per dimension, numba must handle negative indices and
-    unknown strides. For a row of a small matrix this takes as much work as the sum that needs it.
+    There is no bounds check. numba's own indexing, with one index per dimension, must handle
+    negative indices and unknown strides. For a row of a small matrix, this handling takes as much
+    work as the sum that uses the row.
     """
     if array.layout != "C":
         return None
@@ -126,13 +131,26 @@ def element(typingctx: Any, array: Any, i: Any) -> Any:
 
 
 def _addresses(builder: Any, kind: Any, rows: Any, row: Any) -> list[Any]:
-    """Return the address of a row in each group of lanes."""
+    """Return the addresses of one row, one address for each group of eight lanes.
+
+    Parameters
+    ----------
+    builder
+        The builder of LLVM code.
+    kind
+        The numba type of `rows`.
+    rows, row
+        LLVM values: the rows, and the number of the row.
+    """
     return [builder.gep(first, [row], source_etype=LANES) for first in split(builder, kind, rows)]
 
 
 @intrinsic
 def load(typingctx: Any, rows: Any, i: Any) -> Any:
-    """Return a vector of row i of each group of lanes, without a bounds check."""
+    """Return a vector with row i of each group of eight lanes; there is no bounds check.
+
+    numba passes `typingctx`.
+    """
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         addresses = _addresses(builder, rows, *args)
@@ -143,7 +161,10 @@ def load(typingctx: Any, rows: Any, i: Any) -> Any:
 
 @intrinsic
 def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
-    """Write a vector to row i of each group of lanes, without a bounds check."""
+    """Write a vector to row i of each group of eight lanes; there is no bounds check.
+
+    numba passes `typingctx`.
+    """
     kind = VECTORS[rows.parts]
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -159,8 +180,9 @@ def store(typingctx: Any, rows: Any, i: Any, vector: Any) -> Any:
 def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
     """Fetch row i, which may be out of bounds, into the processor's second-level cache.
 
-    The hardware fetches the next rows by itself, but stops at the end of each page of memory, every
-    64 rows. The first-level cache is too small for all rows that are fetched so early.
+    The hardware fetches the next rows without being asked, but stops at the end of each page of
+    memory, which holds 64 rows. The first-level cache is too small for all rows that are fetched so
+    early.
     """
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:
@@ -176,7 +198,10 @@ def prefetch(typingctx: Any, rows: Any, i: Any) -> Any:
 
 @intrinsic
 def zero(typingctx: Any, rows: Any) -> Any:
-    """Return a vector of zeros with as many groups of lanes as `rows`."""
+    """Return a vector of zeros with as many groups of eight lanes as `rows` has.
+
+    numba passes `typingctx`.
+    """
     kind = VECTORS[rows.parts]
 
     def codegen(context: Any, builder: Any, sig: Any, args: Any) -> Any:

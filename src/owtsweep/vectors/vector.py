@@ -1,22 +1,24 @@
-"""Values of eight lanes, which kernels add and multiply by single instructions.
+"""Values of eight floats ("lanes"), which kernels add and multiply by single instructions.
 
 LLVM turns a plain loop over lanes into packed instructions only if it can prove that arrays do not
-overlap, and it keeps the state in memory between steps. A `Vector` is one LLVM value of eight
-doubles: it stays in registers, and every operation on it is packed. Lanes are independent, and each
-operation is an IEEE operation in each lane.
+overlap, and the loop keeps the filter's state in memory between steps. A vector is one LLVM value
+of eight doubles: it stays in registers, and every operation on it is packed. Each operation is an
+IEEE operation in each lane, and the lanes do not affect each other.
 
 In a sum or difference with a product, the product is not rounded first: `x + a * b` is always
 IEEE's fused multiply-add, fma(a, b, x). So the result is the same on every machine and does not
 depend on the compiler. (On a processor without this instruction, a slow function of the C library
-is called.) With two products the left one is rounded: `a * b + c * d` is fma(c, d, a * b). For this
-purpose a product is a separate type that holds its two factors, also in a variable. Any other use
-multiplies the factors; `rounded(a * b)` is a vector.
+is called.) In a sum of two products, the left product is rounded: `a * b + c * d` is
+fma(c, d, a * b). For this purpose a product is a separate type that holds its two factors, even
+when it is stored in a variable. Any use other than a sum or difference multiplies the factors;
+`rounded(a * b)` multiplies them too and returns a vector.
 
-A step of a filter waits for the previous step. A vector may therefore hold several groups of lanes,
-with one instruction for each group. The processor works on one group while another group waits, and
-the gains are read once for all groups.
+A step of a filter waits for the previous step. A vector may therefore hold several groups of eight
+lanes, with one instruction for each group. The processor works on one group while another group
+waits, and the gains are read once for all groups.
 
-Inside kernels `+ - * /` take vectors and floats; `rows` loads and stores vectors.
+In kernels the operators `+ - * /` take vectors and floats. The module `rows` loads and stores
+vectors.
 """
 
 from __future__ import annotations
@@ -55,7 +57,10 @@ class _VectorType(types.Type):
 
 
 class _ProductType(types.Type):
-    """The numba type of a product: two factors that have not been multiplied yet."""
+    """The numba type of a product of two vectors: its two factors, not multiplied yet.
+
+    `parts` is the number of groups of eight lanes.
+    """
 
     def __init__(self, parts: int) -> None:
         self.parts = parts
@@ -83,7 +88,17 @@ class _ProductModel(models.PrimitiveModel):
 
 
 def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
-    """Combine LLVM registers, or addresses, into one value."""
+    """Combine LLVM values, either registers of eight lanes or addresses, into one value.
+
+    Parameters
+    ----------
+    builder
+        The builder of LLVM code.
+    parts
+        The values to combine.
+    kind
+        The LLVM type of each of these values.
+    """
     value = ir.Constant(ir.LiteralStructType([kind] * len(parts)), ir.Undefined)
     for i, part in enumerate(parts):
         value = builder.insert_value(value, part, i)
@@ -91,13 +106,19 @@ def join(builder: Any, parts: Any, kind: Any = LANES) -> Any:
 
 
 def split(builder: Any, kind: Any, value: Any) -> list[Any]:
-    """Return the LLVM registers, or addresses, that make up a value."""
+    """Return the LLVM values that make up `value`: registers of eight lanes, or addresses.
+
+    `kind` is the numba type of `value`: a vector or rows.
+    """
     return [builder.extract_value(value, i) for i in range(kind.parts)]
 
 
 @intrinsic
 def rounded(typingctx: Any, product: Any) -> Any:
-    """Multiply a product's factors; return the vector, so that several sums can use it."""
+    """Compute a product; return it as a vector, which several sums can use.
+
+    `product` is the numba type of the product; numba passes `typingctx`.
+    """
     if not isinstance(product, _ProductType):
         return None
 
@@ -108,9 +129,18 @@ def rounded(typingctx: Any, product: Any) -> Any:
 
 
 def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
-    """Return an operand as registers, one for each group of lanes.
+    """Return an operand as a list of LLVM registers, one for each group of eight lanes.
 
     A float is put into all lanes. The factors of a product are multiplied.
+
+    Parameters
+    ----------
+    builder
+        The builder of LLVM code.
+    kind, value
+        The operand: its numba type and its LLVM value.
+    parts
+        Number of groups, for a float.
     """
     if isinstance(kind, _VectorType):
         return split(builder, kind, value)
@@ -123,13 +153,17 @@ def _spread(builder: Any, kind: Any, value: Any, parts: int) -> list[Any]:
 
 
 def _factors(builder: Any, kind: Any, value: Any) -> list[tuple[Any, Any]]:
-    """Return the two factors of a product for each group of lanes."""
+    """Return the factors of a product that has not been multiplied out yet.
+
+    There is a pair of registers (left factor, right factor) for each group of eight lanes. `kind`
+    is the product's numba type, and `value` is the product's LLVM value.
+    """
     factors = [builder.extract_value(value, i) for i in range(2 * kind.parts)]
     return list(zip(factors[: kind.parts], factors[kind.parts :], strict=True))
 
 
 def _fused(builder: Any, a: Any, b: Any, c: Any) -> Any:
-    """Return the LLVM value a * b + c, rounded once."""
+    """Return the LLVM value of a * b + c in eight lanes, rounded only once (fused multiply-add)."""
     kind = ir.FunctionType(LANES, [LANES] * 3)
     function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fma.v{WIDTH}f64")
     return builder.call(function, [a, b, c])
@@ -172,7 +206,10 @@ def _multiply(context: Any, builder: Any, sig: Any, args: Any) -> Any:
 
 
 def _operands(builder: Any, sig: Any, args: Any) -> Any:
-    """Return the registers of both operands."""
+    """Return the registers of both operands: two lists with one register per group of eight lanes.
+
+    `sig` holds the numba types of the operands and the result, `args` the operands' LLVM values.
+    """
     pairs = zip(sig.args, args, strict=True)
     return [_spread(builder, *pair, sig.return_type.parts) for pair in pairs]
 

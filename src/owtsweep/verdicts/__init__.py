@@ -1,1 +1,1 @@
-"""Compare published numbers and statements with a run: 95 % intervals, verdicts, report page."""
+"""Compare published numbers and statements with a run; write tables and a report of verdicts."""

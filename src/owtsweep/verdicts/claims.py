@@ -1,4 +1,4 @@
-"""Claims that papers often make: one scheme's errors are smaller or larger than another's."""
+"""Make claims that one scheme's errors are smaller (or larger) than those of another scheme."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from owtsweep.verdicts.inference import Claim, Decision, Estimate, Side, mean_ra
 
 
 def gather(text: str, parts: Iterable[tuple[str, Decision | None]]) -> Claim:
-    """Combine the decisions on many places, e.g. cells of a grid, into one claim.
+    """Combine decisions made at many places, e.g. at cells of a grid, into one claim.
 
     Parameters
     ----------
     text
-        What is asserted, in words.
+        What is claimed, in words.
     parts
-        Name of a place, and the run's decision there; None where the run lacks the data. A place
-        may occur several times. The names of places without a decision become the claim's
-        `missing`, each once.
+        Pairs of a place's name and the run's decision there; the decision is None where the run
+        lacks the data. A place may occur several times. The names of places without a decision
+        become the claim's `missing`, each name once.
     """
     decisions, missing = [], []
     for name, decision in parts:
@@ -32,9 +32,19 @@ def gather(text: str, parts: Iterable[tuple[str, Decision | None]]) -> Claim:
 def claim_estimate(
     text: str, name: str, estimate: Estimate | None, thresholds: Mapping[Side, float]
 ) -> Claim:
-    """Make a claim that compares an estimate with one threshold on each side given.
+    """Make a claim that compares an estimate with a threshold, or with one threshold on each side.
 
-    Without an estimate, the claim has no decision, and `name` is its missing datum.
+    Parameters
+    ----------
+    text
+        What is claimed, in words.
+    name
+        Name of the estimate. If the estimate is None, the claim has no decision, and this name is
+        its missing datum.
+    estimate
+        A quantity with its 95 % interval; None if the run lacks the quantity.
+    thresholds
+        Side ("below" or "above") -> the threshold on whose side the quantity is claimed to lie.
     """
     if estimate is None:
         return Claim(text, (), (name,))
@@ -44,10 +54,24 @@ def claim_estimate(
 def claim_against_best(
     text: str, evidence: Evidence, scheme: str, cells: Sequence[Cell], side: Side
 ) -> Claim:
-    """Claim for every cell that a scheme's mean error is below (above) the best other scheme's.
+    """Claim for every cell that a scheme's error is smaller (or larger) than its best rival's.
 
-    The ratio of the two mean position MSEs is compared with 1. The best other scheme is chosen in
-    each cell by `Evidence.best_other`. A cell without the data is missing.
+    A cell is a combination of conditions in the run's grid. In each cell the ratio of the two mean
+    position MSEs is compared with 1. The best rival is found in each cell by `Evidence.best_other`.
+    The claim's `missing` lists cells without data.
+
+    Parameters
+    ----------
+    text
+        What is claimed, in words.
+    evidence
+        The run's values.
+    scheme
+        The scheme in the numerator of the ratio.
+    cells
+        The cells to compare.
+    side
+        "below" to claim that the numerator is smaller, "above" to claim that it is larger.
     """
 
     def decide(cell: Cell) -> Decision | None:
@@ -69,9 +93,25 @@ def claim_ratio(
     *,
     measure: str = "position",
 ) -> Claim:
-    """Claim for every cell that the first scheme's mean error is below (above) the second's.
+    """Claim for every cell that one scheme's error is smaller (or larger) than a second scheme's.
 
-    The ratio of the two means of `measure` is compared with 1. A cell without the data is missing.
+    A cell is a combination of conditions in the run's grid. In each cell the ratio of the two mean
+    errors is compared with 1. The claim's `missing` lists cells without data.
+
+    Parameters
+    ----------
+    text
+        What is claimed, in words.
+    evidence
+        The run's values.
+    schemes
+        The schemes in the numerator and in the denominator of the ratio.
+    cells
+        The cells to compare.
+    side
+        "below" to claim that the numerator is smaller, "above" to claim that it is larger.
+    measure
+        The kind of error, e.g. "position" for the position MSE.
     """
     first, second = schemes
 

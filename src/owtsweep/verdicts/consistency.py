@@ -1,9 +1,10 @@
 """Judge in every cell whether a scheme's covariances agree with its errors, by NEES and NIS.
 
-NEES is the normalized estimation error squared, NIS the normalized innovation squared. A consistent
-filter has a mean NEES equal to the number of judged states, and a mean NIS equal to the number of
-measured quantities. A larger mean shows that the filter's covariance is too small (optimistic). A
-smaller mean shows that the covariance is too large (pessimistic).
+A cell is a combination of conditions in the run's grid. NEES is the normalized estimation error
+squared, NIS the normalized innovation squared. A consistent filter has a mean NEES equal to the
+number of judged states, and a mean NIS equal to the number of measured quantities. A larger mean
+shows that the filter's covariance is too small (optimistic). A smaller mean shows that the
+covariance is too large (pessimistic).
 Source: Bar-Shalom, Li and Kirubarajan (2001), Estimation with applications, section 5.4.
 """
 
@@ -28,21 +29,24 @@ WIDEST = 2.0
 def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.DataFrame:
     """Divide NEES and NIS by their degrees of freedom in every cell of the run, and judge them.
 
+    A cell is a combination of conditions in the run's grid. NEES is the normalized estimation error
+    squared, NIS the normalized innovation squared.
+
     Parameters
     ----------
     evidence
         The run's values.
     freedom
-        Measure ("nees", "nis") -> its degrees of freedom.
+        Measure ("nees" or "nis") -> its degrees of freedom.
 
     Returns
     -------
     DataFrame
-        One row per scheme and cell. Columns: scheme, the conditions, `verdict`, and for each
-        measure `<measure>`, `<measure>_low` and `<measure>_high`: the mean over the records divided
-        by the degrees of freedom, and its 95 % interval. A consistent filter has 1; the values are
-        NaN where the scheme reports no covariance or no innovation. The verdicts are those of
-        `judge_intervals`.
+        One row per scheme and cell. Columns: scheme, the conditions, for each measure `<measure>`,
+        `<measure>_low` and `<measure>_high`, and `verdict`. `<measure>` is the mean over the
+        records divided by the degrees of freedom, which is 1 for a consistent filter; the other two
+        are the ends of its 95 % interval. All three are NaN where the scheme reports no covariance
+        or no innovation. The verdict is one of those that `judge_intervals` returns.
     """
     import pandas as pd
 
@@ -63,17 +67,21 @@ def judge_consistency(evidence: Evidence, freedom: Mapping[str, float]) -> pd.Da
 
 
 def judge_intervals(intervals: list[tuple[float, float]]) -> str:
-    """Return the verdict on one cell from the 95 % intervals (low, high) of its measures.
+    """Return the verdict on a filter's consistency from the 95 % intervals of NEES and NIS.
 
-    A consistent filter has the value 1. Intervals with NaN ends are left out.
+    Parameters
+    ----------
+    intervals
+        Pairs (low, high), one per measure, of the interval of a quantity that is 1 for a consistent
+        filter. Intervals with NaN ends are left out.
 
     Returns
     -------
     str
         "unknown" if no interval is left; "optimistic" if an interval lies above 1 and none below;
-        "pessimistic" if one lies below 1 and none above; "mixed" if one lies above and one below;
-        "consistent" if all contain 1 and lie within 1/2 to 2; "undecided" if all contain 1 but
-        one extends beyond 1/2 or 2.
+        "pessimistic" if an interval lies below 1 and none above; "mixed" if one interval lies above
+        1 and another below; "consistent" if all intervals contain 1 and lie within 1/2 to 2;
+        "undecided" if all intervals contain 1 but one of them extends beyond 1/2 or 2.
     """
     finite = [(low, high) for low, high in intervals if np.isfinite(low)]
     above = any(low > 1.0 for low, _ in finite)

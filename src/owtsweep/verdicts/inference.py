@@ -1,7 +1,7 @@
-"""Decide on which side of a threshold a quantity lies, and whether the data show it.
+"""Decide on which side of a threshold a quantity lies, and whether the data show this.
 
-A quantity is shown to lie on one side of the threshold if its 95 % interval lies wholly there. A
-claim consists of several such decisions; Holm's correction accounts for their number.
+The data show that a quantity lies on one side of the threshold if its whole 95 % interval lies on
+this side. A claim consists of several such decisions; Holm's correction accounts for their number.
 """
 
 from __future__ import annotations
@@ -33,17 +33,18 @@ class Decision:
     Attributes
     ----------
     label
-        Where the quantity was compared, e.g. "4 s, 0.2 m, position".
+        What was compared and where, e.g. "4 s, 0.2 m, position".
     value, low, high
-        The quantity and the ends of its 95 % interval; NaN where there is none.
+        The quantity and the ends of its 95 % interval; NaN where the quantity or interval is
+        unknown.
     threshold, side
-        The claim: the quantity lies below (above) the threshold.
+        The claim: the quantity lies below (or above) the threshold.
     t
         Distance of the quantity from the threshold in standard errors, positive on the claimed
-        side. Plus or minus infinity if the standard error is zero. If only an interval is known:
+        side. If the standard error is zero: plus or minus infinity. If only the interval is known:
         plus or minus infinity if the threshold lies outside the interval, else 0.
     p
-        p-value of the two-sided test that the quantity equals the threshold. If only an interval
+        p-value of the two-sided test that the quantity equals the threshold. If only the interval
         is known: 0 if the threshold lies outside the interval, else 1.
     """
 
@@ -68,7 +69,7 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
     test of a - threshold b. The 95 % interval of the ratio is the set of thresholds that this test
     does not reject (Fieller 1954, Some problems in interval estimation). The interval starts at 0
     or above. Its ends are NaN for a single replicate, or if `b` scatters too much for a bounded
-    interval.
+    interval. If the mean of `b` is 0, the ratio is infinite, or NaN if that of `a` is 0 too.
 
     Parameters
     ----------
@@ -82,9 +83,10 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
     """
     n = len(a)
     b = np.broadcast_to(np.asarray(b, dtype=float), (n,))
-    A, B = float(np.mean(a)), float(np.mean(b))
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # the mean of b may be 0
+        ratio = float(np.mean(a) / np.mean(b))
     if n < 2:
-        return Decision(label, A / B, np.nan, np.nan, threshold, side, 0.0, 1.0)
+        return Decision(label, ratio, np.nan, np.nan, threshold, side, 0.0, 1.0)
     difference = a - threshold * b
     error = float(np.std(difference, ddof=1) / np.sqrt(n))
     distance = float(np.mean(difference)) * (1.0 if side == "above" else -1.0)
@@ -93,12 +95,20 @@ def mean_ratio(label: str, a: Array, b: Array | float, threshold: float, side: S
         t = distance / error if error > 0.0 else float(np.sign(distance)) * np.inf
     low, high = fieller(a, b, float(t_quantile(n - 1)))
     p = float(p_value(distance, error, n - 1))
-    return Decision(label, A / B, low, high, threshold, side, t, p)
+    return Decision(label, ratio, low, high, threshold, side, t, p)
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A quantity with its 95 % interval, e.g. of a bootstrap; the ends are NaN if it has none."""
+    """A quantity with its 95 % interval, e.g. from a bootstrap.
+
+    Attributes
+    ----------
+    label
+        What was estimated, for the reader.
+    value, low, high
+        The quantity and the ends of the interval; the ends are NaN if the interval is unknown.
+    """
 
     label: str
     value: float
@@ -106,9 +116,11 @@ class Estimate:
     high: float
 
     def against(self, threshold: float, side: Side) -> Decision:
-        """Compare the quantity with a threshold, by its interval alone.
+        """Decide by the 95 % interval alone whether the quantity lies below (or above) a threshold.
 
         If the interval is unknown or contains the threshold, the decision has t = 0 and p = 1.
+        Otherwise it has p = 0, and t is plus infinity on the claimed side, minus infinity on the
+        other side.
         """
         wholly_above, wholly_below = self.low > threshold, self.high < threshold
         t = 0.0
@@ -120,14 +132,14 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Claim:
-    """One assertion of a paper, which is true if all its decisions hold.
+    """One claim of a paper, which is true if every one of its decisions holds.
 
     Attributes
     ----------
     text
-        What is asserted, in words.
+        What is claimed, in words.
     decisions
-        The run's decisions on the assertion.
+        The comparisons of the run's quantities with thresholds.
     missing
         Names of the data that the run lacks. A claim with missing data can be refuted, but not
         confirmed.
@@ -141,9 +153,9 @@ class Claim:
     def verdict(self) -> str:
         """The verdict, by Holm's step-down test over the decisions at a family-wise error of 5 %.
 
-        "not reproduced" if at least one decision is shown to fail; else "missing" if data are
-        missing or there is no decision; else "reproduced" if every decision is shown to hold;
-        else "undecided".
+        "not reproduced" if the test shows that at least one decision fails; else "missing" if data
+        are missing or there is no decision; else "reproduced" if the test shows that every decision
+        holds; else "undecided".
         """
         told = holm([c.p for c in self.decisions])
         held = np.array([c.t > 0.0 for c in self.decisions], dtype=bool)
@@ -155,12 +167,15 @@ class Claim:
 
     @property
     def deciding(self) -> Decision:
-        """The decision that supports the claim least (smallest `t`); `NOTHING` if there is none."""
+        """The decision that supports the claim least: the one with the smallest `t`.
+
+        `NOTHING` if the claim has no decisions.
+        """
         return min(self.decisions, key=lambda c: c.t, default=NOTHING)
 
     @property
     def holding(self) -> int:
-        """The number of decisions whose value is on the claimed side, whatever their intervals."""
+        """The number of decisions whose value lies on the claimed side, whatever the interval."""
         return sum(
             c.value < c.threshold if c.side == "below" else c.value > c.threshold
             for c in self.decisions
@@ -168,10 +183,10 @@ class Claim:
 
 
 def all_of(claims: Sequence[Claim]) -> str:
-    """Return the verdict on a statement that makes several claims: the worst of their verdicts.
+    """Return the verdict on a statement that makes several claims: the worst verdict of the claims.
 
-    From worst to best: not reproduced, missing, undecided, reproduced. Without claims, the verdict
-    is "reproduced".
+    The verdicts from worst to best are "not reproduced", "missing", "undecided" and "reproduced".
+    Without claims, "reproduced" is returned.
     """
     worst_first = (NOT_REPRODUCED, MISSING, UNDECIDED, REPRODUCED)
     return min((claim.verdict for claim in claims), key=worst_first.index, default=REPRODUCED)

@@ -1,4 +1,7 @@
-"""Compare a published number with the single records of a run, because a paper shows one record."""
+"""Compare published numbers with a run: with its mean over the records and with single records.
+
+Single records matter because a paper shows the result of one record.
+"""
 
 from __future__ import annotations
 
@@ -35,14 +38,16 @@ def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
         The keys are `COLUMNS`. `reproduced`, `ci_low`, `ci_high`: mean over the records with its
         95 % t interval. `record_low`, `record_high`: 2.5th and 97.5th percentile of single records.
         `quantile`: the fraction of records below the published number (ties count half). `ratio`:
-        reproduced / published. `log2`: base-2 logarithm of `ratio`. `missed_by_factor_2`: whether
-        |log2| > 1. Without samples, this is False and all other values are NaN.
+        reproduced / published. `log2`: base-2 logarithm of `ratio`, minus infinity for the ratio 0
+        and NaN for a negative one. `missed_by_factor_2`: whether |log2| > 1. Without samples, this
+        is False and all other values are NaN.
     """
     if samples is None:
         return {**dict.fromkeys(COLUMNS, float("nan")), "missed_by_factor_2": False}
     decision = mean_ratio("", samples, 1.0, published, "above")
     low, high = np.percentile(samples, TAILS)
-    log2 = float(np.log2(decision.value / published))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        log2 = float(np.log2(decision.value / published))
     return {
         "reproduced": decision.value,
         "ci_low": decision.low,
@@ -57,19 +62,19 @@ def compare_number(samples: Array | None, published: float) -> dict[str, Any]:
 
 
 def lies_within_records(row: Any) -> str:
-    """Say whether the published number could be one of the run's records.
+    """Return whether a published number could come from one of the run's records.
 
     Parameters
     ----------
     row
-        Its attributes are `published` and the keys of `compare_number`'s result.
+        An object whose attributes are `published` and the keys of `compare_number`'s result.
 
     Returns
     -------
     str
-        "yes" if the published number lies within the central 95 % of single records, "no" if it
-        lies outside, "undecided" if all records have one value (e.g. a single record), "missing"
-        if the run has no record.
+        "yes" if the published number lies within the central 95 % of the records' values, "no" if
+        it lies outside, "undecided" if these 95 % are a single value (e.g. with one record),
+        "missing" if the run has no values.
     """
     if np.isnan(row.reproduced):
         return MISSING

@@ -1,4 +1,4 @@
-"""Write a document as Markdown that links to its pictures, or as HTML that embeds them."""
+"""Write a document as Markdown, which links to its pictures, or as HTML, which embeds them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ CLASSES = {
 
 
 class Heading(NamedTuple):
-    """A heading of level 1 to 3."""
+    """A heading; `level` is 1 (largest) to 3."""
 
     text: str
     level: int = 2
@@ -53,7 +53,7 @@ class Bullets(NamedTuple):
 
 
 class TextTable(NamedTuple):
-    """A table of texts; the columns named in `numbers` are aligned to the right."""
+    """A table of texts; `numbers` names the columns that are aligned to the right."""
 
     columns: Sequence[str]
     rows: Sequence[Sequence[str]]
@@ -61,7 +61,7 @@ class TextTable(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """A PNG file and what it shows."""
+    """A PNG file and a caption that tells what the file shows."""
 
     path: Path
     caption: str
@@ -71,7 +71,11 @@ Block = Heading | Paragraph | Bullets | TextTable | Picture
 
 
 def to_markdown(blocks: Sequence[Block], folder: Path) -> str:
-    """Return the document as Markdown; links to pictures are relative to `folder`."""
+    """Return a document as Markdown text.
+
+    `blocks` are the document's headings, paragraphs, lists, tables and pictures. Links to pictures
+    are relative to `folder`, in which the pictures must lie.
+    """
     return "\n\n".join(_markdown(block, folder) for block in blocks) + "\n"
 
 
@@ -90,7 +94,10 @@ def _markdown(block: Block, folder: Path) -> str:
 
 
 def to_html(blocks: Sequence[Block], title: str) -> str:
-    """Return the document as the text of one HTML file, with all pictures embedded."""
+    """Return a document as the text of one HTML file, in which all pictures are embedded.
+
+    `blocks` are the document's headings, paragraphs, lists, tables and pictures.
+    """
     body = "\n".join(_html(block) for block in blocks)
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'

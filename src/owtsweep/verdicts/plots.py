@@ -1,4 +1,4 @@
-"""Draw published numbers against a run's; call under `figures.style.context`."""
+"""Draw published numbers against a run's numbers; call the functions in `figures.style.context`."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ def scatter(
 ) -> Figure:
     """Draw published numbers (horizontal) against the run's means (vertical), in two panels.
 
-    A vertical line shows the central 95 % of single records.
+    A mark's vertical line spans the central 95 % of the run's single records.
 
     Parameters
     ----------
     numbers
-        One row per published number. Columns scheme, measure, published, and those of
-        `verdicts.numbers.compare_number`. Numbers that the run lacks are left out.
+        One row per published number. Columns scheme, measure, published, and the keys of
+        `verdicts.numbers.compare_number`'s result. Rows whose `reproduced` is NaN are left out.
     schemes
         The schemes to draw, in the order of the legend.
     panels
-        Title of a panel -> its measures; two panels.
+        What a panel shows, with its unit -> the measures in this panel; exactly two items.
     """
     figure = style.new_figure(10.0, 4.7)
     present = numbers.dropna(subset="reproduced")
     for axes, (title, measures) in zip(figure.subplots(1, 2), panels.items(), strict=True):
         _scatter_panel(axes, present[present["measure"].isin(measures)], schemes)
-        axes.set_title(title)
+        axes.set(xlabel=f"{title}, published", ylabel=f"{title},\nthis run, mean of the records")
     handles = [
         *_handles(schemes, "none"),
         Line2D([], [], color="0.3", linewidth=1.0, label="95 % of single\nrecords"),
@@ -65,6 +65,7 @@ def _scatter_panel(axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str]) ->
     axes.set(xscale="log", yscale="log", aspect="equal")
     if len(numbers):
         ends = numbers[["published", "reproduced", "record_low", "record_high"]].to_numpy()
+        ends = ends[ends > 0.0]  # a perfect scheme has the value 0, which has no place on the axis
         low, high = 0.6 * float(np.min(ends)), float(np.max(ends)) / 0.6
         line = np.array([low, high])
         axes.fill_between(line, line / 2.0, line * 2.0, **BAND)
@@ -79,7 +80,6 @@ def _scatter_panel(axes: Axes, numbers: pd.DataFrame, schemes: Sequence[str]) ->
             rows["published"], rows["reproduced"], look.marker, color=look.color, markersize=5.5,
             markeredgecolor="white", markeredgewidth=0.6,
         )  # fmt: skip
-    axes.set(xlabel="published", ylabel="this run, mean of the records")
 
 
 def ratios(
@@ -90,18 +90,19 @@ def ratios(
 ) -> Figure:
     """Draw log2(reproduced / published) of every measure and scheme, one panel per published table.
 
-    A vertical line shows the central 95 % of single records.
+    A mark's vertical line spans the central 95 % of the run's single records.
 
     Parameters
     ----------
     numbers
-        As for `scatter`, with a further column `table`: the number of the published table.
+        One row per published number. Columns table (the number of the published table), scheme,
+        measure, published, and the keys of `verdicts.numbers.compare_number`'s result.
     schemes
         The schemes to draw, in the order of the legend.
     measures
         Measure -> its label on the horizontal axis.
     tables
-        Number of a published table -> its conditions, for the panel's title.
+        Number of a published table -> the conditions of this table, for the panel's title.
     """
     figure = style.new_figure(10.0, 4.2)
     for axes, (number, cell) in zip(
@@ -129,7 +130,9 @@ def _ratio_panel(
         look = style_of(scheme, schemes)
         rows = numbers[numbers["scheme"] == scheme].dropna(subset="reproduced")
         place = np.array([measures.index(m) for m in rows["measure"]]) + shift
-        low = np.log2(rows["record_low"] / rows["published"])
-        high = np.log2(rows["record_high"] / rows["published"])
-        axes.vlines(place, low, high, color=look.color, alpha=0.6)
+        with np.errstate(divide="ignore", invalid="ignore"):  # a value that is not positive
+            low = np.log2(rows["record_low"] / rows["published"])
+            high = np.log2(rows["record_high"] / rows["published"])
+        there = np.isfinite(low) & np.isfinite(high)
+        axes.vlines(place[there], low[there], high[there], color=look.color, alpha=0.6)
         axes.plot(place, rows["log2"], look.marker, color=look.color, markersize=5.5)

@@ -1,4 +1,4 @@
-"""Read published results from the data files of a study."""
+"""Read published results from the data files in a study's package."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ if TYPE_CHECKING:
 
 
 def read_published(package: str, name: str, *, text: tuple[str, ...] = ()) -> pd.DataFrame:
-    """Read the CSV file `data/<name>` of a package.
+    """Read published results from the CSV file `data/<name>` of a package.
 
-    Empty cells become "" in a column called `note`, and NaN in all other columns.
+    Empty fields become "" in a column called `note`, and NaN in all other columns.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def read_published(package: str, name: str, *, text: tuple[str, ...] = ()) -> pd
     name
         Name of the file in the package's folder `data`.
     text
-        Columns to read as text although their values look like numbers.
+        Names of columns to read as text, although their values look like numbers.
     """
     import pandas as pd
 

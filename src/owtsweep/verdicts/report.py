@@ -1,4 +1,4 @@
-"""Write the files of a report on published results: tables, figures, Markdown and HTML."""
+"""Write the files of a report on published results: tables, figures, Markdown and HTML pages."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from owtsweep.figures.drawings import save_figure
 from owtsweep.io.files import write_atomically
+from owtsweep.io.steps import tell_step
 from owtsweep.io.tables import write_table
 from owtsweep.verdicts.page import Block, to_html, to_markdown
 
@@ -31,7 +32,7 @@ def write_report(
     ----------
     folder
         Where to write; made if it does not exist. The tables, fidelity.md and fidelity.html go
-        into this folder, the figures into its subfolder figures.
+        into this folder, the figures into its subfolder `figures`.
     title
         Title of the HTML file.
     tables
@@ -39,10 +40,10 @@ def write_report(
     figures
         File name without suffix -> function that draws the figure.
     contents
-        Function that makes the blocks of the page. Its argument is a mapping from the name of a
-        figure to the figure's PNG file.
+        Function that makes the page's headings, paragraphs, tables and pictures. Its argument is a
+        mapping from the name of a figure to the PNG file of this figure.
     metadata
-        Texts by name to store inside the figures' files.
+        Name -> text to store inside each file of a figure.
 
     Returns
     -------
@@ -52,7 +53,8 @@ def write_report(
     folder.mkdir(parents=True, exist_ok=True)
     files = [write_table(folder, stem, table) for stem, table in tables.items()]
     pictures = {}
-    for stem, draw in figures.items():
+    for number, (stem, draw) in enumerate(figures.items(), 1):
+        tell_step(f"figure {number} of {len(figures)}: {stem}")
         saved = save_figure(draw, metadata)(folder / "figures", stem)
         pictures[stem] = saved[0]
         files += saved

@@ -1,4 +1,4 @@
-"""Make the sections of a report on published results that do not depend on the study."""
+"""Make sections of a report on published results that are the same for every study."""
 
 from __future__ import annotations
 
@@ -18,7 +18,10 @@ NUMBER_COLUMNS = ("published", "this run", "95 % of records", "quantile", "ratio
 
 
 def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
-    """Count the statements of each verdict, in words, e.g. "9 reproduced, 2 undecided"."""
+    """Count the statements by verdict, in words, e.g. "9 reproduced, 2 undecided".
+
+    Verdicts that no statement has are left out.
+    """
     verdicts = [statement.verdict for statement in judged]
     return ", ".join(
         f"{verdicts.count(verdict)} {verdict}"
@@ -28,14 +31,14 @@ def count_verdicts(judged: Sequence[JudgedStatement]) -> str:
 
 
 def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Block]:
-    """Make a table of all statements, then a subsection on each: its test, its claims' verdicts.
+    """Make the section on statements: a table of all, then each statement's test and claims.
 
     Parameters
     ----------
     judged
-        The statements and their verdicts.
+        The statements with their claims and verdicts.
     note
-        A sentence on where the definitions of the tests come from.
+        A sentence that tells where the definitions of the tests come from.
     """
     rows = [
         [s.name, s.text, s.verdict, " / ".join(claim.text for claim in s.claims)] for s in judged
@@ -63,9 +66,10 @@ def statement_section(judged: Sequence[JudgedStatement], note: str) -> list[Bloc
 
 
 def number_table(numbers: pd.DataFrame) -> TextTable:
-    """Make a table of the published numbers beside the run's, one row per published number.
+    """Make a table of the published numbers beside the run's numbers, one row per published number.
 
-    `numbers` has the columns scheme, measure, published, and those of `numbers.compare_number`.
+    `numbers` has the columns scheme, measure, published, and the keys of `numbers.compare_number`'s
+    result.
     """
     rows = []
     each: Any = numbers.itertuples()
@@ -76,7 +80,7 @@ def number_table(numbers: pd.DataFrame) -> TextTable:
                 f"{row.reproduced:.2e} [{row.ci_low:.2e}, {row.ci_high:.2e}]",
                 f"{row.record_low:.2e} to {row.record_high:.2e}",
                 f"{row.quantile:.2f}",
-                f"{row.ratio:.2f}",
+                format_ratio(row.ratio),
             ]
         rows.append([row.scheme, row.measure, f"{row.published:.2e}", *of_run, agrees])
     return TextTable(["scheme", "measure", *NUMBER_COLUMNS, "agrees"], rows, NUMBER_COLUMNS)
@@ -85,13 +89,15 @@ def number_table(numbers: pd.DataFrame) -> TextTable:
 def consistency_section(
     table: pd.DataFrame, schemes: Sequence[str], freedom: Mapping[str, float]
 ) -> list[Block]:
-    """Make the section on consistency: per scheme the ranges of NEES and NIS, and the verdicts.
+    """Make the section on consistency: for each scheme, the ranges of NEES and NIS, and verdicts.
+
+    A cell is a combination of conditions in the run's grid.
 
     Parameters
     ----------
     table
-        One row per scheme and cell. Columns scheme, verdict, and the measures, e.g. nees and nis,
-        divided by their degrees of freedom.
+        One row per scheme and cell. Columns scheme, verdict, and one for each measure in `freedom`:
+        the measure divided by its degrees of freedom.
     schemes
         The schemes to list, in order.
     freedom
@@ -121,9 +127,17 @@ def _describe_range(values: pd.Series[float]) -> str:
 
 
 def missing_section(numbers: pd.DataFrame, judged: Sequence[JudgedStatement]) -> list[Block]:
-    """Make the section on the data that the run lacks to judge the whole paper.
+    """Make the section on the data that the run lacks for judging all published results.
 
-    Returns an empty list if nothing is missing.
+    Returns an empty list if no data are missing.
+
+    Parameters
+    ----------
+    numbers
+        One row per published number. Columns table, scheme, and reproduced, which is NaN if the run
+        lacks the number.
+    judged
+        The statements with their claims.
     """
     lacking: Any = numbers[numbers["reproduced"].isna()].itertuples(index=False)
     tables = sorted({f"Table {row.table} {row.scheme}" for row in lacking})
@@ -146,7 +160,15 @@ def format_value(value: float) -> str:
     return f"{value:.3g}" if value == value else NO_VALUE
 
 
+def format_ratio(value: float) -> str:
+    """Format a ratio with two decimals, or with two significant digits if it is below 0.1."""
+    return f"{value:.2f}" if value >= 0.1 else f"{value:.2g}"
+
+
 def format_interval(row: Any) -> str:
-    """Format the row's `reproduced`, followed by its 95 % interval in brackets if it has one."""
+    """Format a number followed by its 95 % interval in brackets, if the interval is known.
+
+    The attributes of `row` are `reproduced` (the number), `ci_low` and `ci_high` (NaN if unknown).
+    """
     value, low, high = map(format_value, (row.reproduced, row.ci_low, row.ci_high))
     return value if low == NO_VALUE else f"{value} [{low}, {high}]"

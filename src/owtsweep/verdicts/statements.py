@@ -1,4 +1,4 @@
-"""Judge the statements of a paper, explain the verdicts in words, and tabulate them."""
+"""Judge the statements of a paper, explain the verdicts in words, and make tables of them."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ OfStudy = TypeVar("OfStudy", bound=Evidence)
 
 @dataclass(frozen=True)
 class JudgedStatement:
-    """A statement of the paper and the run's verdict on it.
+    """A statement of a paper and the run's verdict on the statement.
 
     Attributes
     ----------
     name
-        The statement's name, e.g. F1.
+        Short name of the statement, e.g. "F1".
     text
         What the paper says.
     definition
-        The test in words, as written down before judging.
+        The test of the statement in words, written before any run was judged.
     claims
-        The assertions that the statement consists of.
+        The claims that the statement makes.
     """
 
     name: str
@@ -42,18 +42,21 @@ class JudgedStatement:
 
     @property
     def verdict(self) -> str:
-        """The verdict: "reproduced", "not reproduced", "undecided" or "missing"."""
+        """The verdict on the statement, which is the worst verdict of its claims.
+
+        From worst to best: "not reproduced", "missing", "undecided", "reproduced".
+        """
         return all_of(self.claims)
 
     @property
     def settling(self) -> Claim:
-        """The least certain of the claims whose verdict is also that of the whole statement."""
+        """The claim that the data support least, among claims with the statement's verdict."""
         chosen = [claim for claim in self.claims if claim.verdict == self.verdict]
         return min(chosen, key=lambda claim: claim.deciding.t)
 
     @property
     def why(self) -> str:
-        """The verdicts and numbers of all claims, in one line."""
+        """The verdicts of all claims and the numbers that decide them, in one line."""
         return "; ".join(f"{claim.text}: {explain(claim)}" for claim in self.claims)
 
 
@@ -62,15 +65,15 @@ def judge(
     tests: Mapping[str, Callable[[OfStudy], list[Claim]]],
     evidence: OfStudy,
 ) -> list[JudgedStatement]:
-    """Judge all statements of a paper; return them in the order of `texts`.
+    """Judge all statements of a paper; return the judged statements in the order of `texts`.
 
     Parameters
     ----------
     texts
         Name of a statement -> what the paper says.
     tests
-        Name of a statement -> its test, a function that returns the claims about a run. The
-        docstring of this function is the definition printed in the report.
+        Name of a statement -> its test: a function of the evidence that returns the claims. The
+        docstring of this function is the definition of the test that the report prints.
     evidence
         The run's values, passed to each test.
     """
@@ -82,7 +85,7 @@ def judge(
 
 
 def explain(claim: Claim) -> str:
-    """Explain a claim in one line: the verdict, the least favourable decision, and missing data."""
+    """Explain a claim in one line: its verdict, its least favourable decision, and missing data."""
     parts = [claim.verdict]
     if claim.decisions:
         parts.append(f"{claim.holding} of {len(claim.decisions)} hold in the mean")
@@ -93,7 +96,7 @@ def explain(claim: Claim) -> str:
 
 
 def describe(decision: Decision) -> str:
-    """Describe a decision in words and numbers: label, value, 95 % interval, claimed side."""
+    """Describe a decision in words and numbers: label, value, 95 % interval, and the claim."""
     claimed = f"to be {decision.side} {decision.threshold:.3g}"
     if np.isnan(decision.value):
         return f"{decision.label}, {claimed}"
@@ -104,13 +107,16 @@ def describe(decision: Decision) -> str:
 
 
 def name_missing(missing: tuple[str, ...]) -> str:
-    """Name the missing items; of more than four, the first four and how many more there are."""
+    """List missing items in words.
+
+    If there are more than four items, the first four are listed and the others are counted.
+    """
     named = [f"({item})" if "," in item else item for item in missing[:4]]
     return ", ".join(named) + (f" and {len(missing) - 4} more" if len(missing) > 4 else "")
 
 
 def tabulate_claims(judged: list[JudgedStatement]) -> pd.DataFrame:
-    """Make a table with one row per claim, which shows the decision that supports it least."""
+    """Make a table with one row per claim, which shows the claim's least favourable decision."""
     import pandas as pd
 
     return pd.DataFrame(

@@ -1,4 +1,4 @@
-"""Make the table with one row per published item and the run's result for this item."""
+"""Make a table with one row per published item, beside the run's result for this item."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class Item:
-    """A published item and the run's result for this item.
+    """A published item, e.g. a number or a statement, and the run's result for this item.
 
     Attributes
     ----------
     item
-        Its name.
+        The name of the item.
     kind
         "number", "statement", "boundary", "winner" or "summary".
     published
         The published value; NaN if none is published.
     reproduced, ci_low, ci_high
-        The run's value and the ends of its 95 % interval; NaN where there is none.
+        The run's value and the ends of its 95 % interval; NaN where unknown.
     agrees
-        "yes", "no", "undecided", "missing", the verdict on a statement, or "" where there is
-        nothing to agree with.
+        Whether the run agrees: "yes", "no", "undecided" or "missing"; for a statement, its verdict;
+        "" if there is nothing to agree with.
     why
         The reason for `agrees` or for a difference, in words.
     """
@@ -49,10 +49,10 @@ class Item:
     why: str = ""
 
     def judged(self, result: Decision | Estimate, verdict: str, why: str) -> Item:
-        """Return a copy of the item with a run's result and the reason `why`.
+        """Return a copy of the item that holds a run's result and the reason `why`.
 
-        The verdict "reproduced" sets `agrees` to "yes", "not reproduced" to "no"; any other text
-        is kept.
+        The verdict "reproduced" sets `agrees` to "yes", and "not reproduced" to "no". Any other
+        verdict becomes `agrees` unchanged.
         """
         return replace(
             self, reproduced=result.value, ci_low=result.low, ci_high=result.high, why=why,
@@ -61,9 +61,9 @@ class Item:
 
 
 def make_table(rows: Sequence[Item]) -> pd.DataFrame:
-    """Make the table of items: the attributes of `Item` as columns, and a column `ratio`.
+    """Make the table of published items: one row per item, the attributes of `Item` as columns.
 
-    `ratio` is reproduced / published; its column stands before `agrees`.
+    A further column `ratio` before `agrees` holds reproduced / published.
     """
     import pandas as pd
 
@@ -74,9 +74,11 @@ def make_table(rows: Sequence[Item]) -> pd.DataFrame:
 
 
 def statement_row(judged: JudgedStatement) -> Item:
-    """Make the row of a statement; its numbers are those of the decision that settles the verdict.
+    """Make the summary's row on a statement.
 
-    `published` is the threshold of this decision, `reproduced` its value.
+    A statement makes claims, and a claim consists of decisions, each of which compares a quantity
+    with a threshold. The row's numbers are those of the decision that settles the verdict:
+    `published` is the threshold, `reproduced` is the run's value.
     """
     worst = judged.settling.deciding
     return Item(
@@ -86,10 +88,10 @@ def statement_row(judged: JudgedStatement) -> Item:
 
 
 def number_rows(numbers: pd.DataFrame) -> Iterator[Item]:
-    """Yield one row per published number.
+    """Yield the summary's rows on published numbers, one row per number.
 
-    `numbers` has the columns table, scheme, measure, published, why, and those of
-    `numbers.compare_number`.
+    `numbers` has the columns table, scheme, measure, published and why, and the keys of
+    `numbers.compare_number`'s result.
     """
     rows: Any = numbers.itertuples(index=False)
     for row in rows:
@@ -100,25 +102,31 @@ def number_rows(numbers: pd.DataFrame) -> Iterator[Item]:
 
 
 def distance_rows(numbers: pd.DataFrame, goals: Mapping[tuple[str, ...], float]) -> Iterator[Item]:
-    """Yield the median and the 80th percentile of |log2(reproduced / published)| per scheme group.
+    """Yield two rows for each group of schemes: how far the run is from the published numbers.
+
+    The first row holds the median of |log2(reproduced / published)| over the group's numbers, the
+    second row the 80th percentile.
 
     Parameters
     ----------
     numbers
-        One row per published number. Columns scheme and log2, NaN if the run lacks the number.
+        One row per published number. Columns scheme and log2, which is NaN if the run lacks the
+        number.
     goals
         Group of schemes -> the largest median that counts as agreement. If the run lacks numbers
-        of a group, `agrees` of its median is "missing".
+        of a group, the median's `agrees` is "missing".
     """
     for schemes, goal in goals.items():
         chosen = numbers[numbers["scheme"].isin(schemes)]
         distances = chosen["log2"].abs().dropna()
         complete = len(distances) == len(chosen)
         for label, quantile, limit in (("median", 0.5, goal), ("80th percentile", 0.8, NAN)):
-            value = float(distances.quantile(quantile))
+            with np.errstate(over="ignore", invalid="ignore"):  # the value 0 is infinitely far
+                value = float(distances.quantile(quantile))
+                factor = np.exp2(value)
             agrees, why = "", f"over {len(distances)} of {len(chosen)} numbers"
             if np.isfinite(value):
-                why += f", a factor of {2.0**value:.2f}"
+                why += f", a factor of {factor:.2f}"
             if np.isfinite(limit):
                 # If numbers are missing, the distance is that of a different set of numbers.
                 agrees = ("yes" if value <= limit else "no") if complete else MISSING

@@ -129,7 +129,7 @@ HDF5 = {
     [
         ("zeros", "1000000000000 rows of 2 channels need 1.6e+04 GB"),
         ("channels", "1000000000 channels"),
-        ("chunk", "pieces of 3.84 GB"),
+        ("chunk", "chunks of 3.84 GB"),
         ("device", "a link, perhaps to another file"),
         ("other", "a link, perhaps to another file"),
         ("loop", "a link"),

@@ -1,4 +1,4 @@
-"""Read recorded motion and recorded sensors, check them, and resample them to a uniform grid."""
+"""Read recordings of motion and of sensors, check them, and resample them to a uniform grid."""
 
 from owtsweep.motion.recorded.deriving import to_motion
 from owtsweep.motion.recorded.describing import Channel, Description, describe

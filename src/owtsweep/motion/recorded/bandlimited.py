@@ -6,13 +6,14 @@ method:
 1. Subtract the straight line between the two ends of the record.
 2. Continue the record at both ends by its odd reflection, so that value and slope are continuous,
    and fade the continuation to zero. The result is one period of a Fourier series.
-3. Keep the lines of the series up to the cut-off. Beyond, weight them by a raised cosine that falls
-   to zero at 1.25 times the cut-off. Multiply the lines by (j omega)^order for a derivative.
-4. Evaluate the sum on the new grid: by an inverse FFT, or by a chirp z-transform where the ratio of
-   the rates is not a fraction of small numbers.
+3. Keep the lines of the series up to the cut-off. Weight the lines beyond the cut-off by a raised
+   cosine that falls to zero at 1.25 times the cut-off. For a derivative, multiply all lines by
+   (j omega)^order.
+4. Evaluate the sum of the lines at the times of the new grid: by an inverse FFT, or by a chirp
+   z-transform if the ratio of old and new rate is not a fraction of small numbers.
 
-Within about 2 / cut-off of the ends the acceleration depends on the reflection, because the real
-continuation is unknown.
+Within a time of about 2 / cut-off from either end of the record, the acceleration depends on the
+reflection, because the real continuation of the record is unknown.
 """
 
 from __future__ import annotations
@@ -40,7 +41,8 @@ class BandLimited:
     start, step
         Time of the first sample, and interval between samples, in s.
     cutoff
-        Frequency in Hz up to which the record is kept in full.
+        Frequency in Hz up to which the record is kept in full. Nothing is kept above `ROLL_OFF`
+        times this frequency.
     rate
         Rate in Hz of the grids on which the function will be evaluated; None if unknown. A known
         rate makes the evaluation faster.
@@ -75,9 +77,10 @@ class BandLimited:
         self.lines: NDArray[np.complexfloating[Any, Any]] = lines * lowpass(self.frequency, cutoff)
 
     def on_grid(self, start: float, rate: float, count: int, order: int = 0) -> Array:
-        """Evaluate the derivative of an order (0 to 2) at the times start + k / rate.
+        """Evaluate the function, or its first or second derivative, at the times start + k / rate.
 
-        `start` is in s and `rate` in Hz. The result has shape (count,), k = 0, ..., count - 1.
+        `order` is 0 for the function, 1 or 2 for a derivative. `start` is in s and `rate` in Hz.
+        The result has shape (count,), k = 0, ..., count - 1.
         """
         first = start - self.start
         omega = 2.0 * np.pi * self.frequency
@@ -107,9 +110,9 @@ class BandLimited:
 
 
 def lowpass(frequency: Array, cutoff: float) -> Array:
-    """Return the filter's gain at frequencies in Hz.
+    """Return the gain of a low-pass filter at the given frequencies; both arguments are in Hz.
 
-    The gain is 1 up to the cut-off, then falls as a raised cosine to 0 at `ROLL_OFF` * cutoff.
+    The gain is 1 up to `cutoff`, then falls as a raised cosine to 0 at `ROLL_OFF` * cutoff.
     """
     part = np.clip((frequency / cutoff - 1.0) / (ROLL_OFF - 1.0), 0.0, 1.0)
     return np.asarray(0.5 * (1.0 + np.cos(np.pi * part)))

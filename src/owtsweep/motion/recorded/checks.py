@@ -1,4 +1,4 @@
-"""Check a recording. The message of an error is one line that names the file and the place."""
+"""Check a recording. The message of an error is one line that names the file and the channel."""
 
 from __future__ import annotations
 
@@ -28,7 +28,9 @@ LOWEST_IMU_RATE = 5.0  # Hz
 
 
 def check_time(path: Path, name: str, time: Array) -> None:
-    """Check the times of a recording (s), from the channel `name` of the file `path`.
+    """Check the times of a recording.
+
+    `time` holds the times in s, shape (n,). They come from the channel `name` of the file `path`.
 
     Raises
     ------
@@ -48,14 +50,15 @@ def check_time(path: Path, name: str, time: Array) -> None:
         raise refuse(
             path,
             f"time ({name}) {what} in data row {row + 2}: {time[row]:.9g} s, then "
-            f"{time[row + 1]:.9g} s; sort the rows and drop repeated ones",
+            f"{time[row + 1]:.9g} s; sort the rows by time and drop repeated times",
         )
 
 
 def find_gaps(time: Array) -> list[tuple[float, float]]:
-    """Find the gaps that are too long to interpolate, as (start, end) in s.
+    """Find the long gaps between the values of a channel; return a list of (start, end) in s.
 
-    `time` are the times of a channel's values in s.
+    A gap is long if it is longer than `LONGEST_GAP` and than two and a half median intervals.
+    `time` holds the times of the channel's values in s, increasing.
     """
     step = np.diff(time)
     longest = max(LONGEST_GAP, 2.5 * float(np.median(step)))
@@ -63,21 +66,26 @@ def find_gaps(time: Array) -> list[tuple[float, float]]:
 
 
 def describe_gaps(gaps: list[tuple[float, float]], shown: int = 3) -> str:
-    """Describe gaps (start, end) in words: the first `shown`, and how many more there are."""
+    """Describe gaps, each (start, end) in s, in words.
+
+    The first `shown` gaps are listed, and the number of further gaps is given.
+    """
     text = ", ".join(f"{start:.6g} s to {end:.6g} s" for start, end in gaps[:shown])
     return text + (f" and {len(gaps) - shown} more" if len(gaps) > shown else "")
 
 
 def check_channels(recording: Recording, gaps: str) -> list[str]:
-    """Check every channel of a recording, and return notes for the user.
+    """Check every channel of a recording, and return notes for the user, one sentence each.
 
-    `gaps` is "refuse" or "interpolate", as for `reading.read`.
+    `gaps` says what happens to long gaps (`find_gaps`) in motion and in the specific force of an
+    IMU: "refuse" raises an error, "interpolate" gives a note. Long gaps in GNSS fixes and
+    references always give a note.
 
     Raises
     ------
     InputError
-        For a channel with too few values or none, an IMU that samples too slowly, a gap that is too
-        long, or a unit that cannot be right.
+        For a channel with too few values or none, an IMU that samples too slowly, a long gap that
+        is refused, a time span that needs too many steps, or a unit that cannot be right.
     """
     notes: list[str] = []
     for role, values in recording.channels.items():
@@ -98,22 +106,27 @@ def check_channels(recording: Recording, gaps: str) -> list[str]:
 
 
 def _check_extent(path: Path, role: str, name: str, time: Array, values: Array) -> None:
-    """Raise if a number is absurd, or if a regular grid for these times would not fit in memory."""
+    """Raise `InputError` if a value is absurdly large, or a regular grid would have too many steps.
+
+    `time` (s) and `values` (SI units), shape (m,), are the channel that plays the role `role`;
+    `name` is the channel's name in messages. The grid spans these times at their median interval;
+    for GNSS fixes it is not checked.
+    """
     largest = float(np.max(np.abs(values)))
     if largest > LARGEST_VALUE:
         raise refuse(
             path,
-            f"{name} holds {largest:.3g} in SI units; more than {LARGEST_VALUE:g} cannot be: check "
-            f"units.{role}, and mark missing values as NaN",
+            f"{name} holds {largest:.3g} in SI units, and no motion reaches {LARGEST_VALUE:g}: "
+            f"check units.{role}, and mark missing values as NaN",
         )
     steps = count_steps(time)
     if not steps <= MOST_STEPS and not role.startswith("fix"):
         raise refuse(
             path,
             f"{name} spans {time[-1] - time[0]:.3g} s at intervals of "
-            f"{np.median(np.diff(time)):.3g} s: that is a regular grid of {steps:.3g} times, "
-            f"{8e-9 * steps:.3g} GB a channel, and at most {MOST_STEPS} are made; does the time "
-            "jump?",
+            f"{np.median(np.diff(time)):.3g} s: a regular grid would have {steps:.3g} steps "
+            f"({8e-9 * steps:.3g} GB per channel), and at most {MOST_STEPS} are allowed; "
+            "does the time jump?",
         )
 
 
@@ -140,7 +153,7 @@ def _check_sampling(path: Path, role: str, name: str, time: Array, gaps: str) ->
         raise refuse(
             path,
             f"{name} has gaps longer than {LONGEST_GAP:g} s: {describe_gaps(holes)}; cut "
-            "them out, or use gaps=interpolate",
+            "the record at the gaps, or use gaps=interpolate",
         )
     elif holes:
         notes.append(f"{quantity}: gaps interpolated: {describe_gaps(holes)}")

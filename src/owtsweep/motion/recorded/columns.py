@@ -1,4 +1,7 @@
-"""Assign a file's channels to roles: as the user says, else by well-known channel names."""
+"""Assign a file's channels to roles: as the user says, else by well-known channel names.
+
+A role says what a channel holds, e.g. "time" or "position_x".
+"""
 
 from __future__ import annotations
 
@@ -81,9 +84,11 @@ def _strip(name: str) -> str:
 def guess_roles(names: Sequence[str]) -> dict[str, str]:
     """Assign channels to roles by well-known names: return role -> channel.
 
-    Roles without a channel are left out. The two axes of a quantity come from one pair of names; y
-    may be missing. If the channels include a specific force and positions, but no reference, the
-    positions become the reference for the estimates that are computed from the specific force.
+    A role says what a channel holds, e.g. "position_x". `names` are the names of a file's channels.
+    Roles without a channel are left out. The x and the y axis of a quantity come from one pair of
+    well-known names; y may be missing. If the channels include a specific force and positions, but
+    no reference, the positions become the reference, with which the estimates from the specific
+    force are compared.
     """
     bare = {name: _strip(name) for name in names}
 
@@ -112,6 +117,8 @@ def guess_roles(names: Sequence[str]) -> dict[str, str]:
 def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[str, str]:
     """Assign channels to roles as given, and guess the other roles: return role -> channel.
 
+    A role says what a channel holds, e.g. "position_x".
+
     Parameters
     ----------
     table
@@ -119,7 +126,8 @@ def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[s
     given
         role -> channel name; None or "" leaves a role out. A channel given here is not guessed for
         another role. If only one axis of a quantity is given, the other axis is the channel whose
-        name has y in place of x (or x in place of y), if there is one.
+        name has y in place of x (or x in place of y). Without such a channel, the other axis is
+        left out.
 
     Raises
     ------
@@ -149,9 +157,11 @@ def assign_roles(table: ChannelTable, given: Mapping[str, str | None]) -> dict[s
 
 
 def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
-    """Find the channel of the other axis: one letter of its name is y in place of x, or x of y.
+    """Find the channel of the other horizontal axis, e.g. "TwHt1TPyi" for "TwHt1TPxi".
 
-    `axis` ("x" or "y") is the axis of the channel `name`. Returns None if there is no such channel.
+    `names` are the names of all channels. `axis` ("x" or "y") is the axis of the channel `name`.
+    The name that is looked for has one letter y in place of x, or x in place of y if `axis` is "y".
+    Return None if no channel has such a name.
     """
     swap = {axis: OTHER[axis], axis.upper(): OTHER[axis].upper()}
     for place, letter in enumerate(name):
@@ -165,14 +175,15 @@ def _find_partner(names: Sequence[str], name: str, axis: str) -> str | None:
 def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
     """Return the name of the channel called `wanted`, spelled as in the file.
 
-    Case matters only if two names differ by case alone. A unit in brackets at the end of `wanted`
-    is ignored.
+    Case matters only if two names in the file differ by case alone. If no name fits, a unit in
+    brackets at the end of `wanted` is ignored. `argument` is the setting that names the channel,
+    e.g. "columns.time".
 
     Raises
     ------
     InputError
-        If there is no such channel. The message begins with `argument` and lists up to 12 channels,
-        those with similar names first.
+        If there is no such channel. The message names the file and `argument`, and lists up to 12
+        channels, the most similar names first.
     """
     names = table.names
     if wanted in names:
@@ -185,6 +196,10 @@ def find_channel(table: ChannelTable, wanted: str, argument: str) -> str:
     lower = {name.lower(): name for name in names}
     near = [lower[text] for text in get_close_matches(wanted.lower(), lower, n=12, cutoff=0.4)]
     listed = (near + [name for name in names if name not in near])[:12]
-    more = f" and {len(names) - len(listed)} more (--describe)" if len(names) > len(listed) else ""
+    more = (
+        f" and {len(names) - len(listed)} more (--describe lists all)"
+        if len(names) > len(listed)
+        else ""
+    )
     reason = f"{argument}: no channel {wanted!r}; there are {', '.join(listed)}{more}"
     raise refuse(table.path, reason)

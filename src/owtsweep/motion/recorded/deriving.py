@@ -35,30 +35,31 @@ def to_motion(
 ) -> Gridded:
     """Compute position, velocity and acceleration on a grid from recorded positions.
 
-    All three come from one band-limited function through the positions and its derivatives. If the
-    recording has velocity or acceleration too, the recorded values are used in place of the derived
-    ones, and a note says how much the two differ. An axis without positions stays at rest.
+    The position is a band-limited function through the recorded positions. Velocity and
+    acceleration are the derivatives of this function. If the recording also has velocity or
+    acceleration, and `quantity` is "position", the recorded values replace the derived values, and
+    a note says how much the two differ. An axis without positions stays at rest.
 
     The cut-off f_c decides how much noise the derivatives have. White position noise of standard
-    deviation s per sample at rate f_s becomes acceleration noise of
-    (2 pi f_c)^2 s sqrt(2 f_c / (5 f_s)) and velocity noise of 2 pi f_c s sqrt(2 f_c / (3 f_s)).
+    deviation s per sample at rate f_s becomes acceleration noise of (2 pi f_c)^2 s sqrt(2 f_c / (5
+    f_s)) and velocity noise of 2 pi f_c s sqrt(2 f_c / (3 f_s)).
 
     Parameters
     ----------
     recording
         A checked recording.
     rate
-        Rate of the grid, Hz.
+        Rate of the grid, Hz; not used if `grid` is given.
     quantity
-        The quantity that holds the positions: "position" or "reference". The result is NaN in gaps
-        of a reference.
+        The quantity that holds the positions: "position" or "reference". Where a reference has a
+        long gap, the result is NaN.
     orders
         1 for the position only, 2 for position and velocity, 3 for the acceleration too.
     cutoff
-        Cut-off frequency in Hz. By default 5 Hz, or 0.4 of the lower of the two rates (of the
-        recording and of the grid) if this is less.
+        Cut-off frequency in Hz. By default 5 Hz, or 0.4 of the lower of two rates (of the recording
+        and of the grid) if this is less than 5 Hz.
     grid
-        The grid. By default it covers the time that both axes have in common.
+        The grid. By default it covers the time that the recorded axes have in common.
 
     Returns
     -------
@@ -68,7 +69,8 @@ def to_motion(
     Raises
     ------
     InputError
-        If the recording lacks the quantity, or the cut-off is above 0.4 of one of the two rates.
+        If the recording lacks the quantity, if the cut-off is not positive or is above 0.4 of one
+        of the two rates, or if the grid would be shorter than 1 s or have too many steps.
     """
     roles = [f"{quantity}_{axis}" for axis in "xy" if f"{quantity}_{axis}" in recording.channels]
     if not roles:
@@ -81,8 +83,8 @@ def to_motion(
     chosen = min(highest, MOTION_CUTOFF) if cutoff is None else cutoff
     if not 0.0 < chosen <= highest * (1 + 1e-9):
         raise InputError(
-            f"cutoff: {chosen:g} Hz is not between 0 and {highest:.4g} Hz, 0.4 of the lower of "
-            "the record's rate and the IMU's"
+            f"cutoff: {chosen:g} Hz is not between 0 and {highest:.4g} Hz, which is 0.4 of the "
+            "lower of two rates, the record's and the IMU's"
         )
     channels: dict[str, Array] = {}
     pairs: dict[str, Array] = {}

@@ -1,4 +1,7 @@
-"""Describe a file: channels, units, rates, gaps, and the roles that would be assigned."""
+"""Describe a file: its channels, their units, rates and gaps, and which roles they would get.
+
+A role says what a channel holds, e.g. "position_x".
+"""
 
 from __future__ import annotations
 
@@ -35,13 +38,14 @@ class Channel:
     missing
         Number of rows without a value.
     mean, deviation, smallest, largest
-        Mean, standard deviation and range of the values; NaN if there are none.
+        Mean, standard deviation and range of the values; NaN if no row has a value.
     rate
         Rate in Hz, from the median interval between values; NaN if the file has no usable time.
     gaps
         (start, end) in s of the gaps longer than 0.1 s and longer than ten sampling intervals.
     numeric
-        False for a column that does not hold numbers.
+        Whether the channel holds numbers. If not, all attributes but name and unit have their
+        default values.
     """
 
     name: str
@@ -67,9 +71,10 @@ class Description:
     rows
         Number of rows that were read.
     cut
-        Whether the file may have more rows.
+        Whether the file may have more rows than were read.
     guess
-        role -> the channel that `reading.read` would take for this role.
+        role -> the channel that would be taken for this role. A role says what a channel holds,
+        e.g. "position_x".
     channels
         All channels, in the file's order.
     clock
@@ -124,8 +129,11 @@ def describe(
     ----------
     path
         The file.
-    columns, units
-        Roles and units that the user gives, as for `reading.read`; other roles are guessed.
+    columns
+        role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Other roles are guessed from well-known
+        names; None or "" leaves a role out.
+    units
+        role -> unit, e.g. `{"position_x": "mm"}`, instead of the unit stated in the file.
 
     Raises
     ------
@@ -169,7 +177,10 @@ def _with_units(
 
 
 def _load(table: ChannelTable, names: Sequence[str], rows: int) -> Mapping[str, Array]:
-    """Read the channels that hold numbers: return channel -> values."""
+    """Read the first `rows` values of the named channels: return channel -> values.
+
+    Channels that do not hold numbers are left out.
+    """
     try:
         return table.load(names, rows)
     except InputError:
@@ -231,8 +242,8 @@ def _summarise(name: str, unit: str, values: Array | None, time: Array | None) -
 def _is_likely(channel: Channel) -> bool:
     """Return whether a channel may be motion or force.
 
-    It may if its values vary, and if its unit is missing or is one of length, velocity or
-    acceleration.
+    This is so if the channel's values vary, and its unit is missing or is a unit of length,
+    velocity or acceleration.
     """
     if not channel.deviation > 0.0:  # NaN without numbers
         return False
@@ -261,7 +272,10 @@ def _describe_values(channel: Channel, role: str | None = None) -> str:
 
 
 def _wrap(words: list[str]) -> list[str]:
-    """Join words by commas and break them into lines of `WIDTH` characters, between words only."""
+    """Join words by commas, and return the text as indented lines of at most `WIDTH` characters.
+
+    Lines are broken only between words; a word may contain blanks, and may be longer than a line.
+    """
     text = ", ".join(word.replace(" ", "\0") for word in words)
     lines = wrap(
         text, WIDTH, initial_indent="  ", subsequent_indent="  ", break_long_words=False,

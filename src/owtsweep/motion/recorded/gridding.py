@@ -41,13 +41,13 @@ class Gridded:
     Attributes
     ----------
     grid
-        The grid.
+        The times of all values.
     channels
-        role -> values in SI units, shape (steps,). Fixes are NaN at steps without a fix, references
-        are NaN in gaps; other channels are never NaN.
+        role -> values in SI units, shape (steps,). GNSS fixes are NaN at steps without a fix, and
+        references are NaN in long gaps. Other channels are never NaN.
     pairs
         quantity -> values of shape (steps, 2), columns x and y, which share memory with `channels`.
-        An axis that was not requested is zero. Fixes are not among the quantities.
+        An axis that was not requested is zero. GNSS fixes are not among the quantities.
     cutoff
         Frequency in Hz up to which the motion is kept; None if no motion was derived.
     notes
@@ -62,20 +62,22 @@ class Gridded:
 
 
 def find_common_grid(recording: Recording, roles: Sequence[str], rate: float) -> TimeGrid:
-    """The grid over the time that all the given channels cover.
+    """Return the grid over the time that all channels of the given roles cover.
+
+    `rate` is the rate of the grid, Hz.
 
     Raises
     ------
     InputError
-        If the time that they have in common is less than a second, or has too many steps.
+        If this time is shorter than 1 s, or the grid would have more than `MOST_STEPS` steps.
     """
     spans = [recording.series(role)[0][[0, -1]] for role in roles]
     start = max(float(span[0]) for span in spans)
     end = min(float(span[1]) for span in spans)
     if end - start < 1.0:
         raise InputError(
-            f"{recording.path}: {', '.join(roles)} share {max(end - start, 0.0):.3g} s; at least "
-            "1 s is needed"
+            f"{recording.path}: {', '.join(roles)} share {max(end - start, 0.0):.3g} s of time; "
+            "at least 1 s is needed"
         )
     if not (end - start) * rate <= MOST_STEPS:
         raise InputError(
@@ -95,25 +97,26 @@ def to_grid(
 ) -> Gridded:
     """Resample channels to a grid.
 
-    Each channel except fixes is resampled by a band-limited function (`bandlimited`). This function
-    keeps frequencies up to 0.4 of the lower of the two rates (of the channel and of the grid) in
-    full, and removes all above half that rate, so that there are no images and no aliases. A
-    channel whose samples already lie on the grid is not changed. Irregular times and missing
-    samples are first interpolated by a cubic spline, long gaps (`checks.find_gaps`) by a monotone
-    one. A reference is NaN in long gaps. Fixes are not resampled: each fix moves to the nearest
-    step, and of two fixes at one step the later one is kept.
+    Each channel except GNSS fixes is resampled by a band-limited function (`bandlimited`). This
+    function keeps frequencies up to 0.4 of the lower of two rates (of the channel and of the grid)
+    in full. It removes all frequencies above half that rate, so that there are no images and no
+    aliases. A channel whose samples already lie on the grid is not changed. Irregular times and
+    missing samples are first interpolated by a cubic spline, long gaps (`checks.find_gaps`) by a
+    monotone cubic spline. In its long gaps, a reference is NaN. GNSS fixes are not resampled: each
+    fix moves to the nearest step, and of two fixes at one step the later one is kept.
 
     Parameters
     ----------
     recording
         A checked recording.
     roles
-        The channels to resample.
+        The roles of the channels to resample, e.g. "position_x".
     rate
-        Rate of the grid, Hz.
+        Rate of the grid, Hz; not used if `grid` is given.
     grid
         The grid. By default it covers the time that the channels other than fixes and references
-        have in common, or all channels if there are no others.
+        have in common. If there are only fixes and references, it covers the time that these have
+        in common.
     """
     if grid is None:
         dense = [role for role in roles if not role.startswith(("fix", "reference"))]
@@ -142,8 +145,9 @@ def to_grid(
 def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
     """Make an array of shape (steps,) for a role, filled with zeros.
 
-    For an axis of a quantity, e.g. "position_x", it is a column of the array `pairs["position"]` of
-    shape (steps, 2), which is added to `pairs` if missing. Other roles get an array of their own.
+    For a role with an axis, e.g. "position_x", the array is a column of the array
+    `pairs["position"]`. The latter has shape (steps, 2), and is added to `pairs` if missing. A role
+    without an axis, e.g. "yaw", gets an array of its own.
     """
     quantity, _, axis = role.rpartition("_")
     if axis not in ("x", "y"):
@@ -154,9 +158,10 @@ def make_column(pairs: dict[str, Array], role: str, grid: TimeGrid) -> Array:
 def make_uniform(
     recording: Recording, role: str
 ) -> tuple[tuple[float, Array], float, list[tuple[float, float]]]:
-    """Return a channel as uniform samples: ((start, samples), step, gaps), times in s.
+    """Return a channel as uniform samples: ((start, samples), step, gaps).
 
-    Missing samples are interpolated. The gaps are those of `checks.find_gaps`.
+    `start` is the time of the first sample and `step` the sampling interval, in s. Missing samples
+    are interpolated. The gaps, each (start, end) in s, are those of `checks.find_gaps`.
     """
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
@@ -177,9 +182,10 @@ def make_uniform(
 
 
 def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -> Array | None:
-    """Return the samples at the grid's times, if there are samples at all of these times.
+    """Return a channel's samples at the times of a grid; None unless all have a sample.
 
-    Times may differ by 1e-3 of a step. Otherwise, returns None.
+    `source` is (start, samples): the samples are at the times start + k step, in s. A sample may be
+    off the grid's time by 1e-3 of `step`.
     """
     start, values = source
     first = (grid.start - start) / step
@@ -191,7 +197,10 @@ def _take_if_on_grid(source: tuple[float, Array], step: float, grid: TimeGrid) -
 
 
 def _mark_inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bool_]:
-    """Return a mask of the times (increasing, s) that lie strictly inside a gap."""
+    """Return a mask of the times (increasing, s) that lie strictly inside a gap.
+
+    `holes` holds the gaps, each (start, end) in s.
+    """
     result = np.zeros(len(time), dtype=bool)
     for start, end in holes:
         result[np.searchsorted(time, start, "right") : np.searchsorted(time, end, "left")] = True
@@ -199,16 +208,20 @@ def _mark_inside(time: Array, holes: list[tuple[float, float]]) -> NDArray[np.bo
 
 
 def mark_gaps(values: Array, grid: TimeGrid, holes: list[tuple[float, float]]) -> None:
-    """Set values inside gaps to NaN, in place."""
+    """Set the values inside gaps to NaN, in place.
+
+    `values` belong to the times of `grid`, shape (steps,). `holes` holds the gaps, each (start,
+    end) in s.
+    """
     if holes:
         values[_mark_inside(grid.time, holes)] = np.nan
 
 
 def _place_fixes(recording: Recording, role: str, grid: TimeGrid) -> tuple[Array, list[str]]:
-    """Move fixes to the nearest steps; return their values, shape (steps,), and notes.
+    """Move GNSS fixes to the nearest steps of a grid; return (values, notes).
 
-    The values are NaN at steps without a fix. The notes say how far fixes moved, and how many were
-    dropped.
+    The values have shape (steps,) and are NaN at steps without a fix. If two fixes move to one
+    step, the later fix is kept. The notes say how far fixes moved, and how many were dropped.
     """
     time, values = recording.series(role)
     exact = (time - grid.start) * grid.rate

@@ -27,7 +27,7 @@ def read(
     units: Mapping[str, str | None] | None = None,
     gaps: str = "refuse",
 ) -> Recording:
-    """Read and check one recording.
+    """Read and check one recorded file; return its contents by role, in SI units.
 
     Parameters
     ----------
@@ -35,8 +35,8 @@ def read(
         The file. The extension decides the format; if several formats share the extension, the
         content decides.
     columns
-        role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. Roles that are not given are guessed
-        from well-known names; None or "" leaves a role out.
+        role -> channel, e.g. `{"position_x": "TwHt1TPxi"}`. A role says what a channel holds. Roles
+        that are not given are guessed from well-known names; None or "" leaves a role out.
     units
         role -> unit, e.g. `{"position_x": "mm"}`, instead of the unit stated in the file. If no
         unit is given or stated, the SI unit is assumed, and a note says so.
@@ -47,7 +47,7 @@ def read(
     Raises
     ------
     InputError
-        If the file cannot be read or fails a check; the message names the file and the place.
+        If the file cannot be read or fails a check; the message names the file and what is wrong.
     """
     if gaps not in GAPS:
         raise InputError(f"gaps: {gaps!r} is none of {', '.join(GAPS)}")
@@ -68,7 +68,12 @@ def read(
 def _scale_to_si(
     loaded: Mapping[str, Array], role: str, chosen: Mapping[str, str], scale: float
 ) -> Array:
-    """Return a role's values in SI units; the loaded array is changed if no other role uses it."""
+    """Return the values of a role in SI units.
+
+    `loaded` maps channels to values, `chosen` maps roles to channels, and `scale` is the factor to
+    SI units. The loaded array itself is changed, unless another role uses it too or it is
+    read-only.
+    """
     values = loaded[chosen[role]]
     shared = list(chosen.values()).count(chosen[role]) > 1  # one channel plays two roles
     if shared or not values.flags.writeable:
@@ -79,12 +84,15 @@ def _scale_to_si(
 
 
 def _assign_roles(table: ChannelTable, columns: Mapping[str, str | None]) -> dict[str, str]:
-    """Assign channels to roles as `columns.assign_roles` does: return role -> channel, time first.
+    """Assign channels to roles: return role -> channel, with the role "time" first.
+
+    A role says what a channel holds. `columns` maps roles to channels as the user says; other roles
+    are guessed from well-known names (`columns.assign_roles`).
 
     Raises
     ------
     InputError
-        If there is no time, or no other channel with a role besides yaw.
+        If no channel has the role "time", or none has a role other than "time" and "yaw".
     """
     chosen = assign_roles(table, columns)
     listed = ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
@@ -104,8 +112,14 @@ def _find_factors(
 ) -> tuple[dict[str, float], list[str]]:
     """Find the factor to SI of each role's unit; return role -> factor, and notes.
 
-    The unit is the one in `units`, else the one stated in the file. If there is neither, the factor
+    `chosen` maps roles to channels, and `units` maps roles to units as the user says. A unit that
+    the user does not give is the one stated in the file. If the file states none either, the factor
     is 1, and a note says so.
+
+    Raises
+    ------
+    InputError
+        If `units` names an unknown role, or a unit is not known or is not of the role's dimension.
     """
     for role in units:
         if role not in ROLES:
@@ -120,7 +134,7 @@ def _find_factors(
             try:
                 factors[role] = find_factor(stated, ROLES[role], where)
             except InputError as error:
-                raise InputError(f"{error}; or give it by units.{role}") from None
+                raise InputError(f"{error}; or give the unit by units.{role}") from None
         else:
             factors[role] = 1.0
             assumed.append(f"{role} in {DIMENSIONS[ROLES[role]][0]}")

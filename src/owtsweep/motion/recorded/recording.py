@@ -1,4 +1,4 @@
-"""The contents of a file by role, in SI units, at the file's times."""
+"""The series read from a file: converted to SI units, not resampled, by role ("position_x")."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Recording:
     time
         Times in s, strictly increasing, shape (n,).
     channels
-        role -> values in SI units (m, m/s, m/s^2, rad), shape (n,), NaN where missing. Roles are
-        position, velocity, acceleration, specific_force, fix (GNSS) and reference, each with _x
-        and _y, and yaw.
+        role -> values in SI units (m, m/s, m/s^2, rad), shape (n,), NaN where missing. A role says
+        what a channel holds. Roles are position, velocity, acceleration, specific_force, fix (GNSS)
+        and reference, each with _x and _y, and yaw.
     names
-        role -> the channel's name in the file; the role "time" is among them.
+        role -> the channel's name in the file; "time" is among the roles.
     notes
         What a user should know, one sentence each: assumed units, irregular times, gaps.
     """
@@ -42,12 +42,15 @@ class Recording:
         return any(f"{quantity}_{axis}" in self.channels for axis in "xy")
 
     def let_go(self, quantity: str) -> None:
-        """Delete both axes of a quantity, to free memory once the caller has copied them."""
+        """Delete both axes of a quantity such as "fix".
+
+        This frees memory once the caller no longer needs the quantity.
+        """
         for axis in "xy":
             self.channels.pop(f"{quantity}_{axis}", None)
 
     def series(self, role: str) -> tuple[Array, Array]:
-        """Return the times (s) and values of a channel without the missing samples, (m,) each."""
+        """Return the times (s) and values of a role without missing samples, shape (m,) each."""
         values = self.channels[role]
         there = np.isfinite(values)
         if there.all():  # saves copies of a long record
@@ -55,6 +58,9 @@ class Recording:
         return self.time[there], values[there]
 
     def rate(self, role: str) -> float:
-        """Return the rate of a channel in Hz, from the median interval between its values."""
+        """Return the rate of a role's channel in Hz.
+
+        It is 1 divided by the median interval between the channel's values.
+        """
         time, _ = self.series(role)
         return float(1.0 / np.median(np.diff(time)))

@@ -16,14 +16,15 @@ from owtsweep.motion.source import Motion
 
 @dataclass(frozen=True)
 class RecordedSource:
-    """The motion that a file holds along x and y; nothing about it is random.
+    """A source of the motion along x and y that a file holds; nothing in this motion is random.
 
     Attributes
     ----------
     recording
         A checked recording with positions.
     cutoff
-        Frequency up to which the motion is kept, Hz; None for the default of `deriving.to_motion`.
+        Frequency up to which the motion is kept, Hz. None stands for 5 Hz, or for 0.4 of the lower
+        of two rates (of the recording and of the result) if this is less than 5 Hz.
     """
 
     recording: Recording
@@ -47,16 +48,17 @@ class RecordedSource:
         step: float,
         history: int = 0,
     ) -> Motion:
-        """Return the first part of the recorded motion, resampled.
+        """Return the first part of the recorded motion, resampled to the given sampling interval.
 
         Parameters
         ----------
         stream
             Not used, because nothing is random.
         steps, step
-            Number of steps, and their length in s.
+            Number of steps, and the length of a step in s.
         history
-            Number of further steps before the first one, which delayed sensors need.
+            Number of steps before t = 0, which delayed sensors need. The motion before t = 0 is
+            taken from the beginning of the recording, so t = 0 is this many steps later.
 
         Raises
         ------

@@ -53,16 +53,20 @@ class Comb:
 
 
 def count_steps(time: Array) -> float:
-    """How many times a regular grid needs for increasing times, (n,) s; it may be infinite."""
+    """Return how many steps a regular grid has that spans the given times at their median interval.
+
+    `time` are increasing times in s, shape (n,). The result may be infinite.
+    """
     with np.errstate(over="ignore"):
         return float((time[-1] - time[0]) / np.median(np.diff(time))) + 1.0
 
 
 def fit_comb(time: Array) -> Comb:
-    """Fit uniform times to the times of a record (s, strictly increasing, at least two).
+    """Fit uniform times, the teeth of a comb, to the times of a record.
 
-    The record may have gaps. Times printed with few digits (80 Hz in whole milliseconds) count as
-    uniform: a deviation of at most half the last decimal place is rounding, not jitter.
+    `time` holds at least two times in s, strictly increasing. The record may have gaps. Times
+    printed with few digits (80 Hz in whole milliseconds) count as uniform: a deviation of at most
+    half the last decimal place is rounding, not jitter.
     """
     number = np.zeros(len(time))  # filled in place: a record may have ten million rows
     interval = np.diff(time)
@@ -85,7 +89,8 @@ def fit_comb(time: Array) -> Comb:
 def _resolution(time: Array) -> float:
     """Find the largest power of ten, from 1e-9 to 1 s, of which all times are multiples.
 
-    Only the first 65 536 times are looked at. Without such a power, 1e-9 is returned.
+    Only the first 65 536 times (s) are looked at. If there is no such power of ten, 1e-9 is
+    returned.
     """
     some = time[: 1 << 16]
     for place in range(10):

@@ -1,4 +1,4 @@
-"""The units that recordings may use, and their factors to SI."""
+"""Knows the units that recordings may use, and their factors to SI."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def find_factor(unit: str, wanted: str, argument: str) -> float:
     ------
     InputError
         If the unit is not in `DIMENSIONS` or has another dimension. The message starts with
-        `argument`.
+        `argument`, which says where the unit comes from.
     """
     si, table = DIMENSIONS[wanted]
     spelling = normalise_unit(unit)

@@ -40,25 +40,26 @@ class HubStudy:
     numerics_version = add_versions(1, *ROOMS)
 
     def schemes(self) -> dict[str, str]:
-        """Return scheme -> description, for all schemes of the study."""
-        from owtsweep.studies.hub.schemes import REGISTERED
+        """Return name -> description of each scheme and baseline that the study provides."""
+        from owtsweep.studies.hub.schemes import BASELINES, REGISTERED
 
-        return dict(REGISTERED)
+        told = {name: f"baseline (baselines=[...]): {what}" for name, what in BASELINES.items()}
+        return REGISTERED | told
 
     def config_type(self) -> type[HubConfig]:
-        """Return the model of the study's configuration."""
+        """Return the class of the study's configurations."""
         from owtsweep.studies.hub.config import HubConfig
 
         return HubConfig
 
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
-        """Return the conditions: natural period and amplitude."""
+        """Return the conditions, which are the axes of the grid: natural period and amplitude."""
         from owtsweep.studies.hub.conditions import CONDITIONS
 
         return CONDITIONS
 
     def engine(self, config: HubConfig) -> Engine:
-        """Return a new engine, the one that the key `engine` names."""
+        """Return a new engine of the kind that the key `engine` of the configuration names."""
         from owtsweep.studies.hub.engines import ENGINES
 
         return ENGINES[config.engine]()
@@ -66,7 +67,24 @@ class HubStudy:
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
     ) -> Findings:
-        """Compare runs: how the best schemes, their boundary and their errors change."""
+        """Compare runs: how best scheme, boundary and errors change between them.
+
+        The boundary is the amplitude at which HME1 and HME2 are equally good.
+
+        Parameters
+        ----------
+        comparison
+            The runs, and the pairs of runs to compare.
+        folder
+            The folder for the figures. The tables are returned, not written.
+        metadata
+            Texts by name to store inside the figures' files.
+
+        Raises
+        ------
+        InputError
+            If the runs cannot be compared.
+        """
         from owtsweep.comparing.compare import compare
         from owtsweep.studies.hub.comparing import describe_run
 
@@ -77,7 +95,16 @@ class HubStudy:
     ) -> list[Path]:
         """Compare a run with the numbers and statements of Ren et al. (2019); write a report.
 
-        Return the files that were written.
+        Return the paths of the files that were written.
+
+        Parameters
+        ----------
+        config, rows
+            The run's configuration, and its cases as `Run.cases` returns them.
+        folder
+            The folder for the report; it is created if it does not exist.
+        metadata
+            Texts by name to store inside the figures' files. The text `folder` names the run.
         """
         from owtsweep.studies.hub.fidelity.report import write_report
 
@@ -86,9 +113,11 @@ class HubStudy:
     def write_spectrum(
         self, config: HubConfig, folder: Path, *, metadata: Mapping[str, str]
     ) -> tuple[list[Path], RenderableType]:
-        """Write error_spectra.png, error_spectra.svg, spectrum.csv and noise_floor.csv.
+        """Write the schemes' error spectra and noise floors into a folder.
 
-        Return these files, and a table of the noise floors for the terminal.
+        The files are error_spectra.png, error_spectra.svg, spectrum.csv and noise_floor.csv. Return
+        their paths, and a table of the noise floors for the terminal. `metadata` holds texts by
+        name to store inside the figures' files.
         """
         from owtsweep.studies.hub.figures.spectrum_tables import write
 
@@ -108,12 +137,23 @@ class HubStudy:
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:
-    """Return the criteria of best_scheme.csv: position, velocity, and the configured criterion."""
+    """Return the measures by whose MSE best_scheme.csv ranks the schemes.
+
+    These measures are "position", "velocity" and the configured `measures.criterion`. A measure is
+    listed only once.
+    """
     return tuple(dict.fromkeys(("position", "velocity", config.measures.criterion)))
 
 
 def scheme_names(config: Any) -> list[str]:
-    """Return the names of a run's schemes, in the order of the configuration."""
+    """Return the names of a configuration's schemes, without baselines, as in its key `schemes`."""
     from owtsweep.studies.hub.schemes import resolve_all
 
     return [scheme.name for scheme in resolve_all(config.schemes)]
+
+
+def baseline_names(config: Any) -> list[str]:
+    """Return the names of a run's baselines, in the order of the configuration."""
+    from owtsweep.studies.hub.schemes import list_baselines
+
+    return list_baselines(config)

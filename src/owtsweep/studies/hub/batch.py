@@ -1,7 +1,7 @@
-"""The batch engine: runs chains over all replicates of a block and sums their squared errors.
+"""The batch engine: runs chains on simulated records and sums the chains' squared errors.
 
-A chain is a scheme as arrays for kernels. A lane is one series along one axis; kernels run eight
-lanes, a group, at once.
+A chain is a scheme in the form of arrays for compiled kernels. A lane is one series along one axis,
+x or y. A group is eight lanes, which kernels run at once.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.feed import Feed, Span
 from owtsweep.studies.hub.feed import Lanes as Lanes  # imported from here elsewhere
+from owtsweep.studies.hub.fix_lines import sum_line_errors
 from owtsweep.studies.hub.kernels.layout import (
     WIDTH,
     ChainArrays,
@@ -39,21 +40,28 @@ CHUNK = 500
 
 
 class Sums(NamedTuple):
-    """A chain's sums of squared errors over a record, and their numbers of terms.
+    """The sums of one scheme's squared errors over each record, and the numbers of summed terms.
+
+    The error of an estimate is the error from motion plus the error from noise.
 
     Attributes
     ----------
     products
-        Sums, shape (2, 6, 3, replicates): windows (before and after settling), quantities (x, y,
-        vx, vy, NEES, NIS), products (motion x motion, motion x noise, noise x noise).
-    steps, innovations
-        Numbers of steps and of innovations in each window, shape (2,) each.
+        Sums over the steps, shape (2, 6, 3, replicates). The axes are: steps before and after the
+        settling time; x, y, vx, vy, NEES, NIS; products of the errors from motion x motion,
+        motion x noise, noise x noise. SI units.
+    steps, covariances, innovations
+        Number of steps, number of steps for which the scheme states the covariance of its estimate,
+        and number of innovations, before and after the settling time, shape (2,)
+        each.
     squared
-        Squared position error of each step, shape (steps, replicates); (0, replicates) if not kept.
+        Squared position error of each step, m^2, shape (steps, replicates). The shape is
+        (0, replicates) if `sum_errors` was called without `keep_squared`.
     """
 
     products: Array
     steps: NDArray[np.int64]
+    covariances: NDArray[np.int64]
     innovations: NDArray[np.int64]
     squared: Array
 
@@ -67,38 +75,59 @@ def sum_errors(
     keep_squared: bool = False,
     consistency: bool = True,
 ) -> list[Sums]:
-    """Run chains on all replicates of some records; return each chain's sums of squared errors.
+    """Run schemes on all replicates of some records; sum the squared errors of each scheme.
 
-    All chains run on one span of the records before the next span is made.
+    The records are made span by span (10 000 steps each). All schemes run on one span before the
+    next span is made. A scheme whose estimates follow straight lines does not run if motion and
+    noise are apart: its errors are summed by `fix_lines`.
 
     Parameters
     ----------
+    chains
+        The schemes, in the form of arrays for kernels.
+    records
+        The records, which are simulated during the run.
     settled
-        The first settled step.
+        Number of the first step after the settling time.
     amplitude
-        Amplitude of the motion, m: whole series (motion plus noise) are run, and the squares of
-        their errors are product 2 of `Sums`. None: motion and noise are run separately, and all
-        three products of their errors are summed.
+        Amplitude of the motion, m. With an amplitude, motion plus noise is run as one series, and
+        the square of its error is stored as the product noise x noise. If None, motion and noise
+        are run separately, and all three products of the two errors are summed.
     keep_squared
         Whether the squared position error of each step is kept; only with an amplitude.
     consistency
         Whether NEES is computed; otherwise NEES is zero.
+
+    Returns
+    -------
+    list of Sums
+        One entry per scheme, in the order of `chains`.
     """
-    weights = [weights_of(chain, consistency=consistency) for chain in chains]
-    memory = shared_memory(chains, 3 if amplitude is None else 2)
+    lines = {chain: chain.line for chain in chains if chain.line and amplitude is None}
+    others = [chain for chain in chains if chain not in lines]
+    weights = [weights_of(chain, consistency=consistency) for chain in others]
+    memory = shared_memory(others, 3 if amplitude is None else 2)
 
     def run_eight(part: Records, first: int) -> list[tuple[Array, Array]]:
-        """Return each chain's sums and squared errors for the replicates first ... first + 7."""
+        """Return each chain's sums and kept squared errors for the replicates first to first + 7.
+
+        `first` is an index in `part`, which may have fewer replicates left.
+        """
         feed = Feed(part, first, amplitude)
         runs = [
             ChainRun(*pair, feed, settled, *memory, keep=keep_squared)
-            for pair in zip(chains, weights, strict=True)
+            for pair in zip(others, weights, strict=True)
         ]
-        for span in feed.spans(max(run.lead for run in runs)):
+        for span in feed.spans(max(run.lead for run in runs)) if runs else ():
             for run in runs:
                 run.advance(span)
+        arrays: dict[Chain, tuple[Array, Array]] = {
+            chain: (run.sums, run.squared) for chain, run in zip(others, runs, strict=True)
+        }
+        sums = sum_line_errors(list(lines.values()), feed, settled) if lines else []
+        arrays |= {chain: (one, one[:0]) for chain, one in zip(lines, sums, strict=True)}
         count = len(feed.indices)
-        return [(run.sums[:, :count], run.squared[:, :count]) for run in runs]
+        return [(arrays[chain][0][:, :count], arrays[chain][1][:, :count]) for chain in chains]
 
     eights = [
         run_eight(part, first)
@@ -112,9 +141,10 @@ def sum_errors(
 
 
 def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
-    """Return a chain's weights of errors in NEES and NIS.
+    """Return the weights by which kernels make NEES and NIS from a scheme's errors.
 
-    Without `consistency` the weights of NEES are zero.
+    `chain` is the scheme in the form of arrays for kernels. If `consistency` is False, the weights
+    for NEES are zero.
     """
     return Weights(
         precision=chain.precision if consistency else np.zeros((chain.gains.rows, 3)),
@@ -124,7 +154,21 @@ def weights_of(chain: Chain, *, consistency: bool = True) -> Weights:
 
 
 class ChainRun:
-    """A run of one chain on eight replicates; it takes the records span by span."""
+    """A run of one scheme on up to eight replicates, whose records arrive piece by piece.
+
+    Parameters
+    ----------
+    chain, weights
+        The scheme in its form for the batch engine, and its weights for NEES and NIS.
+    feed
+        The source of the records.
+    settled
+        Number of the first step after the settling time.
+    scratch, output
+        Working memory, which several runs may use in turn.
+    keep
+        Whether the squared position error of each step is kept.
+    """
 
     def __init__(
         self,
@@ -149,9 +193,10 @@ class ChainRun:
         self.done = 0
 
     def advance(self, span: Span) -> None:
-        """Run the chain up to the last whole chunk that ends in this span.
+        """Run the scheme on the next span of the records; add the errors' products to `self.sums`.
 
-        The span at the record's end is run to its end.
+        Kernels process whole chunks of `self.chunk` steps. Steps at the end of the span that fill
+        no chunk wait for the next span, unless the record ends with this span.
         """
         from owtsweep.studies.hub.kernels import runs
 
@@ -170,44 +215,57 @@ class ChainRun:
 
 
 def shared_memory(chains: Sequence[Chain], groups: int) -> tuple[Scratch, Output]:
-    """Make working memory that some chains use in turn, so that it stays in the cache.
+    """Return arrays that kernels use as scratch, and arrays to which kernels write estimates.
 
-    `groups` is the number of groups of eight lanes.
+    All chains (schemes in the form of arrays) use these arrays in turn, so that the arrays stay in
+    the processor's cache. `groups` is the number of groups of eight series that run at once.
     """
-    chunk = max(chunk_of(chain)[0] for chain in chains)
-    window = max(chain.filter.window for chain in chains)
+    chunk = max((chunk_of(chain)[0] for chain in chains), default=0)
+    window = max((chain.filter.window for chain in chains), default=0)
     return new_scratch(groups, chunk, window), new_output(groups, chunk)
 
 
 def _joined(chain: Chain, steps: int, settled: int, parts: Sequence[tuple[Array, Array]]) -> Sums:
-    """Join the sums and squared errors of parts, each of up to eight replicates, to `Sums`."""
+    """Join the results of one scheme for parts of the replicates into one `Sums`.
+
+    Each element of `parts` holds the sums and the squared errors of up to eight replicates. `chain`
+    is the scheme for the batch engine, `steps` the length of a record, and `settled` the number of
+    the first step after the settling time.
+    """
     early, whole = (chain.gains.fresh_before(step) for step in (settled, steps))
     products, squared = (np.concatenate(arrays, axis=1) for arrays in zip(*parts, strict=True))
+    lengths = np.array([settled, steps - settled])
     return Sums(
         products=products.reshape(2, 6, 3, -1),
-        steps=np.array([settled, steps - settled]),
+        steps=lengths,
+        covariances=lengths if chain.has_covariance else np.zeros_like(lengths),
         innovations=np.array([early, whole - early]),
         squared=squared,
     )
 
 
 def arrays_of(chain: Chain) -> ChainArrays:
-    """Return a chain as the structure of arrays that kernels take."""
+    """Return those arrays of a chain (a scheme for the batch engine) that kernels take."""
     return ChainArrays(chain.filter, chain.predictor, chain.mhe)
 
 
 def chunk_of(chain: Chain) -> tuple[int, int]:
-    """Return the number of steps in a chunk, and the number of rows to keep for the next span.
+    """Return how many steps kernels process at once, and how many rows the next span must repeat.
 
-    The end of a span that fills no whole chunk is processed with the next span. Therefore the rows
-    of a chunk are kept, and the rows before it to which the predictor and the delay reach back.
+    The steps that are processed at once are a chunk. A span is the piece of the records that is in
+    memory, with one row per step. Steps at the end of a span that fill no chunk are processed with
+    the next span. So the next span repeats the rows of one chunk, and the rows before that chunk to
+    which the predictor and the input delay reach back.
     """
     chunk = max(CHUNK, 2 * chain.filter.window, 2 * chain.predictor.steps)
     return chunk, chunk + lead_of(chain)
 
 
 class Estimates(NamedTuple):
-    """A chunk's estimates: position, velocity and innovation, shape (steps, lanes) each."""
+    """The estimates of successive steps: position, velocity and innovation, (steps, lanes) each.
+
+    A lane is one series along one axis. The units are m, m/s and m.
+    """
 
     position: Array
     velocity: Array
@@ -217,20 +275,23 @@ class Estimates(NamedTuple):
 def trajectories(
     chain: Chain, sensors: Sensors, force: Array, fixes: Array
 ) -> tuple[Array, Array, Array]:
-    """Run a chain over whole records; return position, velocity and innovation at each step.
+    """Run a chain over whole records; return its estimates at each step.
 
-    A lane is one series along one axis.
+    A chain is a scheme in the form of arrays for kernels. A lane is one series along one axis.
 
     Parameters
     ----------
+    sensors
+        Not used.
     force, fixes
-        Specific force in NED, m/s^2, shape (steps, lanes), and position fixes, m, shape
+        Specific force in NED, m/s^2, shape (steps, lanes), and position fixes in NED, m, shape
         (fixes, lanes).
 
     Returns
     -------
     tuple of array
-        Estimated position and velocity, and the filter's innovation, shape (steps, lanes) each.
+        Estimated position (m) and velocity (m/s), and the filter's innovation (m), shape
+        (steps, lanes) each.
     """
     result = (np.empty(force.shape), np.empty(force.shape), np.empty(force.shape))
     for k0, n, output in chunks(chain, force, fixes):
@@ -242,9 +303,17 @@ def trajectories(
 def chunks(
     chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, Estimates]]:
-    """Run a chain over series, chunk by chunk; yield first step, number of steps, and estimates.
+    """Run a chain over series; yield the estimates of successive chunks of steps.
 
-    `force` and `fixes` are as for `trajectories`. The estimates are overwritten by the next chunk.
+    A chain is a scheme in the form of arrays for kernels. `force` is specific force in NED, m/s^2,
+    shape (steps, lanes); `fixes` are position fixes in NED, m, shape (fixes, lanes). A lane is one
+    series along one axis.
+
+    Yields
+    ------
+    tuple
+        The chunk's first step, its number of steps n, and the estimates, of which the first n rows
+        are valid. The next chunk overwrites the estimates.
     """
     from owtsweep.studies.hub.kernels import runs
 
@@ -261,14 +330,17 @@ def chunks(
 def states(chain: Chain, force: Array, fixes: Array) -> Array:
     """Compute the states of a chain's filter, smoothed if the chain has a smoother.
 
-    Row k is the state of step k - window in the filter's time, which lags behind by the chain's
-    input delay. The first `window` rows are zero. `force` and `fixes` are as for `trajectories`.
+    A chain is a scheme in the form of arrays for kernels. `force` is specific force in NED, m/s^2,
+    shape (steps, lanes); `fixes` are position fixes in NED, m, shape (fixes, lanes). A lane is one
+    series along one axis.
 
     Returns
     -------
     Array
-        Shape (steps, 4, lanes): position (m), velocity (m/s), acceleration and b (m/s^2), where b
-        is the state x4 = -R b^b + g of Eq. (6) of Ren et al. (2019), bias and gravity.
+        Shape (steps, 4, lanes): position (m), velocity (m/s), acceleration and b (m/s^2). Here b
+        is the state x4 = -R b^b + g of Eq. (6) of Ren et al. (2019): bias and gravity. Row k is the
+        state of step k - D - W, where D is the chain's input delay and W its smoother's lag, both
+        in steps. The first W rows are zero.
     """
     result = np.empty((force.shape[0], 4, force.shape[1]))
     for k0, n, some in state_chunks(chain, force, fixes):
@@ -279,10 +351,15 @@ def states(chain: Chain, force: Array, fixes: Array) -> Array:
 def state_chunks(
     chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, Array]]:
-    """Compute what `states` returns chunk by chunk.
+    """Compute the rows that `states` returns, but yield them in chunks of successive rows.
 
-    Yield the first step, the number of steps, and the states, shape (chunk, 4, lanes). The states
-    are overwritten by the next chunk.
+    Parameters are those of `states`; `force` may be made during the run.
+
+    Yields
+    ------
+    tuple
+        The number of the chunk's first row, its number of rows n, and the states, shape
+        (rows, 4, lanes), of which the first n rows are valid. The next chunk overwrites the states.
     """
     from owtsweep.studies.hub.kernels import runs
 
@@ -299,9 +376,11 @@ def state_chunks(
 def _one_by_one(
     chain: Chain, force: Array | OnePassSeries, fixes: Array
 ) -> Iterator[tuple[int, int, slice, Fed, Memory]]:
-    """Go through the chunks of series, and through their groups of eight lanes.
+    """Cut series into pieces that kernels process at once: a chunk of steps, and eight lanes.
 
-    Yield the first step, the number of steps, the lanes, the inputs and the memory of each group.
+    A lane is one series along one axis. For each piece, yield its first step, its number of steps,
+    the indices of its lanes, and the inputs and the memory for the kernels. The pieces of one chunk
+    follow each other.
     """
     (steps, width), chunk, lead = force.shape, chunk_of(chain)[0], lead_of(chain)
     positions = _in_groups(fixes, 0, len(fixes))
@@ -316,14 +395,18 @@ def _one_by_one(
 
 
 def lead_of(chain: Chain) -> int:
-    """Return how many rows of the force before a chunk the predictor and the delay need."""
+    """Return how many samples of the specific force kernels need from before their first step.
+
+    The predictor and the input delay of the chain (a scheme's arrays) reach back so far.
+    """
     return max(chain.predictor.steps, chain.filter.input_delay + 1)
 
 
 def _in_groups(values: Array | OnePassSeries, first: int, stop: int) -> Array:
-    """Return the rows first ... stop - 1 of values (rows, lanes) in groups of eight lanes.
+    """Return rows `first` to `stop` - 1 of values (rows, lanes), regrouped: (groups, rows, 8).
 
-    The result has the shape (groups, rows, 8). Rows before row 0 and missing lanes are zero.
+    Each group has eight of the lanes (columns). Zeros stand for rows before row 0, and for the
+    lanes that the last group lacks.
     """
     result = aligned(-(-values.shape[1] // WIDTH), stop - first, WIDTH)
     given = values[max(first, 0) : stop]

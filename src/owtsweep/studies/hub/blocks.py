@@ -1,4 +1,7 @@
-"""Plans and runs the blocks of the hub study: its units of work."""
+"""Plans and runs blocks, the units of work of the hub study.
+
+A block holds the cases of one scheme at one natural period for up to eight replicates.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Estimator, Scheme, Sensors
 from owtsweep.studies.hub.records import Records, make_records
-from owtsweep.studies.hub.schemes import resolve_all, under
+from owtsweep.studies.hub.schemes import list_entries, resolve_all, under
 from owtsweep.studies.hub.schemes.stored import StoredScheme
 from owtsweep.studies.hub.sensors import Measurements, observe
 from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK
@@ -29,16 +32,19 @@ from owtsweep.sweep.study import Block
 
 
 def plan(config: HubConfig) -> list[Block]:
-    """Return the blocks of a study: one per natural period, eight replicates and scheme.
+    """Return the blocks (units of work) of a configuration.
 
-    A scheme that is not superposed has a block for each amplitude.
+    There is one block per natural period, set of up to eight replicates, and scheme. A block covers
+    all amplitudes if the scheme runs motion and noise separately (evaluation=superposed and a
+    linear scheme). Otherwise there is one block per amplitude.
     """
     shared = shared_content(config)
-    schemes = resolve_all(config.schemes, config)
+    entries = list_entries(config)
+    schemes = resolve_all(entries, config)
     # Made once per scheme: blocks share these parts, so that a large plan fits into memory.
     by_scheme = [
         ({**shared, **scheme_content(config, entry, scheme)}, explain_anew(entry, scheme))
-        for entry, scheme in zip(config.schemes, schemes, strict=True)
+        for entry, scheme in zip(entries, schemes, strict=True)
     ]
     blocks = []
     for period in sorted(config.grid.natural_period):
@@ -48,7 +54,7 @@ def plan(config: HubConfig) -> list[Block]:
             numbers = f"replicates {first}-{last - 1}" if last - first > 1 else f"replicate {first}"
             group = f"{period:g} s, {numbers}"
             for (part, anew), scheme in zip(by_scheme, schemes, strict=True):
-                amplitudes = [None] if _superposes(config, scheme) else config.grid.amplitude
+                amplitudes = [None] if superposes(config, scheme) else config.grid.amplitude
                 for amplitude in amplitudes:
                     content = {**part, "natural_period": float(period), "replicates": replicates}
                     label = f"{scheme.name}, {group}"
@@ -61,12 +67,16 @@ def plan(config: HubConfig) -> list[Block]:
     return blocks
 
 
-def _superposes(config: HubConfig, scheme: Scheme) -> bool:
+def superposes(config: HubConfig, scheme: Scheme) -> bool:
+    """Return whether the scheme runs once for all amplitudes, motion and noise apart."""
     return config.evaluation == "superposed" and scheme.linear
 
 
 def shared_content(config: HubConfig) -> dict[str, Any]:
-    """Return the settings that every block depends on; the grid's lists are not among them."""
+    """Return the settings on which the numbers of every block (unit of work) depend.
+
+    The values of the grid and the tuning of the schemes are not among them.
+    """
     whole = as_mapping(config)
     keys = (
         "seed", "engine", "record", "spectrum", "normalise", "band", "wave_direction", "sensors",
@@ -78,14 +88,28 @@ def shared_content(config: HubConfig) -> dict[str, Any]:
 
 
 def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
-    """Return what a scheme's rows depend on: its name and its sections of the tuning.
+    """Return what a scheme's rows depend on: the scheme's name, its tuning, and a user's code.
 
-    A user's scheme depends on all sections, on its entry in the configuration, and on its source.
+    The tuning consists of the sections of the configuration that the scheme's attribute `sections`
+    names. If the scheme has no such attribute, the tuning consists of the sections of all schemes.
+    For a user's scheme, the result also contains `entry` and what identifies the source code.
+
+    Parameters
+    ----------
+    entry
+        The scheme's entry in the key `schemes`: a name, or a mapping for a user's scheme.
+    scheme
+        The scheme that the entry stands for.
+
+    Raises
+    ------
+    InputError
+        If the scheme is a user's scheme of a stored run, whose code is not loaded.
     """
     require(
         not isinstance(scheme, StoredScheme),
-        f"schemes: {scheme.name} is a scheme of the run's author, and the run holds no plan.json "
-        "(it is older, or config.yaml was changed); only its tables can be read",
+        f"schemes: {scheme.name} is a scheme of the run's author, whose code is not loaded, and "
+        "the run has no plan.json that fits its config.yaml; only its tables can be read",
     )
     sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
     tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
@@ -97,7 +121,11 @@ def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, A
 
 
 def explain_anew(entry: Any, scheme: Scheme) -> str:
-    """Return why a scheme's stored blocks have to be computed anew; "" if they can be used."""
+    """Return why a scheme's stored results must be computed anew; "" if they can be used.
+
+    `entry` is the scheme's entry in the key `schemes`. Only results of a user's scheme, whose entry
+    is a mapping, can be doubtful.
+    """
     return explain_doubt(type(scheme)) if isinstance(entry, Mapping) else ""
 
 
@@ -106,20 +134,23 @@ def _plain(section: Any) -> Any:
 
 
 def backend(config: HubConfig, schemes: Sequence[Scheme]) -> str:
-    """Return "threading" if all schemes run by kernels, which release the GIL; otherwise "loky"."""
+    """Return the joblib backend that suits the schemes: "threading" or "loky" (processes).
+
+    It is "threading" if all schemes run by compiled kernels, which release the GIL.
+    """
     compiled = all(uses_kernels(config, scheme) for scheme in schemes)
     return "threading" if compiled else "loky"
 
 
 def uses_kernels(config: HubConfig, scheme: Scheme) -> bool:
-    """Return whether the batch engine runs the scheme by a kernel."""
+    """Return whether a scheme runs by a compiled kernel; only the batch engine uses kernels."""
     return config.engine == "batch" and hasattr(scheme, "kernel")
 
 
 def start(config: HubConfig, scheme: Any, sensors: Sensors) -> Estimator:
-    """Return a new estimator that runs step by step.
+    """Return a new estimator of a scheme, which runs step by step.
 
-    With the batch engine it is the compiled estimator, if the scheme has one.
+    With the key engine=batch, the estimator is compiled if the scheme has a compiled one.
     """
     if config.engine == "batch" and hasattr(scheme, "stream"):
         return scheme.stream(sensors, config)  # type: ignore[no-any-return]
@@ -133,7 +164,7 @@ def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.
     """
     first = blocks[0].content
     records = make_records(config, first["natural_period"], first["replicates"])
-    for _, of_tuning in groupby(blocks, attrgetter("tunings")):
+    for _, of_tuning in groupby(blocks, lambda block: block.tunings[:1]):
         chosen = list(of_tuning)
         yield from _run_one_tuning(chosen[0].choose(config), chosen, records)
 
@@ -147,7 +178,7 @@ def _run_one_tuning(
     processor's cache. So the first block of an amplitude (or the first superposed block) runs all
     schemes that have blocks of this kind.
     """
-    schemes = {s.name: under(s, config) for s in resolve_all(config.schemes)}
+    schemes = {s.name: under(s, config) for s in resolve_all(list_entries(config))}
     ready: dict[int, pd.DataFrame | Exception] = {}
     for number, block in enumerate(blocks):
         scheme, amplitude = schemes[block.content["scheme"]], block.content.get("amplitude")
@@ -171,14 +202,15 @@ def _run_one_tuning(
 
 
 def _settled(config: HubConfig, records: Records) -> int:
-    """Return the first settled step."""
+    """Return the number of the first step after the settling time."""
     return round(config.measures.settling_time / records.sensors.step)
 
 
 def _frames(parts: Sequence[Iterable[measures.Columns]]) -> list[pd.DataFrame]:
-    """Make one DataFrame for each part.
+    """Return one DataFrame per element of `parts`.
 
-    One large DataFrame is made and cut into pieces, because pandas is slow to make many DataFrames.
+    An element yields tables (column name -> values), whose rows the DataFrame joins. One large
+    DataFrame is made and then cut, because pandas is slow to make many DataFrames.
     """
     tables = [list(part) for part in parts]
     pieces = [piece for part in tables for piece in part]
@@ -202,9 +234,16 @@ def _by_kernels(
     records: Records,
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame | Exception]:
-    """Run schemes at one amplitude by kernels; return the rows of each scheme by its number.
+    """Run schemes by kernels; return the number of each scheme -> its rows, or an exception.
 
-    If making a scheme's chain raised an exception, return the exception in place of the rows.
+    An exception comes from making the scheme's arrays for kernels, or from running the scheme.
+
+    Parameters
+    ----------
+    schemes
+        Number -> scheme. The numbers only identify the schemes in the result.
+    amplitude
+        Amplitude of the motion, m; None to run motion and noise separately for all amplitudes.
     """
     made = dict(zip(schemes, _chains(config, list(schemes.values()), records), strict=True))
     chains = {n: chain for n, chain in made.items() if not isinstance(chain, Exception)}
@@ -232,7 +271,12 @@ def _run_chains(
     records: Records,
     amplitude: float | None,
 ) -> dict[int, pd.DataFrame]:
-    """The rows of some chains, which run side by side."""
+    """Run chains side by side; return the number of each chain -> rows of the scheme.
+
+    A chain is a scheme in the form of arrays for kernels. `chains` maps numbers to chains, and
+    `schemes` maps the same numbers to the schemes. `amplitude` is in m; None runs motion and noise
+    separately for all amplitudes.
+    """
     settled = _settled(config, records)
     keep = config.measures.extremes
     sums = sum_errors(list(chains.values()), records, settled, amplitude, keep_squared=keep)
@@ -246,9 +290,10 @@ def _run_chains(
 def _chains(
     config: HubConfig, schemes: Sequence[Any], records: Records
 ) -> Iterable[Chain | Exception]:
-    """Make the schemes' chains, several at once if the cores have no other work.
+    """Make the chain of each scheme, its form for the kernels; use threads if cores are free.
 
-    If making a chain raises an exception, return the exception in place of the chain.
+    The result has the order of `schemes`. If making a chain raises an exception, the result has
+    this exception in place of the chain. KeyboardInterrupt is raised.
     """
 
     def made(scheme: Any) -> Chain | Exception:
@@ -272,7 +317,11 @@ def _chains(
 
 
 def _threads(config: HubConfig, schemes: Sequence[Scheme]) -> int:
-    """Return how many chains may be made at once: as many as threads would wait for them."""
+    """Return how many threads may prepare schemes for the kernels at once.
+
+    If the sweep runs in threads, the result is the number of the sweep's workers, because the
+    workers would otherwise wait. If the sweep runs in processes or on a cluster, the result is 1.
+    """
     from joblib import cpu_count
 
     compute = config.compute

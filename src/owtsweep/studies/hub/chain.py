@@ -2,7 +2,7 @@
 
 Every scheme of the study is the same chain with some of the parts in brackets left out: [MHE ->]
 multirate Kalman filter [-> fixed-lag smoother] [-> predictor]. A chain is computed once for given
-sensors and tuning. All periods, amplitudes and records share its gains.
+sensors and tuning. The gains of a chain serve all periods, amplitudes and records.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, wraps
 from operator import attrgetter
 from threading import Lock
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from owtsweep.studies.hub.kernels.layout import FilterArrays, HorizonArrays, Pre
 from owtsweep.studies.hub.models import POSITION, SIGMA_2_STATES, AxisFilter
 from owtsweep.vectors import choose
 
+if TYPE_CHECKING:
+    from owtsweep.studies.hub.fix_lines import Line
+
 #: Longest transient that is stored, in steps (2621 s at 100 Hz). The covariance of a bias without
 #: noise falls as a power of time and never settles; after so many steps the last cycle is repeated.
 LONGEST_TRANSIENT = 2**18
@@ -38,18 +41,23 @@ LONGEST_TRANSIENT = 2**18
 class Chain:
     """The form of a scheme for the batch engine: [MHE ->] filter [-> smoother] [-> predictor].
 
-    Two chains are equal only if they are the same object, so that chains can be keys of caches.
+    Parts in brackets may be absent. Two chains are equal only if they are the same object, so that
+    chains can be keys of caches.
 
     Attributes
     ----------
     gains
-        The filter's gains and covariances, one row per step until the rows repeat.
+        The filter's gains and covariances, one row per step until the rows repeat. The covariances
+        are NaN if the scheme states none.
     filter, predictor, mhe
-        The arrays that kernels take.
+        The arrays that kernels take for filter and smoother, predictor, and MHE.
     axis
         The filter's model and variances for one axis.
     input_model
-        The predictor's model; None without a predictor.
+        The predictor's model; None without a predictor or without covariances.
+    line
+        The straight line that the estimates follow between position fixes, if they do; then
+        superposed errors are summed without running the chain. None for all other chains.
     """
 
     gains: GainSchedule
@@ -58,34 +66,46 @@ class Chain:
     mhe: HorizonArrays
     axis: AxisFilter
     input_model: Discrete | None
+    line: Line | None = None
 
     @cached_property
     def covariance(self) -> Array:
-        """The covariance of estimated position and velocity along an axis, shape (rows, 2, 2).
+        """The covariance of the estimate's error along one axis, shape (rows, 2, 2).
 
-        There is one row per row of the gain schedule.
+        The two components are position and velocity. There is one row per row of the filter's
+        gains, i.e. one per step until the gains repeat. If the scheme states no covariance, all
+        elements are NaN.
         """
         return self._covariance()
 
+    @property
+    def has_covariance(self) -> bool:
+        """Whether the scheme states the covariance of its estimates; without, there is no NEES."""
+        return not np.isnan(self.covariance[0, 0, 0])
+
     @cached_property
     def precision(self) -> Array:
-        """The elements pp, pv, vv (p position, v velocity) of the inverse of `covariance`.
+        """The elements pp, pv, vv of the inverse of `covariance`, shape (rows, 3).
 
-        The shape is (rows, 3).
+        p is position and v is velocity. There is one row per row of `covariance`. If the scheme
+        states no covariance, all elements are zero.
         """
         return _precision(self.covariance)
 
     @cached_property
     def innovation_weight(self) -> Array:
-        """The inverse of the innovation's variance, shape (rows,); rows as in the gain schedule."""
+        """The inverse of the innovation's variance, 1/m^2, shape (rows,).
+
+        There is one row per row of the filter's gains, i.e. one per step until the gains repeat.
+        """
         return np.asarray(1.0 / self.gains.innovation_variance)
 
     def for_runs(self) -> Chain:
         """Return this chain without the filter's covariances, which a run does not need.
 
         The result takes half the memory. The properties `covariance` and `precision` are computed
-        here. If they were computed at first use, threads would wait for each other: before Python
-        3.12, all chains share one lock for cached properties.
+        by this method. If the properties were computed at first use, threads would wait for each
+        other: before Python 3.12, all chains share one lock for cached properties.
         """
         none, covariance = np.empty((0, 4, 4)), self._covariance()
         result = replace(self, gains=replace(self.gains, predicted=none, filtered=none))
@@ -93,11 +113,11 @@ class Chain:
         return result
 
     def _covariance(self) -> Array:
-        """Compute the covariance of estimated position and velocity along an axis, (rows, 2, 2).
+        """Compute the covariance of the estimate's error along one axis, shape (rows, 2, 2).
 
         The prediction starts from the smoothed state of step s, `window` steps before the filter's
-        newest sample. The prediction uses inputs i, whose noise v_i the smoother has partly seen.
-        The smoothed state's error and v_i have the covariance
+        newest sample. Input i of the prediction has the noise v_i. The smoother has seen the inputs
+        inside its window. So the smoothed state's error and v_i have the covariance
         E[error_s v_i] = cov(error_s, error_i) h', where h is the measurement row of specific force.
         (v_i minus the optimal estimate of v_i is h error_i, and an optimal estimate is not
         correlated with its error.) The noise of inputs after the window is independent. The bias'
@@ -127,11 +147,14 @@ class Chain:
 
 
 def _precision(covariance: Array) -> Array:
-    """Return the elements pp, pv, vv of the inverses of covariances (rows, 2, 2), shape (rows, 3).
+    """Invert covariances (rows, 2, 2) of position p and velocity v; return pp, pv, vv, (rows, 3).
 
-    p is position and v is velocity.
+    pp, pv and vv are the elements of each inverse, which is symmetric. If the covariances are NaN,
+    the elements are zero.
     """
     result = aligned(len(covariance), 3)
+    if np.isnan(covariance[0, 0, 0]):
+        return result
     for first in range(0, len(covariance), _ROWS_AT_ONCE):  # the working copies stay small
         part = slice(first, first + _ROWS_AT_ONCE)
         result[part] = np.linalg.inv(covariance[part])[:, [0, 0, 1], [0, 1, 1]]
@@ -142,9 +165,10 @@ Kernel = Callable[..., Chain]
 
 
 def chain_for_runs(scheme: Any, sensors: Sensors, tuning: Any, steps: int) -> Chain:
-    """Make a scheme's chain for records of `steps` steps.
+    """Make a scheme's chain, its form for the batch engine, for records of `steps` IMU steps.
 
-    Parts that a run does not need are left out if the scheme's kernel was made by `shared`.
+    `tuning` is the study's configuration. If the scheme's method `kernel` is decorated by `shared`,
+    the chain lacks the covariances that a run does not need.
     """
     options = {"for_runs": True} if getattr(scheme.kernel, "keeps_chains", False) else {}
     made: Chain = scheme.kernel(sensors, tuning, steps, **options)
@@ -154,8 +178,9 @@ def chain_for_runs(scheme: Any, sensors: Sensors, tuning: Any, steps: int) -> Ch
 def shared(kernel: Kernel) -> Kernel:
     """Decorate a scheme's method `kernel` with a cache, so that all records share one chain.
 
-    The method makes a chain once for given sensors, tuning and length of the records. The scheme's
-    attribute `sections` names the parts of the tuning on which the chain depends.
+    A chain is the scheme's form for the batch engine. The decorated method makes it once for given
+    sensors, tuning and length of the records. The scheme's attribute `sections` names the sections
+    of the configuration on which the chain depends.
     """
 
     @wraps(kernel)
@@ -191,9 +216,9 @@ def shared(kernel: Kernel) -> Kernel:
 #: Number of rows of a gain schedule whose covariances are computed at once.
 _ROWS_AT_ONCE = 8192
 
-#: Greatest number of chains in the cache, one for each registered scheme. A chain whose gains
-#: settle slowly takes up to 100 MB.
-_KEPT_CHAINS = 4
+#: Greatest number of chains in the cache: four schemes under each of two tunings, and three
+#: baselines. A chain whose gains settle slowly takes up to 100 MB.
+_KEPT_CHAINS = 11
 _CHAINS: OrderedDict[Any, Chain] = OrderedDict()
 _MAKING: dict[Any, Lock] = {}
 _LOCK = Lock()
@@ -210,12 +235,12 @@ def chain(
     horizon: Horizon | None = None,
     steps: int = LONGEST_TRANSIENT,
 ) -> Chain:
-    """Make a chain from its parts.
+    """Make a chain, the form of a scheme for the batch engine, from the models of its parts.
 
     Parameters
     ----------
     axis
-        The filter's model and variances.
+        The filter's model and variances for one axis.
     rule
         How a step without a position fix is treated, one of `estimation.gains.RULES`.
     input_delay

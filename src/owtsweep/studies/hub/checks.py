@@ -1,6 +1,6 @@
 """Refuses settings that cannot work together, before a run. Each message says what would work.
 
-Types and bounds of single keys are declared in `config`.
+Types and bounds of single keys are declared in `owtsweep.studies.hub.config`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from owtsweep.errors import InputError, require
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import line_numbers
 from owtsweep.studies.hub.contract import Scheme
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.schemes import list_baselines, resolve_all
 from owtsweep.studies.hub.sizes import (
     check_buffers,
     check_fix_interval,
@@ -48,6 +48,7 @@ def check(config: HubConfig) -> None:
     schemes = resolve_all(config.schemes, config)
     for scheme in schemes:
         _check_sections(config, scheme)
+    _check_baselines(config, schemes)
     if any(scheme.name in ("HME1", "HME2") for scheme in schemes):
         _check_window(config, "hme.smoother_window", config.hme.smoother_window)
     if any(scheme.name == "HME2" for scheme in schemes):
@@ -73,7 +74,11 @@ def _check_tune(config: HubConfig) -> None:
 
 
 def _check_sections(config: HubConfig, scheme: Scheme) -> None:
-    """Refuse a scheme that says to depend on keys that there are not."""
+    """Raise InputError unless the scheme's attribute `sections` is a list of existing keys.
+
+    The keys are those of the configuration, e.g. "mkf" or "hme.mhe". A scheme need not have this
+    attribute.
+    """
     sections = getattr(scheme, "sections", ())
     listed = isinstance(sections, list | tuple) and all(isinstance(name, str) for name in sections)
     for name in sections if listed else ():
@@ -81,28 +86,46 @@ def _check_sections(config: HubConfig, scheme: Scheme) -> None:
         listed = listed and len(fields_along(type(config), path)) == len(path)
     require(
         listed,
-        f"schemes: {scheme.name} has sections = {sections!r}; give a tuple of keys, e.g. "
-        '("mkf", "hme")',
+        f"schemes: {scheme.name} has sections = {sections!r}; give a tuple of keys of the "
+        'configuration, e.g. ("mkf", "hme")',
     )
 
 
+def _check_baselines(config: HubConfig, schemes: Sequence[Scheme]) -> None:
+    """Refuse a baseline that is named twice, or has the name of a user's scheme."""
+    baselines = list_baselines(config)
+    for name in baselines:
+        require(
+            baselines.count(name) == 1,
+            f"baselines: {name} stands there twice; leave one of them out",
+        )
+        require(
+            all(scheme.name != name for scheme in schemes),
+            f"baselines: a scheme of yours is also named {name}; rename it, or leave {name} out of "
+            "baselines",
+        )
+
+
 def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
-    """Refuse settings with which the engine `expected` cannot work, because it runs no records."""
+    """Raise InputError for settings with which the engine `expected` cannot work.
+
+    This engine simulates no records, and it computes from the schemes' kernels.
+    """
     require(
         not config.measures.extremes,
         "measures.extremes: largest errors need records; use engine=batch",
     )
     require(
         config.evaluation == "superposed",
-        "evaluation: engine=expected runs no record, so there is nothing to run directly; use "
+        "evaluation: engine=expected runs no record, so it cannot run amplitudes directly; use "
         "evaluation=superposed, or engine=batch",
     )
     for scheme in schemes:
         require(
             scheme.linear and hasattr(scheme, "kernel"),
-            f"schemes: {scheme.name} has no kernel (linear, with gains that no data change), from "
-            "which engine=expected computes; use engine=batch for it, or set hme.mhe.constraints "
-            "to null if it has any",
+            f"schemes: {scheme.name} has no kernel or is not linear, and engine=expected needs a "
+            "linear scheme with a kernel; use engine=batch, or leave the scheme out (HME2 is "
+            "linear if hme.mhe.constraints is null)",
         )
 
 
@@ -110,8 +133,8 @@ def _check_sensors(config: HubConfig) -> None:
     gnss, imu = config.sensors.gnss, config.sensors.imu
     require(
         gnss.rate <= imu.rate,
-        f"sensors.gnss.rate: {gnss.rate:g} Hz is above the IMU's {imu.rate:g} Hz; lower it, or "
-        "raise sensors.imu.rate",
+        f"sensors.gnss.rate: {gnss.rate:g} Hz is above the IMU's {imu.rate:g} Hz; lower the rate "
+        "of the GNSS, or raise sensors.imu.rate",
     )
     ratio = imu.rate / gnss.rate
     if abs(ratio - round(ratio)) > GRAIN * ratio:
@@ -125,7 +148,11 @@ def _check_sensors(config: HubConfig) -> None:
 
 
 def _check_steps(key: str, value: float, rate: float) -> None:
-    """Refuse a time (s) that is not a whole number of IMU steps; suggest the two nearest times."""
+    """Raise InputError if a time is not a whole number of IMU steps; suggest the two nearest times.
+
+    `key` is the key of the time in the configuration, `value` the time in s, and `rate` the IMU's
+    rate in Hz.
+    """
     step = 1.0 / rate
     count = value / step
     if abs(count - round(count)) > GRAIN * max(1.0, count):
@@ -142,7 +169,7 @@ def _check_record(config: HubConfig) -> None:
     require(
         config.record.duration <= longest,
         f"record.duration: {config.record.duration:g} s is longer than {longest:g} s "
-        f"({MOST_STEPS:.0e} IMU steps); shorten it",
+        f"({MOST_STEPS:.0e} IMU steps); shorten the record",
     )
     _check_steps("record.duration", config.record.duration, imu.rate)
     require(
@@ -164,7 +191,7 @@ def _check_record(config: HubConfig) -> None:
     require(
         band[1] < imu.rate / 2.0,
         f"band: {band[1]:g} Hz is not below the Nyquist frequency {imu.rate / 2.0:g} Hz of the "
-        "IMU; lower it, or raise sensors.imu.rate",
+        "IMU; lower the upper edge, or raise sensors.imu.rate",
     )
     line_numbers((band[0], band[1]), 2.0 * config.record.duration)
 
@@ -189,7 +216,8 @@ def _check_window(config: HubConfig, key: str, window: int) -> None:
     steps = config.record.duration * config.sensors.imu.rate
     require(
         window < steps,
-        f"{key}: {window} steps are longer than the record of {steps:.0f} steps; shorten it",
+        f"{key}: {window} steps are longer than the record of {steps:.0f} steps; shorten the "
+        "window",
     )
     check_buffers(key, window, round(config.sensors.gnss.delay * config.sensors.imu.rate))
 
@@ -207,13 +235,13 @@ def _check_mhe(config: HubConfig, mhe: Mhe) -> None:
         high = min((d for d in divisors if d >= steps), default=M)
         values = " or ".join(f"{d / imu.rate:.10g}" for d in sorted({low, high}))
         raise InputError(
-            f"hme.mhe.interval: {mhe.interval:g} s is no number of IMU steps that divides the GNSS "
-            f"interval {1.0 / gnss.rate:g} s; use {values}"
+            f"hme.mhe.interval: {mhe.interval:g} s is not a whole number of IMU steps that divides "
+            f"the GNSS interval {1.0 / gnss.rate:g} s; use {values}"
         )
     require(
         mhe.horizon / gnss.rate < config.record.duration,
         f"hme.mhe.horizon: {mhe.horizon} GNSS intervals ({mhe.horizon / gnss.rate:g} s) are longer "
-        f"than the record of {config.record.duration:g} s; shorten it",
+        f"than the record of {config.record.duration:g} s; shorten the horizon",
     )
     check_horizon(mhe.horizon)
     require(

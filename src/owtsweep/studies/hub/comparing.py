@@ -1,4 +1,4 @@
-"""Tells a comparison of runs what it needs to know about a run of the hub study."""
+"""Describes a run of the hub study for a comparison of runs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,11 @@ PAIRING = ("seed", "record", "spectrum", "band", "normalise")
 
 
 def describe_run(run: Candidate) -> Aspects:
-    """Return what a comparison needs to know about a run: conditions, schemes, criterion etc."""
+    """Describe a run of the hub study for a comparison of runs.
+
+    The description has the run's conditions, grid, schemes and criterion, and the settings that two
+    runs must share so that their records can be paired.
+    """
     config: HubConfig = run.config
     window = config.measures.window
     samples = ENGINES[config.engine]().samples

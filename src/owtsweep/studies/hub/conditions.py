@@ -29,13 +29,17 @@ BOUNDARY = ("HME2", "HME1")
 
 
 def get_grid(config: HubConfig) -> Grid:
-    """Return condition -> its values in the configuration."""
+    """Return name of a condition -> list of the values that the configuration gives it."""
     return {"natural_period": config.grid.natural_period, "amplitude": config.grid.amplitude}
 
 
-def make_cube(config: HubConfig, rows: pd.DataFrame) -> Cube:
-    """Make a cube from a run's rows: arrays over schemes, conditions, measures and replicates."""
-    from owtsweep.results.cube import Cube
-    from owtsweep.studies.hub import scheme_names
+def make_cube(config: HubConfig, rows: pd.DataFrame, *, baselines: bool = False) -> Cube:
+    """Arrange a run's rows as arrays over schemes, conditions, measures and replicates (a cube).
 
-    return Cube.of_rows(rows, scheme_names(config), CONDITIONS, get_grid(config), measures=MEASURES)
+    With `baselines` the cube holds the run's baselines too, after the schemes.
+    """
+    from owtsweep.results.cube import Cube
+    from owtsweep.studies.hub import baseline_names, scheme_names
+
+    names = scheme_names(config) + (baseline_names(config) if baselines else [])
+    return Cube.of_rows(rows, names, CONDITIONS, get_grid(config), measures=MEASURES)

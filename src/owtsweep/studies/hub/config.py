@@ -125,7 +125,7 @@ class FilterTuning(Section):
 
 
 class Constraints(Section):
-    """The bounds of the states in the MHE's window: largest magnitudes of their components."""
+    """The bounds of the states in the MHE's window: largest magnitudes of the components."""
 
     position: Positive | None = key(
         "of the hub, north and east; null: none", unit="m", default=None, younger=True
@@ -186,7 +186,10 @@ class Mhe(Section):
 
     @property
     def bounds(self) -> tuple[float, float, float]:
-        """The bounds of position, velocity and bias (magnitudes); infinite where there is none."""
+        """The largest allowed magnitudes of position (m), velocity (m/s) and bias (m/s^2).
+
+        A magnitude that is not bounded is infinite.
+        """
         limits = self.constraints or Constraints()
         values = (limits.position, limits.velocity, limits.bias)
         p, v, b = (float("inf") if value is None else value for value in values)
@@ -194,7 +197,7 @@ class Mhe(Section):
 
 
 class Hme(Section):
-    """The settings that HME1 and HME2 share, and those of the MHE of HME2."""
+    """The settings that HME1 and HME2 share, and the settings of HME2's MHE."""
 
     smoother_window: int = key(
         "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
@@ -203,7 +206,7 @@ class Hme(Section):
 
 
 class Measures(Section):
-    """The measures to compute, and the criterion by which the map shows the best scheme."""
+    """The measures to compute, and the criterion by which schemes are ranked."""
 
     settling_time: NotNegative = key("left out of the window settled", unit="s")
     window: Literal["full", "settled"] = key("the window that the map judges")
@@ -238,7 +241,7 @@ class HubConfig(Config):
     """
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
-        "tuning", "tune", "measures.window", "measures.criterion",
+        "tuning", "tune", "baselines", "measures.window", "measures.criterion",
     }  # fmt: skip
     tuned: ClassVar[tuple[str, ...]] = TUNED
 
@@ -276,6 +279,12 @@ class HubConfig(Config):
         younger=True,
     )
     schemes: list[Any] = key("names, or {_target_: package.Class, ...} for a scheme of your own")
+    baselines: list[Literal["NONE", "HOLD", "DELTA"]] = key(
+        "shown beside the schemes: no estimator, the last fix, the last two fixes extrapolated; "
+        "[]: none",
+        default=[],
+        younger=True,
+    )
     ekf: FilterTuning = key("the filter of EKF", default=_ABSENT)
     mkf: FilterTuning = key("the filter of MKF", default=_ABSENT)
     hme1: FilterTuning = key("the filter of HME1", default=_ABSENT)
@@ -313,8 +322,18 @@ class HubConfig(Config):
 
         return fill_in(plain)
 
+    def describe_origin(self) -> str:
+        """Return in a line the tuning, the truth, and the number of records with their seed."""
+        from owtsweep.studies.hub.origin import describe_origin
+
+        return f"Tuning {self.tuning_name}. {describe_origin(self)}"
+
     def describe_code(self) -> Any:
-        """The schemes' names, whether they are linear, and whether they have kernels."""
+        """Return what a run stores of its schemes: a list with one mapping per scheme.
+
+        Each mapping holds the scheme's name, whether the scheme is linear, and whether it has a
+        kernel.
+        """
         from owtsweep.studies.hub.schemes import resolve_all
         from owtsweep.studies.hub.schemes.stored import describe
 
@@ -323,7 +342,11 @@ class HubConfig(Config):
 
     @classmethod
     def hide_code(cls, plain: dict[str, Any], described: Any) -> dict[str, Any]:
-        """The keys with a `StoredScheme` in place of each user's scheme."""
+        """Return the keys of a stored run with a stand-in for each user's scheme.
+
+        So the code of these schemes need not be imported. `plain` maps the keys to their values;
+        `described` is what `describe_code` returned when the run was stored, or None.
+        """
         from owtsweep.studies.hub.schemes.stored import stand_in
 
         return {**plain, "schemes": stand_in(plain.get("schemes"), described)}
@@ -334,7 +357,7 @@ class HubConfig(Config):
         Raises
         ------
         InputError
-            If they cannot; the message says what would work.
+            If two values cannot work together; the message says what would work.
         """
         super().check()
         from owtsweep.studies.hub.checks import check

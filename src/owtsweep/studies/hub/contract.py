@@ -1,4 +1,4 @@
-"""The interface between the hub study and any scheme, of this package or a user's."""
+"""The interface between the hub study and a scheme, be it the package's own or a user's."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from owtsweep.evaluation.estimate import Estimate
 
 @dataclass(frozen=True)
 class Sensors:
-    """The properties of IMU and GNSS that an estimator may know (PAPER.md, section 1).
+    """The properties of IMU and GNSS that an estimator may know.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Sensors:
 
 @runtime_checkable
 class Estimator(Protocol):
-    """A running estimator, whose method `update` is called once per IMU step."""
+    """The interface of a running estimator, whose method `update` is called once per IMU step."""
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the estimate of the present.
@@ -94,8 +94,8 @@ class Scheme(Protocol):
         The scheme's name in tables and figures; unique within a run.
     linear
         Whether estimates are linear in the measurements, with gains that do not depend on the
-        measurements. Then one run with the motion alone and one with the noise alone serve every
-        amplitude.
+        measurements. If so, one run with the motion alone and one run with the noise alone serve
+        every amplitude.
     """
 
     name: str

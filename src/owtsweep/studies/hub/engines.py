@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
@@ -11,11 +11,13 @@ from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
 from owtsweep.results.winners import tell_winners
-from owtsweep.studies.hub import blocks, criteria, figures, scheme_names
+from owtsweep.studies.hub import baseline_names, blocks, criteria, figures, prediction
 from owtsweep.studies.hub.conditions import CONDITIONS, make_cube
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
-from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.schemes import list_entries, resolve_all
+from owtsweep.studies.hub.winners import find_winners
+from owtsweep.sweep.study import Square
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,22 +26,22 @@ if TYPE_CHECKING:
     from owtsweep.figures.drawings import Drawing
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.sweep.runs import Results
-    from owtsweep.sweep.study import Engine
+    from owtsweep.sweep.study import Block, Engine
 
 logger = logging.getLogger(__name__)
 
 
 class _Engine:
-    """The part that both engines share: the columns that identify a row, and the map as result.
+    """The part that all engines of the study share: the columns of rows, and the main result.
 
-    The map is a picture of the best scheme at each natural period and amplitude.
+    The main result is the map: a picture of the best scheme at each natural period and amplitude.
     """
 
     #: Columns without which no table can be made.
     row_types: ClassVar[Mapping[str, type]] = {
         **dict.fromkeys(("scheme", "measure", "window"), str),
         **dict.fromkeys(("natural_period", "replicate", "amplitude", "n_samples"), float),
-        **dict.fromkeys(("motion", "cross", "noise", "value"), float),
+        **dict.fromkeys(("motion", "cross", "noise", "value"), Square),
     }
 
     def sort_columns(self) -> list[str]:
@@ -47,23 +49,28 @@ class _Engine:
         return ["natural_period", "scheme", "measure", "window", "amplitude", "replicate"]
 
     def terminal(self, config: HubConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """Return the map of the best schemes as a coloured grid for the terminal."""
+        """Return the map as a coloured grid for the terminal.
+
+        The map shows the best scheme at each natural period and amplitude, from the table
+        best_scheme.
+        """
         from rich.console import Group
         from rich.text import Text
 
         from owtsweep.figures.terminal import grid
 
-        best, measures = tables["best_scheme"], config.measures
-        shown = grid(best, scheme_names(config), CONDITIONS, measures.criterion, measures.window)
-        cells = best[
-            (best["criterion"] == measures.criterion) & (best["window"] == measures.window)
-        ]
-        told = [Text(tell_winners(cells))] if len(cells) else []
+        criterion, window = config.measures.criterion, config.measures.window
+        table, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
+        shown = grid(table, names, CONDITIONS, criterion, window, notes=notes)
+        told = [Text(tell_winners(table))] if len(table) else []
         origin = [f"Tuning {config.tuning_name}", describe_truth(config), describe_draws(config)]
         return Group(*(Text(line, style="bold") for line in origin), shown, *told)
 
     def overview(self, config: HubConfig) -> str:
-        """Return the name of the map of the best schemes (figure 18 of Ren et al. 2019)."""
+        """Return the name of the figure that shows the best scheme at each point of the grid.
+
+        It is figure 18 of Ren et al. (2019).
+        """
         return figures.MAP
 
     untuned = figures.UNTUNED
@@ -80,7 +87,10 @@ class _Engine:
 
 
 class RecordsEngine(_Engine):
-    """The engine of `engine: batch` and `engine: reference`: runs schemes on simulated records."""
+    """The engine for the keys engine=batch and engine=reference: runs schemes on records.
+
+    Records are simulated measurements.
+    """
 
     samples = True
     plan = staticmethod(blocks.plan)
@@ -88,11 +98,12 @@ class RecordsEngine(_Engine):
     drawings = staticmethod(figures.drawings)
 
     def backend(self, config: HubConfig) -> str:
-        """Return "threading" if all schemes run by kernels, which release the GIL; else "loky".
+        """Return the joblib backend that suits the schemes: "threading" or "loky" (processes).
 
-        Log a warning for a scheme that has no kernel because of its constraints.
+        It is "threading" if all schemes run by compiled kernels, which release the GIL. With
+        engine=batch, log a warning for each scheme that has no kernel because of its constraints.
         """
-        schemes = resolve_all(config.schemes, config)
+        schemes = resolve_all(list_entries(config), config)
         for scheme in schemes:
             if config.engine == "batch" and getattr(scheme, "constrained", False):
                 logger.warning(
@@ -102,15 +113,37 @@ class RecordsEngine(_Engine):
                 )
         return blocks.backend(config, schemes)
 
+    def warm_up(self, config: HubConfig, workers: int) -> None:
+        """Compile the kernels that the study uses, in up to `workers` processes side by side."""
+        from owtsweep.studies.hub.compiling import compile_kernels
+
+        schemes = [s for s in resolve_all(config.schemes, config) if blocks.uses_kernels(config, s)]
+        superposed = {blocks.superposes(config, scheme) for scheme in schemes}
+        for evaluation in sorted("superposed" if each else "direct" for each in superposed):
+            compile_kernels(evaluation, vectors=config.compute.vectors, cores=workers)
+
+    def predict(
+        self, config: HubConfig, blocks: Sequence[Block], workers: int
+    ) -> tuple[float, float] | None:
+        """Return the computing time in s and the memory in bytes; None unless kernels run all."""
+        return prediction.predict(config, blocks, workers)
+
     def tables(self, config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Make the tables summary and best_scheme, with confidence intervals."""
-        cube = make_cube(config, rows)
-        best = find_best_schemes(cube, config.measures.window, criteria(config))
+        """Make the tables `summary` and `best_scheme` from a run's rows; return them by name.
+
+        Both tables have confidence intervals.
+        """
+        cube = make_cube(config, rows, baselines=True)
+        window = config.measures.window
+        best = find_best_schemes(cube, window, criteria(config), baseline_names(config))
         return {"summary": summarise(cube), "best_scheme": best}
 
 
 class ExpectedEngine(_Engine):
-    """The engine of `engine: expected`: computes the schemes' expected errors without records."""
+    """The engine for the key engine=expected: computes schemes' expected errors without records.
+
+    Records are simulated measurements; the expected error is the mean over all possible records.
+    """
 
     samples = False
     plan = staticmethod(engine.plan)

@@ -1,4 +1,4 @@
-"""Computes a scheme's error spectrum: its settled error per unit of motion at each frequency.
+"""Computes a scheme's error spectrum: the settled error per unit of motion at each frequency.
 
 A chain is a scheme's form for the batch engine. Once its gains have settled, a chain is a linear
 system whose coefficients repeat with the position fixes. The chain's response to a unit motion
@@ -34,7 +34,7 @@ QUADRATURE = 20_000
 
 @dataclass(frozen=True)
 class ErrorSpectrum:
-    """The settled mean square error due to a sinusoidal motion, divided by its mean square.
+    """The settled mean square error due to a sinusoidal motion, per mean square displacement.
 
     Attributes
     ----------
@@ -53,17 +53,17 @@ class ErrorSpectrum:
     velocity: Array
 
     def of(self, measure: str) -> Array:
-        """Return the values of one measure, "position" or "velocity"."""
+        """Return the spectrum of one measure, "position" or "velocity", shape (n,)."""
         return {"position": self.position, "velocity": self.velocity}[measure]
 
 
 def error_spectrum(
     chain: Chain, sensors: Sensors, frequencies: Array, *, settle: float = 100.0
 ) -> ErrorSpectrum:
-    """Compute the error spectrum of a chain: its settled error due to motion, without noise.
+    """Compute the error spectrum of a chain: the settled error due to motion, without noise.
 
-    Both axes respond alike, so the sum of the mean square errors of x and y is the mean square
-    error along the motion, whatever its direction.
+    A chain is a scheme's form for the batch engine. Both axes respond alike. So the sum of the mean
+    square errors of x and y is the mean square error along the motion, whatever the direction.
 
     Parameters
     ----------
@@ -71,15 +71,15 @@ def error_spectrum(
         Frequencies of the motion, Hz, increasing, shape (n,). No frequency may be a multiple of the
         rate at which the chain repeats: to the GNSS such a motion looks like a standstill.
     settle
-        Time (s) after which the response is first examined. What is then left of the transient is
-        removed by extrapolation (`settled.limit`). The time is doubled until the remainder is less
-        than `TOLERANCE` of the error.
+        Time (s) after which the response is first examined. The transient that is left at this time
+        is removed by extrapolation (`settled.limit`). The time is doubled until the extrapolation
+        is uncertain by at most the part `TOLERANCE` of the error.
 
     Raises
     ------
     InputError
-        If frequencies are not positive and increasing, if one of them is a multiple of the chain's
-        rate, or if the response does not settle.
+        If frequencies are not positive and increasing, if a frequency is a multiple of the rate at
+        which the chain repeats, or if the response does not settle.
     """
     frequency = np.asarray(frequencies, dtype=float)
     if frequency.ndim != 1 or not np.all(frequency > 0.0) or np.any(np.diff(frequency) <= 0.0):
@@ -90,7 +90,7 @@ def error_spectrum(
         bad = frequency[np.argmin(np.abs(cycles - np.round(cycles)))]
         raise InputError(
             f"frequencies: {bad:g} Hz is a multiple of the rate at which the scheme repeats, so "
-            "that its fixes look constant; leave it out"
+            "that the position fixes would look constant; leave this frequency out"
         )
     parts = [
         _batch(steady, sensors, frequency[first : first + BATCH], settle)
@@ -101,12 +101,15 @@ def error_spectrum(
 
 
 def _batch(chain: Chain, sensors: Sensors, frequency: Array, settle: float) -> tuple[Array, Array]:
-    """Compute the settled error spectrum at a few frequencies (Hz): position, velocity, (n,) each.
+    """Compute the error spectrum at n frequencies (Hz): position and velocity, shape (n,) each.
+
+    `chain` has settled gains. `settle` is the time (s) after which the response is first examined;
+    the time is doubled until the transient has died out.
 
     Raises
     ------
     InputError
-        If the response does not settle.
+        If the response does not settle within the longest run.
     """
     cycle = cycle_of(chain)
     steps = max(round(settle / sensors.step / cycle), 1) * cycle
@@ -129,8 +132,9 @@ def _error_phasors(
 ) -> tuple[Complex, Complex]:
     """Compute the complex errors of position and velocity in the last cycles of a run.
 
-    The run has `steps` steps before these cycles. The motion is e^{iwt} with n frequencies (Hz);
-    errors are divided by e^{iwt}. The shape is (cycles, steps of a cycle, n) each.
+    A cycle is the number of steps after which the chain repeats. The run has `steps` steps, and
+    then the last `KEPT_CYCLES` cycles. The motion is e^{iwt}, at n frequencies (Hz); errors are
+    divided by e^{iwt}. Each of the two results has the shape (cycles, steps of a cycle, n).
     """
     cycle = cycle_of(chain)
     total = steps + KEPT_CYCLES * cycle
@@ -167,7 +171,7 @@ def expected_mse(
     *,
     rms: float = 1.0,
 ) -> tuple[float, float]:
-    """Compute the settled MSE that a random motion of a given spectrum causes, without noise.
+    """Compute the settled MSE that a random motion with a given spectrum causes, without noise.
 
     Parameters
     ----------
@@ -195,7 +199,7 @@ def expected_mse(
     nodes = errors.frequency
     if low < nodes[0] * (1.0 - 1e-9) or high > nodes[-1] * (1.0 + 1e-9):
         raise InputError(
-            f"band: [{low:g}, {high:g}] Hz is wider than the error spectrum, which reaches from "
+            f"band: [{low:g}, {high:g}] Hz reaches beyond the error spectrum, which is known from "
             f"{nodes[0]:g} to {nodes[-1]:g} Hz"
         )
     f = np.linspace(low, high, QUADRATURE)

@@ -1,8 +1,8 @@
 """Makes the kernels' input: the records of eight replicates, span by span.
 
-A span is 10 000 steps of specific force and true motion in rows of eight lanes, one replicate in
-each lane. Spans are made one after the other in the same buffers, so only the motion is in memory
-for the whole record.
+A span is a piece of 10 000 steps: specific force and true motion in rows of eight numbers (lanes),
+one per replicate. Spans are made one after the other in the same buffers, so only the motion is in
+memory for the whole record.
 """
 
 from __future__ import annotations
@@ -29,11 +29,13 @@ class Span(NamedTuple):
     Attributes
     ----------
     stop
-        The first step after the span.
+        The number of the first step after the span.
     base
-        Step k is in row k - base. Rows before step 0 are zero.
+        The number of the step in row 0, so step k is in row k - base. `base` may be negative; rows
+        before step 0 are zero.
     force
-        Specific force in NED, m/s^2, shape (groups, rows, 8).
+        Specific force in NED, m/s^2, shape (groups, rows, 8). The groups are either motion, noise
+        of x and noise of y, or x and y of motion plus noise.
     position, velocity
         True displacement (m) and velocity (m/s) along the wave, for the motion of unit amplitude;
         shape (rows, 8) each.
@@ -47,7 +49,7 @@ class Span(NamedTuple):
 
 
 class Lanes:
-    """The records of some replicates, with motion and noise kept in memory for repeated runs."""
+    """The records of some replicates, whose motion and noise stay in memory for repeated runs."""
 
     def __init__(self, records: Records) -> None:
         self.records = records
@@ -66,8 +68,9 @@ class Lanes:
     def at(self, amplitude: float) -> tuple[Array, Array]:
         """Return the measurements (motion plus noise) at an amplitude (m), in NED.
 
-        Return the specific force (steps, lanes), m/s^2, and the position fixes (fixes, lanes), m.
-        Lanes are x and y of the first replicate, x and y of the second, and so on.
+        The first array is the specific force, m/s^2, shape (steps, lanes). The second array holds
+        the position fixes, m, shape (fixes, lanes). Lanes are columns: x and y of the first
+        replicate, x and y of the second replicate, and so on.
         """
         motions, noises, s = self.records.motion, self.records.noise, self.records.sensors
         direction = np.tile(self.records.direction, len(motions))
@@ -83,20 +86,21 @@ class Lanes:
 
 
 class Feed:
-    """The kernels' input for up to eight replicates of a block's records.
+    """The kernels' input for up to eight replicates, one in each of eight lanes (columns).
 
-    Without an amplitude, the groups of eight lanes are motion, noise of x and noise of y. The
-    motion has only one group, the unit displacement along the wave, because both axes share their
-    gains. With an amplitude, the groups are x and y of whole series (motion plus noise).
+    A group is eight series, one per replicate. Without an amplitude, the three groups are motion,
+    noise of x and noise of y. One group of motion along the wave is enough, because x and y respond
+    to motion alike. With an amplitude, the two groups are x and y of motion plus noise.
 
     Parameters
     ----------
     records
-        Records of the block.
+        The records, which may have more replicates.
     first
         Index of the first replicate in the records; up to seven more follow.
     amplitude
-        Amplitude of whole series, m; None for motion and noise in separate groups.
+        Amplitude of the motion in motion plus noise, m; None for motion (of unit amplitude) and
+        noise in separate groups.
 
     Attributes
     ----------
@@ -124,10 +128,10 @@ class Feed:
         return self._grouped(motion, noise)
 
     def spans(self, lead: int) -> Iterator[Span]:
-        """Yield the spans of the records in order of time.
+        """Yield the spans (pieces) of the records in order of time.
 
         Each span begins with the last `lead` rows of the previous span. All spans use the same
-        arrays.
+        arrays, so a span is valid only until the next span is made.
         """
         from owtsweep.studies.hub.kernels import feeding
 
@@ -154,9 +158,11 @@ class Feed:
             yield Span(stop, k0 - lead, whole, truth[0], truth[1])
 
     def _noise(self, size: int) -> Callable[[int, int, Array], None]:
-        """Return a function that writes the next steps of the noise, in NED, to groups 1 and 2.
+        """Return a function that writes the next steps of the noise of the specific force, in NED.
 
-        The function takes the number of steps (at most `size`), the first row, and the force.
+        The function takes the number of steps (at most `size`), the number of the first row to
+        write, and the array to write to, shape (3, rows, 8). The function writes the noise of x to
+        group 1 (first axis) of this array, and the noise of y to group 2.
         """
         from owtsweep.studies.hub.kernels import feeding
 
@@ -185,10 +191,11 @@ class Feed:
         return straight
 
     def _force_noise(self, index: int) -> Callable[[int], Array]:
-        """Return a function that returns the noise of a replicate's next steps, shape (steps, 2).
+        """Return a function that takes a number of steps and returns the noise of these next steps.
 
-        The noise is in the frame in which the records hold it, the IMU's. If the records keep their
-        noise in memory, the function reads the noise there; otherwise it draws the noise.
+        The noise is that of one replicate's specific force in the IMU's frame, m/s^2, shape
+        (steps, 2). `index` is the place of the replicate in the records. If the records keep their
+        noise in memory, the function reads the noise from memory; otherwise it draws the noise.
         """
         if not self.records.keeps_noise:
             return self.records.force_noise(index).next

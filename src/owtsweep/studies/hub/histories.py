@@ -32,11 +32,11 @@ class SchemeHistory:
     Attributes
     ----------
     position, velocity
-        Estimates in m and m/s, shape (steps, 2). Row k is the estimate of step k, made at step k.
+        Estimates in m and m/s, shape (steps, 2). Row k is the estimate for step k, made at step k.
     acceleration, bias
-        States of the filter, m/s^2, shape (steps, 2). Row k is the estimate of step k - `lag`, made
-        at step k; the first `lag` rows are NaN. `bias` is R b^b. `acceleration` is None if the
-        model has no such state.
+        States of the filter, m/s^2, shape (steps, 2). Row k is the estimate for step k - `lag`,
+        made at step k; the first `lag` rows are NaN. `bias` is R b^b. `acceleration` is None if the
+        filter's model has no acceleration as a state.
     lag
         Age of the estimated acceleration and bias, in steps.
     """
@@ -59,12 +59,12 @@ class Histories:
     time
         Times of the steps, s, shape (steps,).
     position, velocity, acceleration, bias
-        True motion, and true bias R b^b of the IMU; m, m/s, m/s^2; shape (steps, 2) each.
+        True motion (m, m/s, m/s^2), and true bias R b^b of the IMU (m/s^2); shape (steps, 2) each.
     measured
         Acceleration that the IMU reports, R f + g, m/s^2, shape (steps, 2).
     fix_time, fixes
-        Times at which position fixes arrive, s, shape (fixes,), and the fixes, m, shape (fixes, 2):
-        positions `delay` seconds before arrival.
+        Times at which position fixes arrive, s, shape (fixes,), and the fixes, m, shape (fixes, 2).
+        A fix is the position `delay` seconds before its arrival.
     delay
         Delay of the GNSS, s.
     integrated_position, integrated_velocity
@@ -72,7 +72,7 @@ class Histories:
     estimated
         Scheme -> its estimates.
     left_out
-        Scheme -> why the scheme could not run.
+        Scheme -> why the scheme could not run; a scheme without a kernel is not listed.
     """
 
     natural_period: float
@@ -93,10 +93,10 @@ class Histories:
 
 
 def natural_period_of(config: HubConfig) -> float:
-    """Return the natural period of the time histories, s: 3.8 s as in the paper.
+    """Return the natural period of the time histories: 3.8 s as in Ren et al. (2019).
 
-    The printed spectrum exists for whole seconds only; with it, return the grid's period that is
-    nearest to 3.8 s.
+    The printed spectrum exists for whole seconds only. With this spectrum, return the period of the
+    grid that is nearest to 3.8 s.
     """
     if config.spectrum.kind == "printed":
         return min(config.grid.natural_period, key=lambda period: abs(period - NATURAL_PERIOD))
@@ -104,9 +104,10 @@ def natural_period_of(config: HubConfig) -> float:
 
 
 def simulate_histories(config: HubConfig) -> Histories:
-    """Run the schemes of a study on its first record at `AMPLITUDE`; return the time histories.
+    """Simulate one record, run the configured schemes on it, and return the time histories.
 
-    Schemes without a kernel are skipped.
+    The record is replicate 0 at `AMPLITUDE` and the period of `natural_period_of`. Schemes without
+    a kernel are skipped. Schemes that refuse the tuning are listed in `left_out`.
     """
     period = natural_period_of(config)
     records = make_records(config, period, [0])
@@ -153,7 +154,7 @@ def simulate_histories(config: HubConfig) -> Histories:
 
 
 def _shift_by_one(sums: Array) -> Array:
-    """Shift running sums (steps, 2) by one step: row k becomes the sum over the steps before k."""
+    """Shift running sums (steps, 2) by one row: row k becomes the sum over the steps before k."""
     return np.concatenate([np.zeros((1, sums.shape[1])), sums[:-1]])
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise
 from owtsweep.estimation.gains import GainSchedule
-from owtsweep.estimation.mhe import WindowWeights, window_map
+from owtsweep.estimation.mhe import WindowWeights, window_map, window_maps
 from owtsweep.studies.hub.config import Mhe
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.kernels.layout import HorizonArrays
@@ -23,22 +23,23 @@ LEAST_BIAS_DENSITY = 1e-12
 
 @dataclass(frozen=True)
 class Horizon:
-    """The MHE along one axis; its states are position, velocity and bias.
+    """The moving horizon estimator (MHE) along one axis, with the states position, velocity, bias.
 
     Attributes
     ----------
     interval
-        T_m, the time between the MHE's positions, in IMU steps.
+        T_m, the time between two positions that the MHE gives to the filter, in IMU steps.
     length
         N_m, the number of GNSS intervals in the window.
     first
-        Number of the first position fix at which the window can be solved. Until then the filter
-        gets the fixes themselves.
+        Number (from 0) of the first position fix at which the window can be solved. Until then the
+        filter gets the fixes themselves.
     arrival
-        Whether the window has an arrival term, made from the filter's past state.
+        Whether the window has an arrival term: a prior of its oldest state, made from the filter's
+        past state.
     fixed
-        True if the oldest node's state equals the filter's past state, false if the filter's past
-        state is only a prior.
+        True if the window's oldest state is set equal to the filter's past state; False if the
+        filter's past state is only a prior.
     inputs
         Which IMU samples the MHE takes, one of `INPUTS`.
     weights
@@ -46,8 +47,8 @@ class Horizon:
     initial_covariance
         Covariance (3, 3) of the prior while the window fills (only with an arrival term).
     bounds
-        Bounds (3,) of |p| and |v| in NED and of |b^b| in the IMU's frame; infinite where there is
-        none. `arrays` ignores bounds.
+        Largest allowed magnitudes (3,) of position and velocity, per axis in NED, and of the bias
+        b^b, per axis in the IMU's frame; infinity means no bound. `arrays` ignores bounds.
     """
 
     interval: int
@@ -61,24 +62,33 @@ class Horizon:
     bounds: Array
 
     def arrays(self, gains: GainSchedule, sensors: Sensors) -> HorizonArrays:
-        """Make the kernels' form of the MHE: a matrix for each fix number until matrices repeat.
+        """Make the kernels' form of the MHE: one matrix per position fix, until matrices repeat.
 
-        A matrix turns the window's data into the state at the newest fix.
+        A matrix turns the window's data into the state at the newest fix. `gains` is the filter's
+        gain schedule, whose covariances the arrival terms use.
         """
         M = sensors.fix_interval
         settled = -(-gains.rows // M) if self.arrival else 0
         count = self.length + settled + 1
         maps = np.zeros((count, 3, 4 * self.length + 4))
-        for fix in range(self.first, count):
-            fixed = self.fixed and self.uses_filter(fix)  # while the window fills, there is a prior
-            solution = window_map(
-                self.weights,
-                min(fix, self.length),
-                arrival_covariance=None if fixed else self.arrival_covariance(fix, gains, M),
-                fixed_arrival=fixed,
-                use_first_fix=not self.uses_filter(fix),
-            )
+        filling = range(self.first, self.length)  # there is a prior, or no arrival term
+        full = range(self.length, count)
+        for fix in filling:
+            covariance = self.arrival_covariance(fix, gains, M)
+            solution = window_map(self.weights, fix, arrival_covariance=covariance)
             maps[fix, :, : solution.shape[1]] = solution
+        covariances = (
+            None if self.fixed else self.arrival_covariance(fix, gains, M) for fix in full
+        )
+        solutions = window_maps(
+            self.weights,
+            self.length,
+            covariances,
+            fixed_arrival=self.fixed,
+            use_first_fix=not self.arrival,
+        )
+        for fix, solution in zip(full, solutions, strict=True):
+            maps[fix] = solution
         return HorizonArrays(
             active=True,
             maps=maps,
@@ -91,17 +101,20 @@ class Horizon:
         )
 
     def uses_filter(self, fix: int) -> bool:
-        """Return whether the arrival state of the window at fix number `fix` is the filter's.
+        """Return whether the window at fix number `fix` starts from a past state of the filter.
 
-        The filter's state is x_m0 of register 3 (Algorithm 5 of Ren et al. 2019). This state
-        already includes the oldest fix, so the window leaves that fix out.
+        This is so if there is an arrival term and the window is full. The past state is x_m0 of
+        register 3 (Algorithm 5 of Ren et al. 2019). The past state already includes the window's
+        oldest fix, so the window leaves that fix out.
         """
         return self.arrival and fix >= self.length
 
     def arrival_covariance(self, fix: int, gains: GainSchedule, M: int) -> Array | None:
-        """Return the covariance (3, 3) of the arrival state of the window at fix number `fix`.
+        """Return the covariance (3, 3) of the prior with which the window at fix `fix` starts.
 
-        M is the number of IMU steps between fixes. Return None if there is no arrival term.
+        Return None if there is no such prior (no arrival term). `fix` is the number of the window's
+        newest position fix, `gains` the filter's gain schedule, and M the number of IMU steps
+        between fixes.
         """
         if not self.arrival:
             return None
@@ -112,7 +125,7 @@ class Horizon:
 
 
 def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
-    """Make the MHE's numbers from its tuning and the sensors."""
+    """Turn the tuning of the moving horizon estimator (MHE) into numbers for given sensors."""
     q_f = sensors.force_sigma**2 * sensors.step if tuning.q_a is None else tuning.q_a
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     model = discretise(sigma_2(q_f, max(q_b, LEAST_BIAS_DENSITY)), sensors.fix_step)
@@ -138,7 +151,7 @@ def horizon(tuning: Mhe, sensors: Sensors) -> Horizon:
 def transition_over(seconds: float) -> Array:
     """Return the transition matrix (3, 3) of position, velocity and bias over a time (s).
 
-    Source: A_df in Eq. (11g) of Ren et al. (2019). The matrix here is exact; the paper has
-    I + t_f A.
+    Source: A_df in Eq. (11g) of Ren et al. (2019). This function returns the exact matrix; the
+    paper has I + t_f A.
     """
     return np.array([[1.0, seconds, 0.5 * seconds**2], [0.0, 1.0, seconds], [0.0, 0.0, 1.0]])

@@ -1,4 +1,4 @@
-"""The colours, markers and lines of the schemes of Ren et al. (2019) in all figures."""
+"""The colours, markers and lines of the schemes of Ren et al. (2019), and of the baselines."""
 
 from __future__ import annotations
 
@@ -10,4 +10,8 @@ LOOKS = {
     "MKF": SchemeStyle("#009E73", "D", (0, (4, 2))),
     "HME1": SchemeStyle("#0072B2", "o", "-"),
     "HME2": SchemeStyle("#E69F00", "^", (0, (6, 1, 1, 1))),
+    # the baselines: pale, and of one hue that no scheme has
+    "NONE": SchemeStyle("#D3CCE3", "*", "-"),
+    "HOLD": SchemeStyle("#B8AED0", "d", (0, (4, 2))),
+    "DELTA": SchemeStyle("#9C8FBD", "8", (0, (1, 2))),
 }

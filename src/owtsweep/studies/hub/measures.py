@@ -1,6 +1,7 @@
 """Makes the rows of the hub study: MSE (Eq. 12 of Ren et al. 2019), NEES and NIS.
 
-Each measure is taken in two windows: over the whole record, and after the settling time.
+Each measure is computed in two time windows: the whole record, and the part after the settling
+time.
 """
 
 from __future__ import annotations
@@ -33,14 +34,15 @@ COLUMNS = (
 
 
 class Measured(NamedTuple):
-    """The measures of some records.
+    """The measures of some records: n pairs of a measure and a time window.
 
     Attributes
     ----------
     measures, windows
-        Names of measure and window, n each.
+        Name of the measure and name of the window, n entries each.
     products
-        Means of motion x motion, motion x noise and noise x noise, shape (n, 3, records).
+        Means over the window of three products, shape (n, 3, records). The products are those of
+        the errors from motion x motion, motion x noise and noise x noise.
     n_samples
         Number of samples in each mean, n numbers.
     """
@@ -52,14 +54,18 @@ class Measured(NamedTuple):
 
 
 def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measured:
-    """Compute the measures of replicates from the kernels' sums.
+    """Compute the measures of replicates from a scheme's sums of squared errors.
 
-    `chosen` are the indices of the replicates in the sums; by default all.
+    `chosen` are the indices of the replicates on the last axis of the sums; by default, all
+    replicates are taken.
     """
     names = [*SUMMED, "position", "velocity", *(EXTREMES if len(sums.squared) else ())]
     # from here on the first axis is the window: the whole record, then the settled part
-    steps, innovations = (np.array([sum(n), n[1]]) for n in (sums.steps, sums.innovations))
-    counts = np.stack([innovations if name == "nis" else steps for name in names], axis=1)
+    steps, covariances, innovations = (
+        np.array([sum(n), n[1]]) for n in (sums.steps, sums.covariances, sums.innovations)
+    )
+    of_name = {"nees": covariances, "nis": innovations}
+    counts = np.stack([of_name.get(name, steps) for name in names], axis=1)
     products = sums.products[..., chosen]
     totals = np.stack([products.sum(axis=0), products[1]])
     means = totals / np.maximum(counts[:, : totals.shape[1]], 1)[..., None, None]
@@ -68,7 +74,8 @@ def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measur
     if len(sums.squared):
         squared = (sums.squared[first:, chosen] for first in (0, int(sums.steps[0])))
         parts.append(np.stack([_extremes(errors) for errors in squared]))
-    there = counts > 0  # no innovation if no fix comes after the settling time
+    # A scheme may state no covariance; and no innovation if no fix comes after the settling time.
+    there = counts > 0
     entries = [(name, window) for window in WINDOWS for name in names]
     measures, windows = zip(*(entries[i] for i in np.flatnonzero(there)), strict=True)
     values = np.concatenate(parts, axis=1)[there]
@@ -76,10 +83,10 @@ def from_sums(sums: Sums, chosen: slice | Sequence[int] = slice(None)) -> Measur
 
 
 def _extremes(squared: Array) -> Array:
-    """Compute the largest error and the 95th percentile from squared errors (steps, records).
+    """Compute largest error and 95th percentile of the error from squared errors (steps, records).
 
-    The result has the shape (2, 3, records): measures, products, records. Only product 2, noise x
-    noise, is set; the others are zero.
+    The result has the shape (2, 3, records): the two measures, the three products of `Measured`,
+    the records. Only the last product, noise x noise, is set; the other two products are zero.
     """
     error = np.sqrt(squared)
     result = np.zeros((2, 3, error.shape[1]))
@@ -96,7 +103,7 @@ def from_trajectories(
     *,
     extremes: bool = False,
 ) -> Measured:
-    """Compute the measures of a record that was run step by step.
+    """Compute the measures of one record from the estimates of a scheme at each step.
 
     Parameters
     ----------
@@ -108,9 +115,9 @@ def from_trajectories(
     truth
         True state of the motion, shape (steps, 4): x, y, v_x, v_y.
     settled
-        The first settled step.
+        Number of the first step after the settling time.
     extremes
-        Whether to compute `EXTREMES` too; only for whole series.
+        Whether to compute `EXTREMES` too; this has no effect unless `motion` is None.
     """
     parts = [noise] if motion is None else [motion, noise]
     innovation = [part.innovation for part in parts if part.innovation is not None]
@@ -140,7 +147,9 @@ def table(
     measured: Measured,
     amplitude: float | None,
 ) -> Columns:
-    """Make the rows of some records of a scheme, record by record, as columns.
+    """Make the rows of one scheme and some records, as column name -> values.
+
+    The rows of one record follow each other.
 
     Parameters
     ----------
@@ -148,9 +157,14 @@ def table(
         Natural period, s.
     replicates
         Numbers of the records in `measured`.
+    scheme
+        Name of the scheme.
+    measured
+        The measures of these records.
     amplitude
-        Amplitude at which the records were run, m; the column `value` is then the product noise x
-        noise. None for superposed records, which have all three products and no value.
+        Amplitude at which the records were run, m. Then the column `value` holds the product noise
+        x noise, and the columns of products are NaN. If None, motion and noise were run separately;
+        then the three products are stored, and `amplitude` and `value` are NaN.
     """
     measures, windows, means, samples = measured
     records, rows = len(replicates), len(measures) * len(replicates)
@@ -178,7 +192,10 @@ def table(
 def failed(
     natural_period: float, replicate: int, scheme: str, reason: str, amplitude: float | None
 ) -> Columns:
-    """Make the single row of a failed case, as columns."""
+    """Make the single row that says why one scheme failed in one record, as column -> values.
+
+    `natural_period` is in s. `amplitude` is in m; it is None if the row stands for all amplitudes.
+    """
     nothing = Measured([""], [""], np.full((1, 3, 1), np.nan), [0])
     row = table(natural_period, [replicate], scheme, nothing, amplitude)
     return {**row, "status": ["failed"], "reason": [reason]}

@@ -1,4 +1,4 @@
-"""The two process models of Ren et al. (2019), section 3, for one axis and for two.
+"""The two process models of Ren et al. (2019), section 3, for one axis and for two axes.
 
 Noise covariances are equal in all directions and the yaw is known, so both models separate into two
 equal axes in NED. The models of one axis have the states p, v, a and b (position, velocity,
@@ -25,7 +25,11 @@ SIGMA_2_STATES = np.array([0, 1, 3])
 
 
 def variance(rule: Variance, sigma: float, sensors: Sensors) -> float:
-    """Compute a measurement variance from the sensor's sigma by a rule, in sigma's unit squared."""
+    """Compute the variance of a measurement from the standard deviation `sigma` of its sensor.
+
+    `rule` is a section of the configuration, which holds the rule and a factor. The result has the
+    unit of `sigma`, squared.
+    """
     factor = {
         "sigma2": 1.0,
         "sigma2_over_step": 1.0 / sensors.step,
@@ -38,8 +42,8 @@ def sigma_1(q_a: float, q_b: float) -> Model:
     """Return the model Sigma_1 of one axis, Eq. (6a) of Ren et al. (2019).
 
     The states are position, velocity, acceleration and bias; there is no input. In Eq. (6a) white
-    noise drives only the bias. The text says that white noise drives the acceleration too, so Q
-    contains q_a, in (m/s^3)^2/Hz, as well as q_b, in (m/s^2)^2/s.
+    noise drives only the bias. The text of the paper says that white noise drives the acceleration
+    too, so Q contains q_a, in (m/s^3)^2/Hz, as well as q_b, in (m/s^2)^2/s.
     """
     A = np.zeros((4, 4))
     A[0, 1] = A[1, 2] = 1.0
@@ -59,9 +63,10 @@ def sigma_2(q_f: float, q_b: float) -> Model:
 
 
 def four_states(model: Discrete) -> Discrete:
-    """Return a model of position, velocity and bias with the acceleration as a further state.
+    """Extend a model of position, velocity and bias by a further state, the acceleration.
 
-    The acceleration is white noise of variance 1 and affects no other state.
+    The acceleration is the third of the four states of the result. It is white noise of variance 1
+    and affects no other state.
     """
     A, B, Q = np.zeros((4, 4)), np.zeros((4, 1)), np.zeros((4, 4))
     A[np.ix_(SIGMA_2_STATES, SIGMA_2_STATES)] = model.A
@@ -96,7 +101,7 @@ class AxisFilter:
 
 
 def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
-    """Make the matrices and variances of one axis of a filter from its tuning and the sensors."""
+    """Make the matrices and variances of a Kalman filter for one axis from tuning and sensors."""
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     force_variance = variance(tuning.r_imu, sensors.force_sigma, sensors)
     if tuning.model == "sigma1":
@@ -116,9 +121,10 @@ def axis_filter(tuning: FilterTuning, sensors: Sensors) -> AxisFilter:
 
 
 def input_model(tuning: FilterTuning, sensors: Sensors) -> Discrete:
-    """Return the predictor's model: Sigma_2, discretised over one IMU step.
+    """Return the predictor's model: Sigma_2 of Ren et al. (2019), discretised over one IMU step.
 
-    Its states are position, velocity and bias; its input is the specific force, without noise.
+    The model's states are position, velocity and bias. The input is the specific force, without
+    noise.
     """
     q_b = sensors.bias_walk**2 if tuning.q_b is None else tuning.q_b
     return discretise(sigma_2(0.0, q_b), sensors.step, tuning.discretisation)

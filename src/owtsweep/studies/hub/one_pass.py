@@ -12,15 +12,16 @@ from owtsweep.arrays import Array
 class OnePassSeries:
     """A series that is read like an array (steps, lanes), but made piece by piece.
 
-    Only a part of the series is in memory. Slices must be asked for in order of time. When the next
-    piece is made, the rows before the slice that is asked for are dropped.
+    A lane is one column. Only a part of the series is in memory. Slices must be asked for in order
+    of time: when the next piece is made, the rows before the current slice are dropped. Asking for
+    a dropped row raises IndexError.
 
     Parameters
     ----------
     pieces
         Iterator over arrays of successive rows.
     shape
-        Shape of the whole series.
+        Shape of the whole series: number of steps, number of lanes.
     """
 
     def __init__(self, pieces: Iterator[Array], shape: tuple[int, int]) -> None:
@@ -35,7 +36,9 @@ class OnePassSeries:
     def __getitem__(self, part: slice) -> Array:
         begin, stop, _ = part.indices(self.shape[0])
         if begin < self._first:
-            raise IndexError(f"row {begin} has been forgotten; the first one kept is {self._first}")
+            raise IndexError(
+                f"row {begin} has been forgotten; the first row in memory is {self._first}"
+            )
         while self._first + len(self._rows) < stop:
             kept = self._rows[begin - self._first :]
             self._first += len(self._rows) - len(kept)

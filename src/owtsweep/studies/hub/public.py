@@ -29,14 +29,14 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.one_pass import OnePassSeries
+    from owtsweep.studies.hub.schemes import BASELINES, resolve_all
     from owtsweep.studies.hub.schemes import check_scheme as require_scheme
-    from owtsweep.studies.hub.schemes import resolve_all
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
 
 __all__ = [
-    "ROOMS", "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig", "Lanes",
-    "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "at_amplitude", "backend",
+    "BASELINES", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig",
+    "Lanes", "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "at_amplitude", "backend",
     "bias_of", "chain_for_runs", "chunks", "compare", "error_spectrum", "expected_mse",
     "explain_anew", "fix_count", "fix_noise", "has_acceleration", "lag_of", "make_lanes",
     "make_sensors", "noise_floor", "require_scheme", "resolve_all", "scheme_content",
@@ -56,7 +56,7 @@ _HOMES = {
     "kernels.layout": ["WIDTH"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
-    "schemes": ["require_scheme", "resolve_all"],
+    "schemes": ["BASELINES", "require_scheme", "resolve_all"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
 }
 #: Name here -> name in its module, where they differ.

@@ -1,7 +1,7 @@
-"""Makes the records of one block: motion and noise of one natural period and a few replicates.
+"""Makes records: motion and sensor noise at one natural period, for a few replicates.
 
-All schemes and amplitudes see the same motion phases and the same noise in a given replicate of a
-given period.
+In a given replicate of a given natural period, the phases of the motion and the noise are the same
+for all schemes and amplitudes.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ BYTES_PER_STEP = 24
 
 @dataclass(frozen=True)
 class Records:
-    """The records of some replicates: motion of unit amplitude, and noise.
+    """The records of some replicates: motion of unit amplitude, and sensor noise.
 
     Attributes
     ----------
@@ -60,9 +60,10 @@ class Records:
         return round(self.config.record.duration / self.sensors.step)
 
     def parts(self) -> Iterator[Records]:
-        """Yield parts of the replicates whose motion fits into a worker's share of memory.
+        """Yield records of fewer replicates, so that their motion fits into `MEMORY_SHARE` bytes.
 
-        A part makes its motion at first use. When the part is deleted, its memory is freed.
+        All yielded `Records` together hold all replicates, in order. Each of them makes its motion
+        at first use; deleting it frees the memory. If all replicates fit at once, yield `self`.
         """
         count = len(self.replicates)
         each = max(MEMORY_SHARE // (BYTES_PER_STEP * self.steps), 1)
@@ -98,11 +99,11 @@ class Records:
 
     @property
     def keeps_noise(self) -> bool:
-        """True if `noise` has been made, and so is kept in memory, else False."""
+        """Whether the property `noise` has been used, so that the noise is kept in memory."""
         return "noise" in vars(self)
 
     def force_noise(self, index: int) -> sensing.ForceNoise:
-        """Return a source of the specific force's noise, drawn piece by piece, for a replicate.
+        """Return a source that draws the noise of a replicate's specific force piece by piece.
 
         `index` is the place of the replicate in `replicates`.
         """
@@ -116,9 +117,10 @@ class Records:
         return sensing.fix_noise(self.sensors, self.steps, self.stream(index))
 
     def stream(self, index: int) -> Callable[[str], np.random.Generator]:
-        """Return a function that gives a replicate's random streams by name.
+        """Return a function that takes a name and returns the replicate's random stream `name`.
 
-        `index` is the place of the replicate in `replicates`.
+        `index` is the place of the replicate in `replicates`. The names are those that
+        `ForceNoise`, `fix_noise` and the motion ask for, e.g. "gnss".
         """
         return partial(
             stream, self.config.seed, STUDY, (self.natural_period,), self.replicates[index]

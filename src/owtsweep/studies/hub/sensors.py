@@ -1,7 +1,8 @@
 """Simulates what GNSS and IMU report of a motion, Eqs. (3) to (5) of Ren et al. (2019).
 
-The parts of the measurements that are due to motion and to noise are made separately. So an
-estimator can be run on each part alone, and a record's noise does not depend on its motion.
+The part of the measurements that is due to motion and the part that is due to noise are made
+separately. So an estimator can be run on each part alone, and a record's noise does not depend on
+the record's motion.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from owtsweep.studies.hub.contract import Sensors
 
 
 class Measurements(NamedTuple):
-    """The measurements of a record, or a part of them.
+    """The measurements of a record, or only the part that motion or noise contributes to them.
 
     `specific_force`, shape (steps, 2), is in the IMU's frame, m/s^2. `fixes`, shape (fixes, 2), are
     positions in NED, m.
@@ -30,7 +31,7 @@ class Measurements(NamedTuple):
 
 
 def sensors(config: SensorConfig) -> Sensors:
-    """Return what an estimator may know about the configured sensors."""
+    """Compute from the configuration what an estimator may know about the sensors."""
     step = 1.0 / config.imu.rate
     deviations = 1.0 if config.accuracy == "sigma" else 3.0
     return Sensors(
@@ -61,9 +62,9 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
     Parameters
     ----------
     motion
-        The motion along a direction.
+        The motion along one direction.
     direction
-        Unit vector (2,) of this direction, north and east.
+        Unit vector (2,) of the motion's direction, north and east.
     """
     force = motion.acceleration[:, None] * (sensors.rotation.T @ direction)
     count = fix_count(len(motion.position), sensors.fix_interval)
@@ -74,9 +75,10 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
 class ForceNoise:
     """The part of the specific force that is not due to motion: gravity, bias and white noise.
 
-    The noise is drawn piece by piece from the random streams bias_x, imu_x, bias_y and imu_y, which
-    `stream` returns by name. The streams give unit normals, which are scaled as in
-    `owtsweep.sensing.noise`. Gravity enters as -R' g.
+    The noise is drawn piece by piece from the random streams bias_x, imu_x, bias_y and imu_y. The
+    argument `stream` is a function that returns a stream (random generator) for its name. The
+    streams give unit normals, which are scaled as in `owtsweep.sensing.noise`. Gravity enters as
+    -R' g.
     """
 
     def __init__(
@@ -94,16 +96,17 @@ class ForceNoise:
         self.gravity = sensors.rotation.T @ np.array(sensors.gravity)
 
     def draw(self, normals: Array) -> None:
-        """Draw the next unit normals of bias_x, imu_x, bias_y, imu_y into `normals` (4, steps).
+        """Draw the next unit normals for several steps into the array `normals`, shape (4, steps).
 
-        Kernels scale these numbers. For one record, use either this method or `next`, not both.
+        The rows are those of the random streams bias_x, imu_x, bias_y and imu_y. Kernels scale the
+        numbers. For one record, use either this method or `next`, not both.
         """
         for axis in range(2):
             self.bias[axis].generator.standard_normal(out=normals[2 * axis])
             self.white[axis].generator.standard_normal(out=normals[2 * axis + 1])
 
     def next(self, steps: int) -> Array:
-        """Draw the noise of the next steps: shape (steps, 2), IMU's frame, m/s^2."""
+        """Draw the noise of the next steps, in the IMU's frame, in m/s^2, shape (steps, 2)."""
         force = np.empty((steps, 2))
         for axis in range(2):
             total = self.white[axis].draw(steps)
@@ -120,7 +123,8 @@ def noise(
 ) -> Measurements:
     """Draw the part of a whole record's measurements that is not due to motion.
 
-    `stream` returns a random generator for a name.
+    `steps` is the length of the record in IMU steps. `stream` is a function that returns a random
+    generator for a name.
     """
     force = ForceNoise(config, sensors, stream).next(steps)
     return Measurements(force, fix_noise(sensors, steps, stream))
@@ -129,7 +133,8 @@ def noise(
 def fix_noise(sensors: Sensors, steps: int, stream: Callable[[str], np.random.Generator]) -> Array:
     """Draw the white noise of a record's position fixes, m, shape (fixes, 2).
 
-    The noise is drawn from `stream("gnss")`; `steps` is the length of the record in IMU steps.
+    The noise is drawn from the random generator `stream("gnss")`. `steps` is the length of the
+    record in IMU steps.
     """
     white = WhiteNoise(stream("gnss"), sensors.position_sigma)
     return white.draw(fix_count(steps, sensors.fix_interval), 2)
@@ -143,15 +148,18 @@ def simulate_bias(
     *,
     piece: int | None = None,
 ) -> Iterator[Array]:
-    """Yield the IMU's bias R b^b in a record, in pieces (steps, 2), NED, m/s^2.
+    """Yield the IMU's bias R b^b in a record, piece by piece, in NED, in m/s^2.
 
     Parameters
     ----------
+    steps
+        Length of the record in IMU steps.
     stream
-        Function that returns a random generator for a name. With the streams of a record, the bias
-        equals the bias in this record's noise.
+        Function that returns a random generator for a name. With the generators of a record, the
+        bias equals the bias in this record's noise.
     piece
-        Number of steps of a piece; None for the whole record at once.
+        Number of steps of a piece, which has the shape (piece, 2); the last piece may be shorter.
+        None for the whole record at once.
     """
     biases = ForceNoise(config, sensors, stream).bias
     size = piece or steps

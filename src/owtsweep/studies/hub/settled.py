@@ -1,4 +1,4 @@
-"""Makes chains with settled gains, and extrapolates sequences that are slow to settle.
+"""Makes chains with settled gains, and extrapolates sequences that settle slowly.
 
 A chain is a scheme's form for the batch engine.
 """
@@ -24,9 +24,10 @@ MOST_CYCLES = 4096
 
 
 def settled(chain: Chain) -> Chain:
-    """Return a chain that uses, from its first step on, the last cycle of the given chain's gains.
+    """Return a chain whose gains are settled from the first step on.
 
-    The MHE's windows still grow at the start, if there is an MHE.
+    A chain is a scheme's form for the batch engine. The result repeats the last cycle of the given
+    chain's gains. If the scheme has an MHE, the MHE's window still grows at the start.
     """
     gains, last = chain.gains, slice(-chain.gains.cycle, None)
     filter_arrays = chain.filter
@@ -43,33 +44,42 @@ def settled(chain: Chain) -> Chain:
 
 
 def cycle_of(chain: Chain) -> int:
-    """Return the number of steps after which everything in a chain repeats: gains, fixes, MHE."""
+    """Return the period, in steps, of all that repeats in a chain: gains, position fixes, MHE.
+
+    A chain is a scheme's form for the batch engine.
+    """
     return lcm(chain.gains.cycle, chain.filter.fix_interval, chain.mhe.interval)
 
 
 def filling(chain: Chain) -> int:
-    """Return the number of steps until every register of a chain holds data."""
+    """Return the number of steps after which all windows and delays of a scheme are full.
+
+    `chain` is the scheme in its form for the batch engine.
+    """
     fixes = chain.mhe.horizon + 1 if chain.mhe.active else 1
     return fixes * chain.filter.fix_interval + chain.filter.window + chain.predictor.steps
 
 
 def longest(chain: Chain) -> int:
-    """Return the greatest number of steps that a run may take to settle."""
+    """Return the greatest number of steps for which a response is computed until it has settled.
+
+    `chain` is a scheme in its form for the batch engine.
+    """
     return MOST_CYCLES * cycle_of(chain)
 
 
 def limit(sequence: Complex) -> tuple[Complex, Array]:
-    """Extrapolate sequences that come from a linear system with few modes to their limits.
+    """Compute the limits of sequences from their first terms, by reduced rank extrapolation.
 
-    The method is reduced rank extrapolation. The limit is a weighted sum of the terms. The weights
-    have the sum 1 and minimise the norm of the weighted sum of the differences between successive
-    terms. As many modes are removed as there are differences, less one. Source: Smith, Ford and
+    The sequences must come from a linear system with few modes. The limit is a weighted sum of the
+    terms. The weights have the sum 1 and minimise the norm of the weighted sum of the differences
+    between successive terms. With d differences, d - 1 modes are removed. Source: Smith, Ford and
     Sidi (1987), Extrapolation methods for vector sequences, SIAM Review 29, 199-233.
 
     Parameters
     ----------
     sequence
-        n sequences of vectors of length m, shape (terms, m, n).
+        The terms of n sequences of vectors of length m, shape (terms, m, n).
 
     Returns
     -------

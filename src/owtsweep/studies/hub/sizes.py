@@ -1,4 +1,4 @@
-"""Refuses settings whose run would need more memory than machines have, before memory is taken.
+"""Refuses settings that would need more memory than machines have, before any memory is taken.
 
 The estimates of memory count the largest arrays only. At worst they are a few times too low.
 Settings that make sense stay far below the bounds.
@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from owtsweep.errors import require
+from owtsweep.studies.hub.schemes import list_entries
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.config import HubConfig
@@ -26,26 +27,21 @@ VALUES, NUMBER = 20, 8
 
 
 def check_grid(config: HubConfig) -> None:
-    """Raise InputError if the plan or the tables of the configuration's grid are too large.
+    """Raise InputError if the grid needs too many blocks (units of work), or too much memory.
 
-    Too large are more than `MOST_BLOCKS` blocks, or tables of more than `MOST_BYTES` bytes.
+    The bounds are `MOST_BLOCKS` blocks, and `MOST_BYTES` bytes for rows and tables.
     """
-    grid, schemes = config.grid, len(config.schemes)
+    grid, schemes = config.grid, len(list_entries(config))
     periods, amplitudes = len(grid.natural_period), len(grid.amplitude)
     records = 1 if config.engine == "expected" else grid.replicates
     each = amplitudes if config.evaluation == "direct" else 1
     blocks = schemes * periods * each * -(-records // REPLICATES_PER_BLOCK)
     require(
         config.engine == "expected" or blocks <= MOST_BLOCKS,
-        f"grid: it makes {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give fewer "
-        "natural periods, amplitudes or replicates",
+        f"grid: a sweep would have {blocks:.3g} blocks of work, more than {MOST_BLOCKS:.0e}; give "
+        "fewer natural periods, amplitudes or replicates",
     )
-    # bytes: the values of one scheme at one period, the rows of all records, the tables' lines
-    values = NUMBER * VALUES * amplitudes * records
-    rows = 3 * NUMBER * VALUES * schemes * periods * records * each
-    lines = 10 * NUMBER * schemes * periods * amplitudes  # large expected grids: one measure
-    lines *= 1 if config.engine == "expected" else VALUES
-    needed = 3 * values + rows + lines
+    needed = count_table_bytes(config)
     require(
         needed <= MOST_BYTES,
         f"grid: {periods} natural periods x {amplitudes} amplitudes x {records} replicates need "
@@ -53,38 +49,63 @@ def check_grid(config: HubConfig) -> None:
     )
 
 
+def count_table_bytes(config: HubConfig) -> int:
+    """Return how many bytes the tables of a configuration need while they are made."""
+    grid, schemes = config.grid, len(config.schemes)
+    periods, amplitudes = len(grid.natural_period), len(grid.amplitude)
+    records = 1 if config.engine == "expected" else grid.replicates
+    each = amplitudes if config.evaluation == "direct" else 1
+    # bytes: the values of one scheme at one period, the rows of all records, the tables' lines
+    values = NUMBER * VALUES * amplitudes * records
+    rows = 3 * NUMBER * VALUES * schemes * periods * records * each
+    lines = 10 * NUMBER * schemes * periods * amplitudes  # large expected grids: one measure
+    lines *= 1 if config.engine == "expected" else VALUES
+    return 3 * values + rows + lines
+
+
 def check_fix_interval(steps: int) -> None:
-    """Raise InputError if there are too many IMU steps between position fixes to store gains."""
+    """Raise InputError if there are too many IMU steps between position fixes.
+
+    A filter's gains are stored for each of the `steps` IMU steps between two position fixes.
+    """
     require(
         steps <= MOST_STEPS_BETWEEN_FIXES,
-        f"sensors.gnss.rate: it leaves {steps:.3g} IMU steps between fixes, more than "
-        f"{MOST_STEPS_BETWEEN_FIXES}; raise it, or lower sensors.imu.rate",
+        f"sensors.gnss.rate: this rate leaves {steps:.3g} IMU steps between fixes, more than "
+        f"{MOST_STEPS_BETWEEN_FIXES}; raise this rate, or lower sensors.imu.rate",
     )
 
 
 def check_buffers(key: str, window: int, delay: int) -> None:
-    """Raise InputError if a smoother's buffers (`kernels.layout`) do not fit into memory.
+    """Raise InputError if the buffers that a smoother needs do not fit into memory.
 
-    `key` names the window's key in the message. `window` and `delay` are in IMU steps. A record is
-    computed in chunks of twice the window plus the delay, by three groups of eight lanes.
+    A record is computed in pieces of twice the sum of `window` and `delay`, for 24 series at once.
+
+    Parameters
+    ----------
+    key
+        The key of the window in the configuration, for the message.
+    window
+        Length of the smoother's window in IMU steps.
+    delay
+        Delay of the GNSS in IMU steps.
     """
     chunk = 2 * (window + delay)
     needed = 3 * NUMBER * REPLICATES_PER_BLOCK * (6 * (window + chunk) + 4 * chunk + 6 * window)
     require(
         needed <= MOST_BYTES,
         f"{key}: {window} steps, and {delay} steps of sensors.gnss.delay, need some "
-        f"{needed / 1e9:.3g} GB, more than {MOST_BYTES / 1e9:g} GB; shorten one of them",
+        f"{needed / 1e9:.3g} GB, more than {MOST_BYTES / 1e9:g} GB; shorten the window or delay",
     )
 
 
 def check_horizon(intervals: int) -> None:
-    """Raise InputError if an MHE's window has matrices that do not fit into memory.
+    """Raise InputError if the matrices of the MHE's windows do not fit into memory.
 
-    `intervals` is the length of the window in GNSS intervals.
+    `intervals` is the length of a window in GNSS intervals.
     """
     needed = 12 * NUMBER * intervals**2
     require(
         needed <= MOST_BYTES,
         f"hme.mhe.horizon: {intervals} GNSS intervals need some {needed / 1e9:.3g} GB, more than "
-        f"{MOST_BYTES / 1e9:g} GB; shorten it",
+        f"{MOST_BYTES / 1e9:g} GB; shorten the horizon",
     )

@@ -1,6 +1,6 @@
-"""Solves one window of the MHE by CasADi, with constraints if there are any.
+"""Solves one window of HME2's moving horizon estimator (MHE) by CasADi, with constraints if any.
 
-Both forms of HME2 use it: the one in Python and the compiled one.
+HME2 in Python and the compiled HME2 both use this module.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
-from owtsweep.estimation.mhe import CasadiWindow, square_root_information
+from owtsweep.estimation.casadi_window import CasadiWindow
+from owtsweep.estimation.mhe import square_root_information
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon, transition_over
 
@@ -32,24 +33,31 @@ def solve(
     x0: Array,
     covariance: Array | None,
 ) -> Array:
-    """Solve a window of the MHE; return the states of its nodes, one column per node, (6, nodes).
+    """Solve a window of the MHE; return the states at the window's nodes, shape (6, nodes).
 
-    The states are x, y, v_x, v_y, b_x, b_y: position, velocity and bias.
+    The states are x, y, v_x, v_y, b_x, b_y: position, velocity and bias. A node is a step at which
+    a position fix is due; the present may be one more node, the last.
 
     Parameters
     ----------
+    mhe
+        The settings of the MHE.
+    solver
+        The solver that CasADi uses: "qrqp" or "ipopt".
     since_fix
-        Number of steps since the last node at a fix. If positive, the present is one more node.
+        Number of IMU steps since the last node at which a fix was due. If positive, the present is
+        one more node.
     fixes, have
-        Position fixes in m, shape (fix nodes, 2), and whether each has arrived, (fix nodes,).
+        Position fixes in m, shape (n, 2), and whether each fix has arrived, shape (n,), for the n
+        nodes at which a fix was due.
     effects
-        Effects of the inputs on the state between two nodes, shape (links, 6). If `since_fix` is
-        positive, the last link ends at the present.
+        Effects of the inputs on the state from each node to the next, shape (nodes - 1, 6).
     filled
-        Whether the arrival state comes from the filter's past and so includes the oldest fix.
+        Whether the window's oldest state has a prior from the filter's past. This prior includes
+        the oldest fix, so the fix is not used again.
     x0, covariance
-        Arrival state (6,) and its covariance (3, 3) along one axis; None if there is no arrival
-        term.
+        Prior (6,) of the window's oldest state, and the prior's covariance (3, 3) along one axis.
+        `covariance` is None if there is no prior.
 
     Raises
     ------
@@ -90,11 +98,12 @@ def solve(
 
 
 def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Array]:
-    """Return the constraints lower <= rows x <= upper on the state x (6,) of a node.
+    """Return the constraints on one state x (6,) of the MHE as lower <= rows x <= upper.
 
-    The result is rows (count, 6), lower (count,) and upper (count,). `bounds` are the largest
-    magnitudes of position, velocity and bias; only finite bounds give rows. The bias is bounded in
-    the IMU's frame: b^b = R' g - R' x4 by Eq. (6) of Ren et al. (2019).
+    The result is the three arrays rows (n, 6), lower (n,) and upper (n,), for n constraints.
+    `bounds` (3,) are the largest magnitudes of position, velocity and bias; only finite bounds give
+    constraints. The bias is bounded in the IMU's frame: b^b = R' g - R' x4 by Eq. (6) of Ren et al.
+    (2019).
     """
     rows, shift = np.kron(np.eye(3), _I), np.zeros(6)
     rows[4:, 4:] = -sensors.rotation.T
@@ -106,5 +115,9 @@ def constraint_rows(bounds: Array, sensors: Sensors) -> tuple[Array, Array, Arra
 
 @lru_cache(maxsize=256)
 def _problem(intervals: int, **kind: Any) -> CasadiWindow:
-    """Return the optimisation problem of a window; it holds no data, so all estimators share it."""
+    """Return the optimisation problem of a window over a number of GNSS intervals.
+
+    `kind` are the further arguments of `CasadiWindow`. The problem holds no data, so all estimators
+    share one problem.
+    """
     return CasadiWindow(intervals, states=6, outputs=2, **kind)

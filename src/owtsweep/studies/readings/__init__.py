@@ -1,4 +1,7 @@
-"""The calibration as a study: searches readings of the paper, and fair tunings, with Optuna."""
+"""The study that searches with Optuna for readings of the paper, and for tunings of each scheme.
+
+A reading of the paper is a choice of the values that the paper leaves open.
+"""
 
 from __future__ import annotations
 
@@ -16,24 +19,28 @@ __all__ = ["ReadingsStudy"]
 
 
 class ReadingsStudy:
-    """The study that searches readings of the paper; a block is one search with one seed."""
+    """The study that searches with Optuna for readings of the paper.
+
+    A reading is a choice of the values that the paper leaves open. A block of the plan is one
+    search with one seed.
+    """
 
     name = "readings"
     schema_version = 1
     numerics_version = add_versions(1, *ROOMS)
 
     def config_type(self) -> type[ReadingsConfig]:
-        """Return the configuration's type: the hub study's, with a section `calibration`."""
+        """Return the configuration's type: the hub study's keys and a section `calibration`."""
         from owtsweep.studies.readings.config import ReadingsConfig
 
         return ReadingsConfig
 
     def conditions(self, config: ReadingsConfig) -> tuple[Condition, ...]:
-        """Return no conditions, because a search has no grid."""
+        """Return an empty tuple: a search has no grid of conditions."""
         return ()
 
     def engine(self, config: ReadingsConfig) -> Engine:
-        """Return the study's only engine."""
+        """Return the study's only engine, which does not depend on the configuration."""
         from owtsweep.studies.readings.engine import SearchEngine
 
         return SearchEngine()

@@ -1,4 +1,4 @@
-"""The configuration of the search: the hub study's keys and the section `calibration`."""
+"""The configuration of the study `readings`: the hub study's keys and the section `calibration`."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ class Calibration(Section):
 class ReadingsConfig(HubConfig):
     """The configuration of the study `readings`: the hub study's keys and `calibration`."""
 
-    #: Each target names its own tuning, so these keys have no effect.
+    #: Each target names its own tuning and schemes, so these keys have no effect.
     inert: ClassVar[frozenset[str]] = Config.inert | {
-        "tuning", "ekf", "mkf", "hme1", "hme2", "hme",
+        "tuning", "baselines", "ekf", "mkf", "hme1", "hme2", "hme",
     }  # fmt: skip
 
     calibration: Calibration = key("what to search")
 
     def check(self) -> None:
-        """Check that the values can work together; otherwise raise `InputError`."""
+        """Raise `InputError` if the values cannot work together, e.g. with engine=expected."""
         require(not self.tunings, "tuning: a search starts from one tuning; name one")
         super().check()
         require(
             self.engine != "expected",
-            "engine: the search judges records; use engine=batch, not expected",
+            "engine: expected simulates no records, but a search needs records; use engine=batch",
         )

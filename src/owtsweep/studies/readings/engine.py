@@ -1,4 +1,4 @@
-"""The engine of the searches: makes their tables, and draws the score against each parameter."""
+"""The engine of the study `readings`: make the tables of searches, and draw the trials' scores."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import pandas as pd
 
+from owtsweep.config.section import unit_of
 from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import OK
+from owtsweep.studies.hub.public import HubConfig
 from owtsweep.studies.readings import searches
 
 if TYPE_CHECKING:
@@ -23,7 +25,10 @@ KEPT = 5
 
 
 class SearchEngine:
-    """The engine of the searches (`owtsweep.sweep.study.Engine`); a row is one trial."""
+    """The engine of the study `readings` (protocol `owtsweep.sweep.study.Engine`).
+
+    A row of its results is one trial of a search: values of the parameters, and their score.
+    """
 
     samples = True
     #: Columns without which no table can be made.
@@ -35,11 +40,11 @@ class SearchEngine:
     run = staticmethod(searches.run)
 
     def backend(self, config: ReadingsConfig) -> str:
-        """Return joblib's backend for processes, because a search runs much Python code."""
+        """Return "loky", joblib's backend for processes, because a search runs much Python code."""
         return "loky"
 
     def sort_columns(self) -> list[str]:
-        """Return the columns that identify a trial."""
+        """Return the names of the columns that together identify a trial."""
         return ["target", "search", "trial"]
 
     def tables(self, config: ReadingsConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
@@ -49,7 +54,7 @@ class SearchEngine:
     def terminal(
         self, config: ReadingsConfig, tables: Mapping[str, pd.DataFrame]
     ) -> RenderableType:
-        """Show the best trial of each target, with the values of the trial's parameters."""
+        """Make the terminal's table: the best trial of each target, and its parameters' values."""
         from rich.table import Table
 
         best = tables["best"]
@@ -70,7 +75,11 @@ class SearchEngine:
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """Return one function, which draws the scores of all trials as one figure per target."""
+        """Return the name "score_over_parameters" with a function that draws one figure per target.
+
+        Each figure shows the scores of all successful trials against each parameter. The function
+        takes a folder and a name, and returns the files that it wrote.
+        """
 
         def draw(folder: Path, name: str) -> list[Path]:
             from owtsweep.figures import style
@@ -86,19 +95,23 @@ class SearchEngine:
         return {"score_over_parameters": draw}
 
     def overview(self, config: ReadingsConfig) -> str:
-        """Return the name of the figure that shows the score against each parameter."""
+        """Return the name of the main figure, which shows the score against each parameter."""
         return "score_over_parameters"
 
 
 def rank_trials(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return the `KEPT` best trials of each search, sorted by target, then from best to worst."""
+    """Return the `KEPT` best trials of each search, without failed trials.
+
+    The trials are sorted by target, and within a target from best to worst. `rows` holds one trial
+    per row.
+    """
     done = rows[rows.status == OK]
     ranked = done.sort_values(["target", "score", "search", "trial"], kind="stable")
     return ranked.groupby("search", sort=False).head(KEPT).reset_index(drop=True)
 
 
 def list_parameters(table: pd.DataFrame) -> list[str]:
-    """Return the columns of a table of trials that hold parameters."""
+    """Return the names of the columns of a table of trials that hold the values of parameters."""
     return [column for column in table.columns if column not in searches.COLUMNS]
 
 
@@ -122,7 +135,8 @@ def _score_over_parameters(target: str, table: pd.DataFrame) -> Figure:
         panel.plot(winner[name], winner.score, "k*", markersize=10, label="best")
         if pd.api.types.is_float_dtype(table[name]) and table[name].max() > 20 * table[name].min():
             panel.set_xscale("log")
-        panel.set_xlabel(name.replace("+", " +\n"), fontsize=7)
+        unit = unit_of(HubConfig, name.split("+")[0])
+        panel.set_xlabel(name.replace("+", " +\n") + (f" ({unit})" if unit else ""), fontsize=7)
         panel.set_ylim(lowest * 0.95, min(table.score.quantile(0.9), lowest * 4.0) * 1.02)
     for panel in list(axes.flat)[len(names) :]:
         panel.set_axis_off()

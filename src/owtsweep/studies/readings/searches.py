@@ -1,9 +1,10 @@
-"""Search with Optuna for the best parameters; all trials of a search are judged on equal records.
+"""Search with Optuna for the best parameters; all trials of a search use the same records.
 
-A target says what to search: the parameters, the schemes and the kind of score. For the kind
-"published" a trial is a reading of the paper, and the score is its distance from the paper's
-results (the hub's `fidelity.score`). For the kind "settled" the score is the settled position MSE.
-All trials are kept, including bad ones.
+A target says what to search: the parameters, the schemes and the kind of score. A trial is one set
+of values of the parameters. For the kind "published" a trial is a reading of the paper, i.e. a
+choice of the values that the paper leaves open. The score is then the distance of the results from
+the paper's results (the hub's `fidelity.score`). For the kind "settled" the score is the settled
+position MSE. All trials are kept, including bad trials.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ DIVERGED = 50.0
 
 
 def plan(config: ReadingsConfig) -> list[Block]:
-    """Return the blocks of the study: one per target, truth and sampler seed.
+    """Return the blocks of the study: one search per target, truth and sampler seed.
 
     A truth is a set of overrides, e.g. of the sensors' true errors, under which a target is
     searched. A target of kind "settled" has a single truth.
@@ -61,7 +62,8 @@ def plan(config: ReadingsConfig) -> list[Block]:
     Raises
     ------
     InputError
-        If cmaes is not installed, or if a target has an unknown kind, truth, tuning or key.
+        If the sampler CMA-ES is not installed, or if a target has an unknown kind, truth, tuning or
+        key.
     """
     _require_cmaes()
     calibration = config.calibration
@@ -97,9 +99,21 @@ def plan(config: ReadingsConfig) -> list[Block]:
 def _choose_truths(
     name: str, target: Mapping[str, Any], truths: Mapping[str, Any]
 ) -> Mapping[str, Mapping[str, Any]]:
-    """Return the truths of a target, by name: those listed in the target, or all if it lists none.
+    """Return a target's truths: name -> overrides under which the target is searched.
 
-    A target of kind "settled" has a single truth, called "own".
+    Parameters
+    ----------
+    name, target
+        Name of the target, and the target: an entry of the key `calibration.targets`. A target of
+        kind "settled" has a single truth, called "own". Another target may list names of truths in
+        `truths`; without such a list it has all truths.
+    truths
+        All truths: the value of the key `calibration.truths`.
+
+    Raises
+    ------
+    InputError
+        If the target lists an unknown truth.
     """
     if target["kind"] == "settled":
         return {"own": target.get("truth", {})}
@@ -107,20 +121,21 @@ def _choose_truths(
     for truth in wanted:
         require(
             truth in truths,
-            f"calibration.targets.{name}.truths: there is no {truth!r}; use {', '.join(truths)}",
+            f"calibration.targets.{name}.truths: there is no {truth!r} in calibration.truths; use "
+            f"{', '.join(truths)}",
         )
     return {truth: truths[truth] for truth in wanted}
 
 
 def read_tuning(name: str) -> dict[str, Any]:
-    """Read the values of the tuning file `conf/tuning/<name>.yaml`, by dotted key.
+    """Read the tuning file `conf/tuning/<name>.yaml`; return its values by dotted key.
 
     A file of that name in the folder `FROZEN` comes first: a recorded search stays what it was.
 
     Raises
     ------
     InputError
-        If there is no such file.
+        If there is no tuning file of this name.
     """
     folders = (conf_directory() / "tuning", FROZEN)
     files = {path.stem: path for folder in folders for path in sorted(folder.glob("*.yaml"))}
@@ -129,15 +144,15 @@ def read_tuning(name: str) -> dict[str, Any]:
 
 
 def take_fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]:
-    """Return the values of a target's tuning file that hold for its schemes and are not searched.
+    """Return the values of a target's schemes that are not searched, from the target's tuning file.
 
-    Searched values are left out, so that a search stays valid after its result has been written
+    The searched keys are left out, so that a search stays valid after its result has been written
     into the tuning file.
 
     Parameters
     ----------
     target
-        The target, an entry of the key `calibration.targets`.
+        An entry of the key `calibration.targets`.
     default
         Name of the tuning file for a target that names none.
 
@@ -216,9 +231,17 @@ def _search(config: ReadingsConfig, content: Mapping[str, Any]) -> pd.DataFrame:
 
 
 def _make_sampler(target: Mapping[str, Any], seed: int) -> Any:
-    """Make Optuna's sampler: TPE if a parameter has a list of options, otherwise CMA-ES.
+    """Make the Optuna sampler of a search: TPE if a parameter has a list of options, else CMA-ES.
 
-    CMA-ES begins at the target's start values. It finds better scores here, but only for numbers.
+    CMA-ES begins at the target's start values. It finds better scores in these searches, but works
+    with numbers only.
+
+    Parameters
+    ----------
+    target
+        An entry of the key `calibration.targets`.
+    seed
+        Seed of the sampler.
     """
     import optuna
 
@@ -231,7 +254,7 @@ def _make_sampler(target: Mapping[str, Any], seed: int) -> Any:
 
 
 def suggest(trial: Any, key: str, bounds: Any) -> Any:
-    """Ask Optuna for a value of one parameter in a trial.
+    """Ask Optuna for the value of one parameter in a trial, and return the value.
 
     Parameters
     ----------
@@ -240,8 +263,8 @@ def suggest(trial: Any, key: str, bounds: Any) -> Any:
     key
         Name of the parameter.
     bounds
-        [low, high, scale], where scale is "linear", "log" or "int"; or a mapping with the list
-        `options`.
+        A list [low, high, scale] with the scale "linear", "log" or "int", or a mapping whose key
+        `options` lists the values to choose from.
     """
     if isinstance(bounds, Mapping):
         return trial.suggest_categorical(key, list(bounds["options"]))
@@ -266,10 +289,20 @@ def _score_settled(
 def _score_published(
     config: ReadingsConfig, schemes: Sequence[str], lanes: Mapping[float, Lanes]
 ) -> dict[str, Any]:
-    """Compute the score of a trial for a target of kind "published".
+    """Compute the score of a trial for a target of kind "published"; return it with its details.
 
-    The score is the mean |log2(reproduced / published)| of the schemes' numbers. If the schemes
-    include HME1 and HME2, penalties for winners and boundaries are added.
+    The score is the mean of |log2(reproduced / published)| over the published numbers of the
+    schemes. If the schemes include HME1 and HME2, penalties are added for wrong best schemes and
+    wrong boundaries. A boundary is the amplitude at which HME1 and HME2 have equal errors.
+
+    Parameters
+    ----------
+    config
+        The configuration with the parameters' values in this trial.
+    schemes
+        Names of the schemes to judge.
+    lanes
+        Natural period in s -> the simulated records.
     """
     products = {scheme: scheme_products(config, scheme, lanes) for scheme in schemes}
     logs = compare(products).log2.abs()

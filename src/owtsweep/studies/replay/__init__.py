@@ -1,4 +1,4 @@
-"""Recorded motion and recorded sensors through all schemes: which one for my turbine?"""
+"""The study of records: run all schemes on recorded motion or sensor data; advise which to use."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ __all__ = ["ReplayStudy"]
 
 
 class ReplayStudy:
-    """The study of recorded data, which is also its only engine; a block is a record and a scheme.
+    """The study of recorded data, which is also its only engine.
 
-    A further block per record has no scheme: it describes the record itself.
+    A block of the plan runs one scheme on one record. A further block for each record runs no
+    scheme: it measures the record itself.
     """
 
     name = "replay"
@@ -36,27 +37,27 @@ class ReplayStudy:
     }
 
     def config_type(self) -> type[ReplayConfig]:
-        """Return the configuration's type: the hub study's, with keys on how to read a record."""
+        """Return the configuration's type: the hub study's keys, and keys on reading records."""
         from owtsweep.studies.replay.config import ReplayConfig
 
         return ReplayConfig
 
     def conditions(self, config: ReplayConfig) -> tuple[Condition, ...]:
-        """Return no conditions, because a record has no grid."""
+        """Return an empty tuple: a replay has records instead of a grid of conditions."""
         return ()
 
     def engine(self, config: ReplayConfig) -> ReplayStudy:
-        """Return the study itself, which is the only engine."""
+        """Return the study itself, which is also its only engine."""
         return self
 
     def plan(self, config: ReplayConfig) -> list[Block]:
-        """Return the blocks: for every file one for the record itself and one per scheme."""
+        """Return the plan: for every file a block on the record itself, and a block per scheme."""
         from owtsweep.studies.replay.blocks import plan
 
         return plan(config)
 
     def backend(self, config: ReplayConfig) -> str:
-        """Return joblib's backend: threads for kernels, processes if a scheme is Python code."""
+        """Return joblib's backend: threads for compiled kernels, otherwise processes."""
         from owtsweep.studies.hub.public import backend, resolve_all
 
         return backend(config, resolve_all(config.schemes, config))
@@ -64,23 +65,23 @@ class ReplayStudy:
     def run(
         self, config: ReplayConfig, blocks: Sequence[Block]
     ) -> Iterator[tuple[Block, pd.DataFrame]]:
-        """Run the blocks of one record; yield each block with its rows."""
+        """Run blocks of the plan that share a record; yield each block with its rows of results."""
         from owtsweep.studies.replay.blocks import run
 
         return run(config, blocks)
 
     def sort_columns(self) -> list[str]:
-        """Return the columns that identify a row."""
+        """Return the names of the columns that together identify a row of results."""
         return ["file", "scheme", "measure", "window", "replicate"]
 
     def tables(self, config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-        """Make the tables replay, errors, records and advice, by name."""
+        """Make the tables "replay", "errors", "records" and "advice" from a run's rows."""
         from owtsweep.studies.replay.results import aggregate
 
         return aggregate(config, rows)
 
     def terminal(self, config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-        """Show the errors, if there is one record, and the advice."""
+        """Make the terminal's output: the advice, and with a single record the table of errors."""
         from owtsweep.studies.replay.terminal import render_answer
 
         return render_answer(config, tables)
@@ -92,13 +93,21 @@ class ReplayStudy:
         rows: pd.DataFrame,
         metadata: Mapping[str, str],
     ) -> Mapping[str, Drawing]:
-        """List the figures by name: those of a single record, or the map over many records."""
+        """Return the run's figures: name -> function that draws and saves the figure.
+
+        With a single record, the figures show this record. With several records, there is one
+        figure: a map of the best schemes.
+        """
         from owtsweep.studies.replay.figures import drawings
 
         return drawings(config, tables, metadata)
 
     def overview(self, config: ReplayConfig) -> str:
-        """Return the name of the main figure: the position zoomed in, or the map over records."""
+        """Return the name of the main figure.
+
+        With a single record, this figure shows the position over some seconds; with several
+        records, it is a map of the best schemes.
+        """
         from owtsweep.studies.replay.figures import overview
 
         return overview(config)

@@ -1,7 +1,8 @@
-"""Advise which scheme to run, by how much it beats the runner-up, and whether that matters.
+"""Advise which scheme to run, by how much it beats the runner-up, and whether the margin matters.
 
-Schemes are compared in pairs on the same data: replicate by replicate if noise was simulated. If
-everything was recorded, there is one replicate, and the settled record is compared part by part.
+Schemes are compared in pairs on the same data. If noise was simulated, they are compared replicate
+by replicate. If everything was recorded, there is a single replicate; then schemes are compared
+part by part of the settled record.
 """
 
 from __future__ import annotations
@@ -33,26 +34,32 @@ COLUMNS = (
 def compare(
     samples: Array, schemes: Sequence[str], *, whole: Array | None = None
 ) -> dict[str, Any] | None:
-    """Find the best scheme and the runner-up, and whether their difference matters.
+    """Find the best scheme and the runner-up, and whether the difference of their errors matters.
 
     Parameters
     ----------
     samples
-        Mean squared errors, shape (schemes, n), on the same n replicates or parts of a record; NaN
+        Mean squared errors, shape (schemes, n), in n replicates or in n parts of a record; NaN
         where a scheme has no value.
     schemes
         Names of the schemes.
     whole
-        The values by which schemes are ranked, shape (schemes,); by default the means of the
-        samples. Needed if the samples are parts of a record: they then only give the interval.
+        The mean squared errors by which schemes are ranked, shape (schemes,). If None, the means of
+        the samples are used. Needed if the samples are parts of a record: the samples then only
+        give the interval.
 
     Returns
     -------
     dict or None
-        The advice from column `best` to column `matters` (`COLUMNS`). Without a runner-up, its
-        numbers are left out. None if no scheme has a value. The difference matters if its 95 %
-        interval lies above zero and the margin is at least `LEAST_MARGIN`. With a single sample
-        there is no interval, and only the margin decides.
+        The columns of the table of advice from `best` to `matters` (see `COLUMNS`). None if no
+        scheme has a value. If no scheme differs from the best scheme, `runner_up` is "", `matters`
+        is False, and the numbers on the runner-up are left out.
+
+    Notes
+    -----
+    The difference matters if its 95 % interval lies above zero and the margin, which is difference
+    / best error, is at least `LEAST_MARGIN`. With a single sample there is no interval, and only
+    the margin decides.
     """
     common = np.isfinite(samples).any(axis=0)
     took_part = np.flatnonzero(np.isfinite(samples[:, common]).any(axis=1))
@@ -94,19 +101,22 @@ def compare(
 def advise_from_record(
     values: pd.DataFrame, schemes: Sequence[str], criterion: str, window: str
 ) -> dict[str, Any] | None:
-    """Advise from the schemes' errors on one record.
+    """Advise which scheme to run, from the schemes' errors on one record.
 
-    Without a reference position, the squared distances to later position fixes take the place of
-    errors. Returns None if no scheme has a value.
+    If the record has no reference position, squared distances to later position fixes are used
+    instead of errors. Returns None if no scheme has a value.
 
     Parameters
     ----------
     values
-        Rows of one file with the columns scheme, replicate, measure, window, value.
+        The rows of results on the record, with the columns scheme, replicate, measure, window,
+        value.
     schemes
         Names of the schemes to compare.
-    criterion, window
-        The measure and the window to compare.
+    criterion
+        The measure to compare, e.g. "position".
+    window
+        The part of the record over which the measure is averaged: "full" or "settled".
     """
     measures = set(values["measure"])
     source = "record"
@@ -133,7 +143,7 @@ def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
 
 
 def write_sentence(row: Any) -> str:
-    """Write a row of the advice as one sentence, for the report and the terminal."""
+    """Write one row of the table of advice as a sentence, for the report and the terminal."""
     where = {
         "record": "this record's own errors",
         "fixes": "the distance from the fixes that came later",
@@ -156,7 +166,10 @@ def write_sentence(row: Any) -> str:
 
 
 def _describe_margin(row: Any) -> str:
-    """Say how much larger the runner-up's MSE is: in per cent, or as a factor if it is large."""
+    """Say how much larger the runner-up's MSE is: in per cent, or as a factor for a large margin.
+
+    `row` is a row of the table of advice.
+    """
     parts = [row["margin"]]
     if row["source"] != "map" and np.isfinite(row["ci_low"]):
         parts += [row[key] / row["value_best"] for key in ("ci_low", "ci_high")]

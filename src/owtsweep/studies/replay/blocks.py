@@ -1,4 +1,4 @@
-"""Plan and run a replay: one block per record and scheme, and one for the record itself."""
+"""Plan and run a replay in blocks: one per record and scheme, and one on each record itself."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ RECORD, LAST_FIX = "", "last_fix"
 
 
 def plan(config: ReplayConfig) -> list[Block]:
-    """Return the blocks: for every file one for the record itself, then one per scheme."""
+    """Return the plan: for every file a block on the record itself, then a block per scheme."""
     shared = _collect_shared_content(config)
     schemes = resolve_all(config.schemes, config)
     # Threads share a record, so each scheme is a group. Processes would each have to read it.
@@ -83,7 +83,10 @@ def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
 
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Run blocks of one record, which is read once; yield each block with its rows."""
+    """Run blocks of the plan that share a record; yield each block with its rows of results.
+
+    The record's file is read only once.
+    """
     import pandas as pd
 
     sensors = make_sensors(config.sensors)
@@ -105,9 +108,21 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
 def _describe_record(
     config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
 ) -> list[Row]:
-    """Make the rows of facts about the record, and of the errors of holding the last fix.
+    """Make the rows of facts about a record, and the rows of errors of holding the last fix.
 
-    `label` names the record in the rows; `settled` is the first settled step.
+    To hold the last position fix, as the estimate until the next fix comes, is a baseline for
+    schemes.
+
+    Parameters
+    ----------
+    config
+        The configuration of the replay.
+    record, label
+        The record, and its name in the rows.
+    sensors
+        The sensors' parameters.
+    settled
+        The first step after the settling time.
     """
     rows = [_make_row(label, RECORD, 0, fact) for fact in facts.measure_record(config, record)]
     for replicate in range(count_replicates(config, record)):
@@ -125,9 +140,21 @@ def _run_scheme(
     sensors: Sensors,
     settled: int,
 ) -> list[Row]:
-    """Run a scheme on all replicates and make the rows of measures.
+    """Run a scheme on all replicates of a record; return one row per replicate, measure and window.
 
-    If the scheme fails, a single row with the status "failed" and the reason is returned.
+    A window is the part of the record over which a measure is averaged. If the scheme fails, the
+    only row has the status "failed" and the reason.
+
+    Parameters
+    ----------
+    config
+        The configuration of the replay.
+    record, label
+        The record, and its name in the rows.
+    scheme, sensors
+        The scheme to run, and the sensors' parameters.
+    settled
+        The first step after the settling time.
     """
     rows: list[Row] = []
     count = count_replicates(config, record)
@@ -151,10 +178,19 @@ def _run_scheme(
 
 
 def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int) -> int:
-    """Return the number of replicates to run at once; `longest` is the steps of the longest piece.
+    """Return the number of replicates to run at once.
 
-    A kernel always runs `WIDTH` series at once, and a replicate has two: x and y. Without a kernel,
-    replicates run one by one.
+    A kernel always runs `WIDTH` series at once, and a replicate has two series: x and y. The number
+    is smaller if so many replicates would need too much memory. A scheme without kernel, or with
+    engine=reference, runs one replicate at a time.
+
+    Parameters
+    ----------
+    config, scheme
+        The configuration of the replay, and the scheme to run.
+    longest
+        Number of steps of the longest piece of the record. One piece of each replicate is in
+        memory.
     """
     if config.engine != "batch" or not hasattr(scheme, "kernel"):
         return 1

@@ -1,21 +1,32 @@
-"""The configuration of a replay: the keys of the hub study, and how to read a record."""
+"""The configuration of a replay: the keys of the hub study, and keys on how to read a record."""
 
 from __future__ import annotations
 
+from contextlib import suppress
+from pathlib import Path
 from typing import ClassVar, Literal
 
 from owtsweep.config import Positive, Section, key, require
+from owtsweep.config.stored import read_stored
+from owtsweep.errors import InputError
 from owtsweep.studies.hub.public import Grid, HubConfig
+from owtsweep.sweep.keys import run_hash
+
+#: Hexadecimal digits of a record's hash in the run folder's name, and the most bytes before them.
+DIGITS, LONGEST_START = 8, 235
 
 
 class ReplayGrid(Grid):
-    """The section `grid`: the records, and the axes of the map of expected errors."""
+    """The section `grid`: the record files, and the axes of the map of expected errors."""
 
     files: list[str] = key("the records; the command line fills it from its FILE words")
 
 
 class Roles(Section):
-    """The sections `columns` and `units`: a text or null for each role of a channel in a file."""
+    """The sections `columns` and `units`: a text or null for each role of a channel in a file.
+
+    The text is the channel's name in `columns`, and the channel's unit in `units`.
+    """
 
     time: str | None = key("time", default=None)
     position_x: str | None = key("the motion, or a reference beside a specific force", default=None)
@@ -32,7 +43,7 @@ class Roles(Section):
     reference_y: str | None = key("a position to measure the errors against", default=None)
 
     def given(self) -> dict[str, str]:
-        """Return the texts that are not null, by role."""
+        """Return a mapping from role to text, without the roles whose value is null."""
         return {role: text for role, text in vars(self).items() if text is not None}
 
 
@@ -59,7 +70,7 @@ class ReplaySettings(Section):
 
 
 class ReplayConfig(HubConfig):
-    """The configuration of a replay: the hub study's keys, and those on how to read a record."""
+    """The configuration of a replay: the hub study's keys, and keys on how to read a record."""
 
     #: Keys that describe the simulation of a record have no effect here.
     inert: ClassVar[frozenset[str]] = HubConfig.inert - {"measures.window"} | {
@@ -77,17 +88,48 @@ class ReplayConfig(HubConfig):
     replay: ReplaySettings = key("how a record is taken")
 
     def check(self) -> None:
-        """Check that the values can work together; otherwise raise `InputError`."""
+        """Raise `InputError` if values cannot work together, e.g. both edges of replay.band."""
         require(not self.tunings, "tuning: a replay takes one tuning; run it once with each")
         super().check()
+        require(
+            not self.baselines,
+            "baselines: a replay has one of its own, last_fix; to see NONE, HOLD or DELTA too, "
+            "name them in schemes",
+        )
         band = self.replay.band
         require(
             band is None or band[0] < band[1],
-            f"replay.band: {band} must be two edges in Hz, e.g. [0.2,0.4]",
+            f"replay.band: {band} must be two edges in Hz, the lower one first, e.g. [0.2,0.4]",
         )
+
+    def describe_origin(self) -> str:
+        """Return nothing, because a replay's truth is in its record."""
+        return ""
+
+    def start_of_folder(self) -> str:
+        """Return the experiment; for a single record also a digest of the record's bytes.
+
+        So records with one name, from different folders, do not share a run folder. A run folder
+        from before names had a digest is used again if it holds a replay of this file.
+        """
+        from owtsweep.studies.replay.loading import hash_file
+
+        if len(self.grid.files) != 1:
+            return self.experiment
+        (file,) = self.grid.files
+        before = Path(self.results) / f"{self.experiment}-{run_hash(self)}" / "config.yaml"
+        with suppress(InputError):  # there is none, or it cannot be read
+            match read_stored(before)[0]:
+                case {"grid": {"files": [stored]}} if stored == file:
+                    return self.experiment
+        start = self.experiment.encode()[:LONGEST_START].decode(errors="ignore")
+        return f"{start}-{hash_file(file)[:DIGITS]}"
 
     @property
     def fit_band(self) -> tuple[float, float]:
-        """The lower and upper edge (Hz) of the band in which a record's spectrum is fitted."""
+        """The lower and upper edge (Hz) of the band in which a record's spectrum is fitted.
+
+        The edges are `replay.band`, or `band` if `replay.band` is null.
+        """
         edges = self.band if self.replay.band is None else self.replay.band
         return edges[0], edges[1]

@@ -1,4 +1,4 @@
-"""Reduce a long series to few points, as `figures.lines.decimate` does, but piece by piece."""
+"""Reduce a long series to the points that a plot needs, while the series comes piece by piece."""
 
 from __future__ import annotations
 
@@ -9,16 +9,17 @@ from owtsweep.figures.lines import POINTS
 
 
 class Envelope:
-    """The points kept of a series: least and greatest value of each span, first and last value.
+    """A long series reduced to few points, for a plot; the series may come piece by piece.
 
-    They are the points that `figures.lines.decimate` keeps.
+    The series is divided into spans. The points are the least and the greatest value of each span,
+    and the first and the last value of the series.
 
     Parameters
     ----------
     steps
-        Length of the series. The values must be finite; values beyond this length are left out.
+        Length of the series. The values must be finite; values beyond this length are ignored.
     points
-        A series of at most this many values is kept as it is. A longer one has points / 2 spans.
+        A series of at most this many values is kept as it is. A longer series has points / 2 spans.
     """
 
     def __init__(self, steps: int, points: int = POINTS) -> None:
@@ -53,7 +54,7 @@ class Envelope:
         self._ends[1] = values[-1]
 
     def points(self) -> tuple[Array, Array]:
-        """Return the steps and the values of the points, in order of time; shape (n,) each."""
+        """Return the steps and the values of the kept points, shape (n,) each, in order of time."""
         steps = np.concatenate([[0, self.steps - 1], *self._at]).astype(int)
         values = np.concatenate([self._ends, self._least, self._greatest])
         steps, first = np.unique(steps, return_index=True)

@@ -1,7 +1,7 @@
-"""Write the estimates to files: estimates.parquet, and one CSV per scheme.
+"""Write the estimates of all schemes to files: one Parquet file, and one CSV file per scheme.
 
-Both are written piece by piece, one scheme at a time: a whole day at 100 Hz would take several GB
-of memory.
+The files are written piece by piece, one scheme at a time: a whole day at 100 Hz would take several
+GB of memory.
 """
 
 from __future__ import annotations
@@ -31,11 +31,12 @@ ROW = (160, 60)
 
 
 def write(config: ReplayConfig, file: str, folder: Path, say: Callable[[str], None]) -> None:
-    """Write the estimates of a record in replicate 0: estimates.parquet, estimates/<scheme>.csv.
+    """Write all schemes' estimates on a record (replicate 0) to Parquet and CSV files.
 
-    The columns are `COLUMNS`: time in s on the file's clock; x and y in m in the coordinates of the
-    file; vx and vy in m/s; standard deviations of these four (NaN for a scheme without covariance).
-    The CSV files have no column `scheme`. A scheme that fails is left out.
+    The files are estimates.parquet with all schemes, and estimates/<scheme>.csv. The columns are
+    `COLUMNS`: time in s on the clock of the record's file; scheme; x and y in m in the coordinates
+    of this file; vx and vy in m/s; and the standard deviations of x, y, vx and vy, NaN for a scheme
+    without covariance. The CSV files have no column `scheme`. A scheme that fails is left out.
 
     Parameters
     ----------
@@ -101,12 +102,16 @@ def _write_all(
 def _replace_when_written(path: Path) -> Iterator[str]:
     """Give the name of a temporary file inside a `with` block; then rename this file to `path`.
 
-    After an error, the temporary file is deleted and `path` stays as it was.
+    After an error, the temporary file is deleted and `path` stays as it was. The first note of an
+    error of the file system (`__notes__`) names `path`.
     """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         yield str(temporary)
         os.replace(temporary, path)
+    except OSError as error:
+        error.add_note(str(path))  # the error itself has the temporary name, or none
+        raise
     finally:
         temporary.unlink(missing_ok=True)
 

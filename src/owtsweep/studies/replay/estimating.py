@@ -1,4 +1,4 @@
-"""Run one scheme over a record, piece by piece: estimates, covariances, innovations."""
+"""Run one scheme on a record, piece by piece: estimates, covariances, innovations."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def estimate_pieces(
     replicates: Sequence[Signals],
     edges: Sequence[int],
 ) -> Iterator[tuple[Trajectory, ...]]:
-    """Run a scheme over some replicates of a record, piece by piece.
+    """Run a scheme on some replicates of a record, and yield its estimates piece by piece.
 
     If every position fix arrived, the batch engine runs all replicates at once. If fixes are
-    missing, the gains depend on which ones, and the scheme's online form computes them step by
-    step. With engine=reference, or if the scheme lacks these two forms, the scheme's `update` is
-    called at every step. The estimates depend neither on the pieces nor on the number of
-    replicates.
+    missing, the filter's gains depend on which fixes these are; the scheme's online form (`stream`)
+    then computes the gains step by step. With engine=reference, or if the scheme has neither kernel
+    nor online form, the scheme's `update` is called at every step. The estimates depend neither on
+    where pieces begin nor on the number of replicates.
 
     Parameters
     ----------
@@ -44,12 +44,12 @@ def estimate_pieces(
     replicates
         The measurements of each replicate.
     edges
-        The steps at which pieces begin and end: 0, ..., number of steps.
+        The steps at which the pieces begin, and the number of steps: 0, ..., steps.
 
     Yields
     ------
     tuple
-        For each piece, the estimates of each replicate.
+        The estimates in one piece, one `Trajectory` per replicate.
 
     Raises
     ------
@@ -71,15 +71,16 @@ def estimate_pieces(
 
 
 def rotate_force(signals: Signals, sensors: Sensors) -> Iterator[Array]:
-    """Yield the specific force in NED coordinates, in m/s^2, in pieces of shape (n, 2)."""
+    """Yield the measured specific force in NED coordinates, in m/s^2, in pieces of shape (n, 2)."""
     return (piece @ sensors.rotation.T for piece in signals.force(PIECE))
 
 
 def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[OnePassSeries, Array]:
     """Arrange the measurements of several replicates as columns side by side, for the batch engine.
 
-    Returns the specific force in NED (m/s^2, one row per step) and the position fixes (m, one row
-    per fix). Both have the columns x, y of the first replicate, x, y of the second, and so on.
+    Returns the specific force in NED coordinates (m/s^2, one row per step) and the position fixes
+    (m, one row per fix). Both have the columns x and y of the first replicate, then x and y of the
+    second replicate, and so on.
     """
     pieces = zip(*(rotate_force(signals, sensors) for signals in replicates), strict=True)
     side_by_side = (np.concatenate(parts, axis=1) for parts in pieces)
@@ -90,7 +91,19 @@ def make_lanes(replicates: Sequence[Signals], sensors: Sensors) -> tuple[OnePass
 def _run_kernel(
     chain: Chain, sensors: Sensors, replicates: Sequence[Signals], edges: Sequence[int]
 ) -> Iterator[tuple[Trajectory, ...]]:
-    """Run the batch engine, and cut its results into the pieces between the edges."""
+    """Run the batch engine on all replicates; yield for each piece one `Trajectory` per replicate.
+
+    Parameters
+    ----------
+    chain
+        The form of the scheme that the batch engine runs.
+    sensors
+        The sensors' parameters.
+    replicates
+        The measurements of each replicate.
+    edges
+        The steps at which the pieces begin, and the number of steps.
+    """
     estimates = chunks(chain, *make_lanes(replicates, sensors))
     covariances = spread_to_both_axes(chain.covariance)
     first, count, chunk = next(estimates)

@@ -1,4 +1,4 @@
-"""Measure a record itself: duration, size and direction of the motion, and the fitted spectrum."""
+"""Measure a record itself: duration, size and direction of the motion, and a fitted spectrum."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.whittle import Fit, fit_lines, periodogram
-from owtsweep.studies.hub.public import Scheme, make_sensors, resolve_all
+from owtsweep.studies.hub.public import BASELINES, Scheme, make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import hash_file, load_record
@@ -38,18 +38,18 @@ class MotionSummary:
     Attributes
     ----------
     source
-        Where the displacement comes from, in words: the truth, or the estimate of a scheme.
+        Where the displacement comes from, in words: the true motion, or the estimate of a scheme.
     samples
         Number of samples of the displacement.
     size
-        "rms" and "peak" of the displacement (m), "direction" of greatest variance (deg from x), and
-        "direction_share", the share (0 to 1) of the variance along this direction.
+        "rms" and "peak" of the displacement (m); "direction" of greatest variance (degrees from the
+        x axis); "direction_share", the share (0 to 1) of the variance along this direction.
     frequency, power
-        Periodogram of the displacement in Hz and m^2/Hz, shape (n,) each, a little beyond `BEYOND`
-        times the upper edge of the band.
+        The periodogram of the displacement: frequencies in Hz and power in m^2/Hz, each of shape
+        (n,). It ends a little above `BEYOND` times the upper edge of the band.
     fit
-        The paper's Eq. (1) fitted to the periodogram inside the band, or the reason why it cannot
-        be fitted.
+        The spectrum of Eq. (1) of Ren et al. (2019) fitted to the periodogram inside the band, or
+        the reason why it cannot be fitted.
     """
 
     source: str
@@ -60,13 +60,13 @@ class MotionSummary:
     fit: Fit | str
 
 
-#: The summaries of the last few records.
+#: The summaries of the records used last, at most `_MOST_KEPT`.
 _SUMMARIES: OrderedDict[tuple[str, ...], MotionSummary] = OrderedDict()
 _MOST_KEPT = 4
 
 
 def summarise_motion(config: ReplayConfig, file: str) -> MotionSummary:
-    """Summarise the motion of the record in a file; the last few summaries are kept in memory."""
+    """Summarise the motion of the record in a file; the last few summaries stay in memory."""
     key = (file, hash_file(file), repr(config))
     summary = _SUMMARIES.get(key)
     if summary is None:
@@ -101,9 +101,10 @@ def _summarise(config: ReplayConfig, file: str) -> MotionSummary:
 def _take_displacement(config: ReplayConfig, record: ReplayRecord) -> tuple[Array, str]:
     """Return the displacement around its mean, shape (n, 2) in m, and its source in words.
 
-    The displacement is the true one in the window `measures.window`, because simulations begin with
-    a transient. Without a truth, it is the settled estimate of a scheme. Gaps of the truth are
-    filled with straight lines.
+    If the true motion is known, the displacement is that of the true motion, with gaps filled by
+    straight lines. With `measures.window` "settled", it begins after the settling time, because
+    simulations begin with a transient. If the true motion is unknown, the displacement is a
+    scheme's estimate after the settling time.
     """
     settled = round(config.measures.settling_time / record.step)
     if record.position is not None:
@@ -130,16 +131,18 @@ def _estimate_position(config: ReplayConfig, record: ReplayRecord, scheme: Schem
 
 
 def choose_describer(config: ReplayConfig) -> int:
-    """Return the index of the scheme that stands in for a missing reference: HME1, or the last.
+    """Return the index of the scheme whose estimates describe a record without reference position.
 
-    The motion of a record without a reference position is described by this scheme's estimates.
+    This is HME1, or the last scheme if HME1 is not among the schemes. A baseline is taken only if
+    there is no other scheme.
     """
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
-    return names.index("HME1") if "HME1" in names else len(names) - 1
+    estimators = [name for name in names if name not in BASELINES] or names
+    return names.index("HME1" if "HME1" in names else estimators[-1])
 
 
 def bridge_gaps(xy: Array) -> Array:
-    """Fill NaN rows of a series of shape (n, 2) by straight lines in time.
+    """Return a series of shape (n, 2) with its NaN rows filled by straight lines in time.
 
     NaN rows at an end of the series take the nearest value.
     """
@@ -151,9 +154,10 @@ def bridge_gaps(xy: Array) -> Array:
 
 
 def find_main_direction(xy: Array) -> tuple[float, float]:
-    """Return the direction of greatest variance and its share (0 to 1) of the variance.
+    """Return the direction of greatest variance of `xy`, and the share of the variance along it.
 
-    The direction is an angle from the x axis in degrees, in (-90, 90]. `xy` has shape (n, 2).
+    `xy` are displacements around their mean, shape (n, 2). The direction is an angle from the x
+    axis in degrees, in (-90, 90]. The share is between 0 and 1; it is 1 without motion.
     """
     variance, directions = np.linalg.eigh(xy.T @ xy / len(xy))
     x, y = directions[:, 1]
@@ -164,11 +168,11 @@ def find_main_direction(xy: Array) -> tuple[float, float]:
 
 
 def measure_record(config: ReplayConfig, record: ReplayRecord) -> Iterator[Measured]:
-    """Yield facts about a record as measures.
+    """Yield the facts about a record, each as (name, window "full", value, number of samples).
 
-    They are duration (s), rms and peak (m) of the displacement, its direction (deg), and the fit of
-    the paper's Eq. (1), if there is one. The measures `..._error` are standard errors of the fit;
-    the report shows ± 1.96 times these.
+    The facts are the duration (s); rms and peak (m), direction (degrees from the x axis) and its
+    share of the variance, all of the displacement; and the spectrum of Eq. (1) of Ren et al.
+    (2019), if it could be fitted. The facts `..._error` are standard errors of the fit.
     """
     summary = summarise_motion(config, record.file)
     facts = {"duration": record.steps * record.step, **summary.size}

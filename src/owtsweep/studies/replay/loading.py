@@ -1,4 +1,4 @@
-"""Load the record in a file; label and hash files."""
+"""Load the record in a file; give files labels and hashes."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ _LOCK = Lock()
 
 
 def label_files(files: Sequence[str]) -> dict[str, str]:
-    """Label files: a mapping from label to file, in the order of the files.
+    """Give each file a label; return a mapping from label to file, in the order of the files.
 
-    A label is the file's name without extensions. Of equal labels, the second gets the ending "-2",
-    and so on.
+    A label is the file's name without extensions. If several files have one name, the second file's
+    label ends in "-2", the third file's in "-3", and so on.
     """
     labels: dict[str, str] = {}
     for file in files:
@@ -44,7 +44,9 @@ def label_files(files: Sequence[str]) -> dict[str, str]:
 
 
 def hash_file(file: str) -> str:
-    """Compute the hash of a file's bytes; HAWC2's pair of .sel and .dat files has one hash.
+    """Return the hash of a file's contents; the two files of a HAWC2 result share one hash.
+
+    A HAWC2 result is a pair of files: NAME.sel and NAME.dat.
 
     Raises
     ------
@@ -77,12 +79,12 @@ def _hash(states: tuple[tuple[str, int, int], ...]) -> str:
 def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
     """Read, check and resample the record in a file.
 
-    The last two records are kept in memory, or only the last one if they are large.
+    The last two records stay in memory, or only the last one if the records are large.
 
     Raises
     ------
     InputError
-        For any error in the file; the one-line message names the file.
+        If anything is wrong with the file; the one-line message names the file.
     """
     settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
     key = (file, hash_file(file), repr(settings), config.measures.settling_time)
@@ -110,16 +112,17 @@ def _load(config: ReplayConfig, file: str) -> ReplayRecord:
     else:
         require(
             config.replay.gnss == "auto",
-            f"{file}: replay.gnss={config.replay.gnss} is for recorded sensors; with a motion "
-            "fixes are simulated: leave it at auto, or set columns.specific_force_x",
+            f"{file}: replay.gnss={config.replay.gnss} needs a recorded specific force, but the "
+            "file is replayed as motion; use replay.gnss=auto, or set columns.specific_force_x",
         )
         recording = _rename(recording, "reference", "position")
         record = make_record_of_motion(config, recording, sensors)
     length, settling = record.steps * record.step, config.measures.settling_time
     require(
         length >= settling + sensors.fix_step,
-        f"{file}: the record gives {length:.4g} s, no longer than measures.settling_time "
-        f"{settling:g} s and one fix; use a longer one, or a shorter settling time",
+        f"{file}: the record lasts {length:.4g} s, no longer than measures.settling_time "
+        f"({settling:g} s) and one interval between fixes; use a longer record, or a shorter "
+        "settling time",
     )
     return record
 
@@ -135,7 +138,11 @@ def _holds_sensors(config: ReplayConfig, recording: Recording) -> bool:
 
 
 def _rename(recording: Recording, old: str, new: str) -> Recording:
-    """Rename the channels of quantity `old` to `new`; nothing changes if `new` has channels."""
+    """Return the recording with the channels of one quantity renamed to another quantity.
+
+    `old` and `new` are quantities, e.g. "position" and "reference". If the recording has channels
+    of `new`, or none of `old`, the recording is returned unchanged.
+    """
     if recording.has(new) or not recording.has(old):
         return recording
     swap = {f"{old}_{axis}": f"{new}_{axis}" for axis in "xy"}

@@ -1,9 +1,9 @@
 """Measure estimates: errors, coverage, consistency, and distances to later position fixes.
 
-If there is no reference position, an estimate is compared with a later fix: the fix that arrives
-`delay` later reports the position at the time of the estimate, and the estimate has not used this
-fix. The mean squared distance is the estimate's MSE plus the variance of a fix. This variance is
-equal for all schemes.
+If there is no reference position, an estimate is compared with a later position fix: the fix that
+arrives one GNSS delay later reports the position at the time of the estimate, and the estimate has
+not used this fix. The mean squared distance is the estimate's MSE plus the variance of a fix. This
+variance is equal for all schemes.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ Measured = tuple[str, str, float, int]
 
 
 class Tally:
-    """All measures of one replicate, collected from its estimates piece by piece.
+    """All measures of a scheme in one replicate, computed from its estimates piece by piece.
 
-    The pieces are always those of `cut_into_parts`, so the sums do not depend on how the estimates
-    were computed, not even in the last bit.
+    The pieces always begin and end at the steps of `cut_into_parts`. So the sums are equal to the
+    last bit, however the estimates were computed.
 
     Parameters
     ----------
     record
-        The record, with its truth if there is one.
+        The record, with the true motion if it is known.
     fixes
         Position fixes measured in this replicate, shape (fixes, 2) in m; NaN where no fix came.
     sensors
         The sensors' parameters.
     settled
-        The first settled step.
+        The first step after the settling time.
     """
 
     def __init__(self, record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int) -> None:
@@ -64,7 +64,7 @@ class Tally:
         self._residual = np.empty(len(self._reported))
 
     def add(self, estimated: Trajectory) -> None:
-        """Add the estimates of the next piece: the steps between two neighbours of `edges`."""
+        """Add the estimates of the next piece: the steps between two neighbours of `self.edges`."""
         begin, end = self.edges[len(self._sums) : len(self._sums) + 2]
         self._sums.append(_sum_errors(self.record, estimated, begin))
         inside = slice(*np.searchsorted(self._reported, [begin, end]))
@@ -77,7 +77,10 @@ class Tally:
             self._innovations.append((begin + at, innovation[at], variance))
 
     def measures(self) -> Iterator[Measured]:
-        """Yield all measures; call it after the last piece has been added."""
+        """Yield all measures as (measure, window, value, number of samples).
+
+        Call this after the last piece has been added.
+        """
         yield from _average_errors(self._sums)
         at, innovation, variance = map(np.concatenate, zip(*self._innovations, strict=True))
         for window, begin in {"full": 0, "settled": self.settled}.items():
@@ -92,9 +95,26 @@ class Tally:
 def measure_last_fix(
     record: ReplayRecord, fixes: Array, sensors: Sensors, settled: int
 ) -> Iterator[Measured]:
-    """Yield the mean squared position errors (m^2) of holding the last fix, a baseline for schemes.
+    """Yield the mean squared position errors (m^2) of a baseline that holds the last position fix.
 
-    Before the first fix, the position is taken to be zero. Without a truth, nothing is yielded.
+    Before the first fix, the baseline's position is zero. Nothing is yielded if the true position
+    is unknown.
+
+    Parameters
+    ----------
+    record
+        The record, with the true motion if it is known.
+    fixes
+        Position fixes, shape (fixes, 2) in m; NaN where no fix came.
+    sensors
+        The sensors' parameters.
+    settled
+        The first step after the settling time.
+
+    Yields
+    ------
+    tuple
+        Measure ("x", "y" or "position"), window ("full" or "settled"), value, number of samples.
     """
     if record.position is None:
         return
@@ -114,9 +134,16 @@ def measure_last_fix(
 
 
 def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[Measured]:
-    """Average errors and coverage over both windows, and errors over the parts of the settled one.
+    """Yield the averages of errors and coverage over the windows "full" and "settled".
 
-    `pieces` are the results of `_sum_errors`, the first one before settling.
+    Errors of position and velocity are also averaged over each part of the settled record, with the
+    window "part_00" and so on. Each item is (measure, window, value, number of samples).
+
+    Parameters
+    ----------
+    pieces
+        For each piece of the record a dict: measure -> (sum, number of values). The first piece
+        ends at the settling time; each later piece is one part of the settled record.
     """
     for window, chosen in (("full", pieces), ("settled", pieces[1:])):
         for name in pieces[0]:
@@ -133,11 +160,27 @@ def _average_errors(pieces: Sequence[dict[str, tuple[float, int]]]) -> Iterator[
 def _sum_errors(
     record: ReplayRecord, estimated: Trajectory, begin: int
 ) -> dict[str, tuple[float, int]]:
-    """Sum the squared errors, hits and NEES of one piece, which begins at step `begin`.
+    """Sum squared errors and NEES over a piece; count errors within ±1.96 standard deviations.
 
-    Returns for each measure the sum and the number of its values, at the steps with a truth; an
-    empty dict without a truth. Axes are processed one by one on contiguous arrays, because a replay
-    spends most of its time here.
+    Parameters
+    ----------
+    record
+        The record, with the true motion if it is known.
+    estimated
+        The estimates in the piece.
+    begin
+        The step at which the piece begins.
+
+    Returns
+    -------
+    dict
+        Measure -> (sum or count, number of values), over the steps at which the true motion is
+        known. Empty if the true motion is unknown in the whole record.
+
+    Notes
+    -----
+    The axes are processed one after the other on contiguous arrays, because a replay spends most of
+    its time in this function.
     """
     if record.position is None:
         return {}
@@ -171,25 +214,33 @@ def _sum_errors(
 
 
 def _sum_finite(values: Array) -> tuple[float, int]:
-    """Return the sum and the number of the finite values."""
+    """Return the sum and the number of those values that are finite."""
     finite = np.isfinite(values)
     count = int(np.count_nonzero(finite))
     return float(np.sum(values if count == len(values) else values[finite])), count
 
 
 def _weigh(p: Array, v: Array, pp: Array, pv: Array, vv: Array) -> Array:
-    """Compute one axis' part of NEES: (p, v) P^-1 (p, v)' with P = [[pp, pv], [pv, vv]].
+    """Compute one axis' part of NEES: e' P^-1 e with e = (p, v) and P = [[pp, pv], [pv, vv]].
 
-    p and v are the errors of position and velocity; all arrays have shape (n,).
+    p and v are the errors of position and velocity. All arrays have the shape (n,).
     """
     weighted = vv * p**2 - 2.0 * pv * p * v + pp * v**2
     return np.asarray(weighted / (pp * vv - pv**2))
 
 
 def _judge_innovations(innovation: Array, variance: Array, window: str) -> Iterator[Measured]:
-    """Yield NIS, mean square and whiteness of the innovations of a window; nothing if none came.
+    """Yield NIS, mean square and whiteness of the innovations in a window.
 
-    `innovation` (m) and its `variance` (m^2) have shape (n, 2), one row per position fix.
+    Each item is (measure, window, value, number of innovations). The whiteness is left out for
+    2 * `LAGS` innovations or fewer. Nothing is yielded if there are no innovations.
+
+    Parameters
+    ----------
+    innovation, variance
+        Innovations (m) and their variances (m^2), shape (n, 2) each, one row per position fix.
+    window
+        Name of the window: "full" or "settled".
     """
     if len(innovation) == 0:
         return
@@ -205,9 +256,9 @@ def _judge_innovations(innovation: Array, variance: Array, window: str) -> Itera
 def check_whiteness(innovation: Array) -> tuple[float, float]:
     """Test whether innovations are white, by the test of Ljung and Box (1978).
 
-    Q is n (n + 2) r_k^2 / (n - k), summed over the lags k = 1, ..., `LAGS` and over the axes; r_k
-    is the autocorrelation. If the innovations are white, Q is chi-squared with `LAGS` times the
-    number of axes degrees of freedom.
+    The test's statistic Q is the sum of n (n + 2) r_k^2 / (n - k) over the lags k = 1, ..., `LAGS`
+    and over the axes; r_k is the autocorrelation at lag k. If the innovations are white, Q is
+    chi-squared with (number of lags) * (number of axes) degrees of freedom.
 
     Parameters
     ----------
@@ -217,7 +268,7 @@ def check_whiteness(innovation: Array) -> tuple[float, float]:
     Returns
     -------
     tuple of float
-        The autocorrelation at lag 1 (mean of the axes), and the p-value of the test.
+        The autocorrelation at lag 1 (mean over the axes), and the p-value of the test.
     """
     from scipy.special import gammaincc
 
@@ -231,9 +282,10 @@ def check_whiteness(innovation: Array) -> tuple[float, float]:
 
 
 def cut_into_parts(settled: int, steps: int) -> list[int]:
-    """Return the steps at which the parts of a record begin and end.
+    """Return the steps at which the parts of a record begin, and the step at which the last ends.
 
-    The first part lies before the step `settled`; then come `PARTS` equal parts of the rest.
+    The first part consists of the steps before `settled`. The rest of the record, up to the number
+    of steps `steps`, is cut into `PARTS` parts of equal length.
     """
     return [0, *(int(edge) for edge in np.linspace(settled, steps, PARTS + 1))]
 

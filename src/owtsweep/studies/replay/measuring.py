@@ -1,4 +1,4 @@
-"""Give the measurements of a record: as recorded, or simulated for a replicate."""
+"""The measurements of a record in one replicate; sensors that were not recorded are simulated."""
 
 from __future__ import annotations
 
@@ -26,17 +26,18 @@ PIECE = 1 << 16
 
 @dataclass(frozen=True)
 class Signals:
-    """The measurements of a replicate; the specific force comes in pieces.
+    """The measurements of one replicate; the specific force comes in pieces, to save memory.
 
     Attributes
     ----------
     steps
         Number of IMU samples.
     fixes
-        Position fixes in NED, shape (fixes, 2) in m; NaN where no fix came.
+        Position fixes in NED coordinates, shape (fixes, 2) in m; NaN where no fix came.
     force
-        Function of a number of steps. It yields the specific force in the IMU's frame (m/s^2) in
-        pieces of that many steps, shape (n, 2). Each call begins at the start of the record.
+        Function that takes a number of steps n and yields the specific force in the IMU's frame
+        (m/s^2), in pieces of shape (n, 2); the last piece may be shorter. Each call begins at the
+        start of the record.
     """
 
     steps: int
@@ -45,14 +46,15 @@ class Signals:
 
 
 def count_replicates(config: ReplayConfig, record: ReplayRecord) -> int:
-    """Return the number of replicates of a record, which is 1 if nothing is simulated."""
+    """Return the number of replicates of a record; 1 if nothing is simulated."""
     return 1 if record.gnss == "recorded" else config.replay.replicates
 
 
 def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replicate: int) -> Signals:
     """Return the measurements of one replicate; sensors that were not recorded are simulated.
 
-    The noise of a replicate depends neither on the file nor on the length of the pieces.
+    The simulated noise of a replicate depends neither on the file nor on the length of the pieces
+    in which the specific force comes.
     """
     steps, streams = record.steps, _streams_of(config, replicate)
     fixes = record.fixes
@@ -78,16 +80,20 @@ def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replica
 
 
 def cut_into_pieces(steps: int, size: int = PIECE) -> list[int]:
-    """Return the steps at which pieces of `size` steps begin, and the step where the last ends."""
+    """Return the steps at which pieces of a record begin, and the step at which the last ends.
+
+    Each piece has `size` steps; the last one may be shorter. `steps` is the length of the record.
+    """
     return [*range(0, steps, size), steps]
 
 
 def simulate_true_bias(
     config: ReplayConfig, sensors: Sensors, steps: int, replicate: int
 ) -> Iterator[Array]:
-    """Yield the simulated accelerometer bias R b^b of a replicate, in pieces of shape (n, 2).
+    """Yield the simulated accelerometer bias of a replicate in pieces of shape (n, 2), in m/s^2.
 
-    The bias is in NED, in m/s^2.
+    The bias is R b^b: b^b in the IMU's frame, rotated to NED coordinates. `steps` is the length of
+    the record.
     """
     streams = _streams_of(config, replicate)
     return simulate_bias(config.sensors, sensors, steps, streams, piece=PIECE)

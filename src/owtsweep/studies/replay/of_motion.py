@@ -1,4 +1,4 @@
-"""Make a record from recorded motion; the sensors are simulated later."""
+"""Make a record from recorded motion; the measurements are simulated later."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ from owtsweep.studies.replay.record import ReplayRecord
 def make_record_of_motion(
     config: ReplayConfig, recording: Recording, sensors: Sensors
 ) -> ReplayRecord:
-    """Make a record of position, velocity and acceleration on the IMU's grid, and noiseless fixes.
+    """Make a record from recorded motion: motion resampled at the IMU's rate, and noiseless fixes.
 
     Raises
     ------
     InputError
-        If the record's rate is too low for the band, or the record is shorter than the GNSS delay.
+        If the recording's rate is too low for the band of the spectrum, or the recording is shorter
+        than the GNSS delay.
     """
     rate = config.sensors.imu.rate
     gridded = derive(recording, rate, cutoff=config.replay.cutoff)
@@ -31,8 +32,9 @@ def make_record_of_motion(
     kept = gridded.cutoff or 0.0
     require(
         kept > lowest,
-        f"{recording.path}: motion is kept up to {kept:.3g} Hz only, and the band begins at "
-        f"{lowest:g} Hz; check units.time and the record's rate, replay.cutoff and replay.band",
+        f"{recording.path}: frequencies of the motion are kept up to {kept:.3g} Hz only, but the "
+        f"band begins at {lowest:g} Hz; check units.time, the record's rate, replay.cutoff and "
+        "replay.band",
     )
     position = gridded.pairs["position"]
     origin = position.mean(axis=0) if config.replay.remove_mean else np.zeros(2)
@@ -61,17 +63,16 @@ def make_record_of_motion(
 
 
 def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Array:
-    """Make position fixes without noise, shape (fixes, 2) in m.
+    """Make position fixes without noise; return them with the shape (fixes, 2), in m.
 
-    A fix that arrives at some step reports the position `sensors.delay` steps earlier.
+    A fix reports the position `sensors.delay` steps before the fix arrives.
 
     Parameters
     ----------
     position
-        The true position on the IMU's grid, shape (n, 2) in m; NaN in gaps. It begins `first` steps
-        before the first fix arrives.
+        The true position at every IMU step, shape (n, 2) in m; NaN in gaps.
     first
-        Number of steps, at least `sensors.delay`.
+        The row of `position` at which the first fix arrives, at least `sensors.delay`.
     steps
         Number of IMU steps from the arrival of the first fix to the end.
     sensors
@@ -83,7 +84,16 @@ def make_fixes(position: Array, first: int, steps: int, sensors: Sensors) -> Arr
 
 
 def derive(recording: Recording, rate: float, **settings: Any) -> Gridded:
-    """Call `to_motion`; its error messages on `cutoff` then name the key replay.cutoff."""
+    """Resample recorded motion at `rate` (Hz), and compute its derivatives, by calling `to_motion`.
+
+    `settings` are further arguments of `to_motion`.
+
+    Raises
+    ------
+    InputError
+        If `to_motion` refuses the recording. A message on its argument `cutoff` is changed, so that
+        it names the file and the key replay.cutoff.
+    """
     try:
         return to_motion(recording, rate, **settings)
     except InputError as error:

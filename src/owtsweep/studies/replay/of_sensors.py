@@ -1,4 +1,4 @@
-"""Make a record from recorded sensors: specific force, fixes, and a reference if given."""
+"""Make a record from recorded sensors: specific force, position fixes, perhaps a reference."""
 
 from __future__ import annotations
 
@@ -27,14 +27,13 @@ class Aligned(NamedTuple):
     Attributes
     ----------
     offset
-        Time in s from the beginning of the record to the first due moment; less than one GNSS
-        interval.
+        Time in s from the beginning of the recording to the first moment at which a fix is due.
     values
-        One fix per due moment, shape (fixes, 2) in m; NaN where no fix came.
+        One position fix per due moment, shape (fixes, 2) in m; NaN where no fix came.
     jitter
-        Largest time in s between the arrival of a fix and the due moment to which it was moved.
+        Largest time in s between the arrival of a fix and the moment to which it was moved.
     dropped
-        Number of fixes left out because another fix was nearer to the same due moment.
+        Number of fixes left out, because another fix was nearer to the same due moment.
     """
 
     offset: float
@@ -46,14 +45,16 @@ class Aligned(NamedTuple):
 def make_record_of_sensors(
     config: ReplayConfig, recording: Recording, sensors: Sensors
 ) -> ReplayRecord:
-    """Make a record of specific force, fixes and reference, from the first moment a fix is due.
+    """Make a record from recorded specific force, position fixes and reference position.
 
-    To save memory, each channel is removed from the recording once it has been resampled.
+    The record begins at the first moment at which a fix is due. To save memory, each channel is
+    removed from `recording` once it has been resampled.
 
     Raises
     ------
     InputError
-        If there are neither fixes nor a reference, or the fixes do not come at sensors.gnss.rate.
+        If there are neither fixes nor a reference, if the fixes do not come at sensors.gnss.rate,
+        or if reference and specific force do not overlap in time.
     """
     rate = config.sensors.imu.rate
     forces = [role for role in recording.channels if role.startswith("specific_force")]
@@ -109,7 +110,13 @@ def make_record_of_sensors(
 
 
 def _choose_gnss(config: ReplayConfig, recording: Recording) -> str:
-    """Return where the fixes come from: "recorded" or "from_reference"."""
+    """Return where the position fixes come from: "recorded" or "from_reference".
+
+    Raises
+    ------
+    InputError
+        If the recording lacks the position fixes or the reference that replay.gnss asks for.
+    """
     wanted = config.replay.gnss
     if wanted == "auto":
         wanted = "recorded" if recording.has("fix") else "from_reference"
@@ -136,34 +143,35 @@ def _align_fixes(recording: Recording, grid: TimeGrid, sensors: Sensors) -> Alig
     count = int(np.count_nonzero(inside))
     require(
         count >= LEAST_FIXES,
-        f"{recording.path}: columns.fix_x: the record holds {count} position fixes, and "
-        f"{LEAST_FIXES} are needed; without fixes give a reference and replay.gnss=from_reference",
+        f"{recording.path}: columns.fix_x: the record holds {count} position fixes, but "
+        f"{LEAST_FIXES} are needed; without fixes, give a reference and replay.gnss=from_reference",
     )
     aligned = align(time[inside], values[inside], duration, sensors)
     if aligned.jitter > LARGEST_JITTER * sensors.fix_step:
         median = np.median(np.diff(time[came]))
         raise InputError(
-            f"{recording.path}: fixes come up to {aligned.jitter:.3g} s away from a grid of "
-            f"{1.0 / sensors.fix_step:g} Hz (their median interval is {median:.4g} s); "
-            "set sensors.gnss.rate to their rate"
+            f"{recording.path}: fixes arrive as much as {aligned.jitter:.3g} s before or after the "
+            f"moments that a rate of {1.0 / sensors.fix_step:g} Hz gives (the fixes' median "
+            f"interval is {median:.4g} s); set sensors.gnss.rate to the rate of the fixes"
         )
     return aligned
 
 
 def align(time: Array, values: Array, duration: float, sensors: Sensors) -> Aligned:
-    """Move irregular position fixes to regular moments, each fix to the nearest.
+    """Move irregular position fixes to regular moments, each fix to the nearest moment.
 
-    The moments are one GNSS interval apart. Their phase is the circular mean of the fixes' phases,
-    so a constant offset of all fixes does not matter.
+    The moments are one GNSS interval apart, and lie at IMU samples. Their phase is the circular
+    mean of the fixes' phases, so a constant offset of all fixes does not matter. If two fixes have
+    the same nearest moment, the nearer fix is kept.
 
     Parameters
     ----------
     time
-        Times of the fixes, shape (n,), in s after the beginning of the record.
+        Times of the fixes, shape (n,), in s after the beginning of the recording.
     values
         The fixes, shape (n, 2) in m, without NaN.
     duration
-        Duration of the record, s.
+        Duration of the recording in s.
     sensors
         The sensors' parameters.
     """
@@ -211,9 +219,15 @@ def _note_fixes(aligned: Aligned, sensors: Sensors) -> list[str]:
 def _derive_reference(
     config: ReplayConfig, recording: Recording, grid: TimeGrid
 ) -> tuple[Array, Array, list[str]]:
-    """Return position and velocity of the reference on the grid, and notes for the user.
+    """Return position and velocity of the reference at the times of `grid`, and notes for the user.
 
-    Position (m) and velocity (m/s) have shape (steps, 2), and are NaN in gaps of the reference.
+    Position (m) and velocity (m/s) have the shape (steps, 2) each, with NaN in gaps of the
+    reference.
+
+    Raises
+    ------
+    InputError
+        If the reference and the specific force do not overlap in time.
     """
     gridded = derive(
         recording, grid.rate, quantity="reference", orders=2, cutoff=config.replay.cutoff,
@@ -227,7 +241,8 @@ def _derive_reference(
             unknown |= (grid.time < span[0] - 1e-9) | (grid.time > span[1] + 1e-9)
     require(
         not np.all(unknown),
-        f"{recording.path}: the reference and the specific force do not overlap",
+        f"{recording.path}: the reference and the specific force do not overlap in time; give "
+        "a reference of the same time",
     )
     position[unknown] = velocity[unknown] = np.nan
     return position, velocity, list(gridded.notes)

@@ -1,4 +1,4 @@
-"""Find a record's place in the map of expected errors, and compute the errors expected there."""
+"""Find the place of a record in the map of expected errors, and compute expected errors."""
 
 from __future__ import annotations
 
@@ -34,7 +34,15 @@ NODES = 64
 
 @dataclass(frozen=True)
 class Expectation:
-    """The errors expected of a scheme: `spectrum` per unit of motion, `floor` from sensor noise."""
+    """The errors expected of a scheme.
+
+    Attributes
+    ----------
+    spectrum
+        The part that motion causes, per unit of motion, at frequencies of the band.
+    floor
+        The part that sensor noise causes, whatever the motion.
+    """
 
     spectrum: ErrorSpectrum
     floor: NoiseFloor
@@ -42,14 +50,15 @@ class Expectation:
     def mse(
         self, density: Callable[[Array], Array], band: tuple[float, float], rms: float
     ) -> tuple[float, float]:
-        """Compute the expected MSE of position (m^2) and of velocity ((m/s)^2), x + y.
+        """Compute the expected MSE of position (m^2) and velocity (m^2/s^2), x and y together.
 
         Parameters
         ----------
         density
-            Function that gives the motion's spectral density S(f), in any unit.
+            Function that takes frequencies in Hz and returns the motion's spectral density, in any
+            unit.
         band
-            Lower and upper edge of the spectrum in Hz; outside, the spectrum is zero.
+            Lower and upper edge of the spectrum in Hz; outside, the density counts as zero.
         rms
             Root mean square of the displacement in m.
         """
@@ -60,18 +69,27 @@ class Expectation:
 def expect_errors(
     config: HubConfig, scheme: Scheme, sensors: Sensors, steps: int, band: tuple[float, float]
 ) -> Expectation:
-    """Compute the errors expected of a scheme, for motions inside a band (Hz).
+    """Compute the errors expected of a scheme, for motions inside a frequency band.
 
-    `steps` is the length of the record.
+    Parameters
+    ----------
+    config, scheme, sensors
+        The configuration, the scheme, and the sensors' parameters.
+    steps
+        Number of steps of the record.
+    band
+        Lower and upper edge in Hz.
 
     Raises
     ------
     InputError
-        If the scheme has no kernel, or its errors do not settle.
+        If the scheme has no kernel, or if the scheme's errors do not settle.
     """
     kernel: Any = getattr(scheme, "kernel", None)
     if kernel is None:
-        raise InputError(f"schemes: {scheme.name} has no kernel, so nothing can be expected of it")
+        raise InputError(
+            f"schemes: {scheme.name} has no kernel, so its expected errors cannot be computed"
+        )
     chain = kernel(sensors, config, steps)
     return _compute(chain, sensors, *band)
 
@@ -83,19 +101,19 @@ def _compute(chain: Chain, sensors: Sensors, low: float, high: float) -> Expecta
 
 
 def find_place(config: ReplayConfig, record: Any) -> Spectrum | None:
-    """Return the spectrum of Eq. (1) fitted to a record, if its peak is inside the band.
+    """Return the spectrum fitted to a record, if the spectrum's peak lies inside the band.
 
-    `record` is the record's row of records.csv. Returns None if there is no fit, or if the peak is
-    outside the band.
+    The spectrum is Eq. (1) of Ren et al. (2019). `record` is the record's row of records.csv.
+    Returns None if no spectrum could be fitted, or if the peak lies outside the band.
     """
     shape, (low, high) = read_fit(record), config.fit_band
     return shape if shape is not None and low <= shape.peak_frequency <= high else None
 
 
 def read_fit(record: Any) -> Spectrum | None:
-    """Return the spectrum of Eq. (1) fitted to a record; None if there is no fit.
+    """Return the spectrum fitted to a record; None if no spectrum could be fitted.
 
-    `record` is the record's row of records.csv.
+    The spectrum is Eq. (1) of Ren et al. (2019). `record` is the record's row of records.csv.
     """
     values = [record.get(name, np.nan) for name in "abc"]
     if not np.all(np.isfinite(values)):
@@ -104,18 +122,53 @@ def read_fit(record: Any) -> Spectrum | None:
 
 
 def compute_rms_in_band(record: Any) -> float:
-    """Compute the root mean square (m) of a record's displacement inside the frequency band.
+    """Compute the root mean square (m) of the part of a record's displacement inside the band.
 
-    `record` is the record's row of records.csv.
+    `record` is the record's row of records.csv, with a fitted spectrum.
     """
     return float(record["rms"]) * float(np.sqrt(record["band_share"]))
 
 
-def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
-    """Compute for each scheme the expected settled MSE of position (m^2) and velocity (m^2/s^2).
+def compute_rms_error(config: ReplayConfig, record: Any, shape: Spectrum) -> float:
+    """Compute the relative standard error of the rms displacement of records of a sea state.
 
-    The motion has the spectrum of Eq. (1) fitted to the record, whose row of records.csv is
-    `record`. Returns None if the fit has no peak inside the band.
+    That is how far the rms of records of this record's duration scatters around that of the sea
+    state: half the relative standard error of the mean square, sqrt(integral of S^2 / duration)
+    over the integral of S (Bendat and Piersol, Random Data, section 8.2). The displacement is taken
+    as Gaussian.
+
+    Parameters
+    ----------
+    config
+        The configuration; its band holds the spectrum.
+    record
+        The record's row of records.csv.
+    shape
+        The spectrum S(f) fitted to the record.
+    """
+    frequency = np.linspace(*config.fit_band, 4000)
+    density = shape.density(frequency)
+    total = np.trapezoid(density, frequency)
+    square = np.trapezoid(density**2, frequency) / float(record["duration"])
+    return float(0.5 * np.sqrt(square) / total)
+
+
+def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
+    """Compute the settled errors that are expected of each scheme for a record's motion.
+
+    The motion has the spectrum fitted to the record, Eq. (1) of Ren et al. (2019). `record` is the
+    record's row of records.csv.
+
+    Returns
+    -------
+    dict or None
+        Scheme -> expected MSE of position (m^2) and of velocity (m^2/s^2). None if the record has
+        no fitted spectrum with a peak inside the band.
+
+    Raises
+    ------
+    InputError
+        If no errors can be computed for one of the schemes.
     """
     shape = find_place(config, record)
     if shape is None:
@@ -130,22 +183,32 @@ def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float
 def expect_map(
     config: ReplayConfig, record: Any, periods: Array, amplitudes: Array
 ) -> dict[str, Array]:
-    """Compute the map of each scheme's expected settled MSE, shape (periods, amplitudes).
+    """Compute the settled MSE expected of each scheme for motions of many periods and amplitudes.
 
-    The measure is `measures.criterion`. The motions have the spectrum kind "translated" with the
-    configuration's bandwidth. The ratio of their largest to their rms displacement is that of the
-    record.
+    The MSE is that of velocity if `measures.criterion` is "velocity", otherwise that of position.
+    The motions have spectra of the kind "translated" with the configuration's bandwidth. The ratio
+    of their largest to their root mean square displacement is that of the record.
 
     Parameters
     ----------
     config
         The configuration of the replay.
     record
-        The record's row of records.csv.
+        The record's row of records.csv, with a fitted spectrum.
     periods
         Natural periods in s.
     amplitudes
         Largest displacements in m.
+
+    Returns
+    -------
+    dict
+        Scheme -> expected MSE, shape (periods, amplitudes).
+
+    Raises
+    ------
+    InputError
+        If no errors can be computed for one of the schemes.
     """
     band = config.fit_band
     ratio = compute_rms_in_band(record) / float(record["peak"])
@@ -162,7 +225,10 @@ def expect_map(
 
 
 def _expect_all(config: ReplayConfig, record: Any) -> Iterator[tuple[str, Expectation]]:
-    """Yield each scheme's name and expected errors, for a record of the same duration."""
+    """Yield the name and the expected errors of each scheme, for motions as long as a record.
+
+    `record` is the record's row of records.csv.
+    """
     sensors = make_sensors(config.sensors)
     steps = round(float(record["duration"]) / sensors.step)
     for scheme in resolve_all(config.schemes, config):

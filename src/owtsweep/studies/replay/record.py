@@ -1,4 +1,4 @@
-"""The record of a replay: a recording on the IMU's grid, from the first moment a fix is due."""
+"""The record of a replay: a recording at the IMU's rate, from the first moment a fix is due."""
 
 from __future__ import annotations
 
@@ -15,29 +15,31 @@ LONG = 1_000_000
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayRecord:
-    """A record for a replay: series in SI units, in NED coordinates relative to the origin.
+    """A record for a replay: series in SI units and NED coordinates, with one row per IMU step.
 
     Attributes
     ----------
     file
         The file from which the record was read.
     gnss
-        Where the fixes come from: "simulated" for recorded motion; "recorded" or "from_reference"
-        for recorded sensors.
+        Where the position fixes come from: "simulated" for recorded motion; "recorded" or
+        "from_reference" for recorded sensors.
     begin, step, steps
-        Time of step 0 on the file's clock (s), interval (s), and number of IMU steps.
+        Time of step 0 on the file's clock (s), length of a step (s), and number of IMU steps.
     origin
-        Offset subtracted from the positions, shape (2,) in m.
+        Offset that has been subtracted from all positions, shape (2,) in m.
     position, velocity
-        The truth, shape (steps, 2); NaN in gaps of a reference, None if there is no truth.
+        The true position (m) and velocity (m/s), shape (steps, 2); NaN in gaps, None if unknown.
     acceleration
-        The true acceleration, shape (steps, 2); None for recorded sensors.
+        The true acceleration (m/s^2), shape (steps, 2); None for recorded sensors.
     specific_force
-        The recorded specific force in the IMU's frame, shape (steps, 2); None for recorded motion.
+        The recorded specific force (m/s^2) in the IMU's frame, shape (steps, 2); None for recorded
+        motion.
     fixes
-        Position fixes as recorded, or made without noise, shape (fixes, 2); NaN where none came.
+        Position fixes (m) as recorded, or made without noise, shape (fixes, 2); NaN where no fix
+        came.
     truth
-        The source of the truth, in words; "" if there is no truth.
+        The source of the true position, in words; "" if the position is unknown.
     notes
         What the user should know about the recording, one sentence each.
     """
@@ -62,7 +64,7 @@ class ReplayRecord:
         return self.begin + self.step * (self.steps - 1)
 
     def time_at(self, part: slice) -> Array:
-        """Return the times of a slice of steps on the file's clock, in s."""
+        """Return the times of the steps in a slice, on the file's clock, in s."""
         return np.asarray(self.begin + self.step * np.arange(*part.indices(self.steps)))
 
     @property
@@ -72,7 +74,7 @@ class ReplayRecord:
         return sum(0 if one is None else one.nbytes for one in series)
 
     def given(self, name: str) -> Array:
-        """Return the series called `name`; raise TypeError if the record has none."""
+        """Return the series called `name`, e.g. "velocity"; raise TypeError if there is none."""
         series: Array | None = getattr(self, name)
         if series is None:
             raise TypeError(f"{self.file}: the record has no {name}")
@@ -80,6 +82,9 @@ class ReplayRecord:
 
 
 def release_memory(record: ReplayRecord) -> None:
-    """Give freed memory (some 100 MB) back to the system if the record is long."""
+    """Give freed memory back to the operating system, if the record has more than `LONG` steps.
+
+    This is some 100 MB.
+    """
     if record.steps > LONG:
         give_back_freed_memory()

@@ -1,4 +1,4 @@
-"""Write report.md: the record, the errors, the advice and the figures."""
+"""Write report.md of a replay: the advice, the records, the errors and the figures."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ CAPTIONS = {
 def write(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], figures: Sequence[Path], folder: Path
 ) -> Path:
-    """Write report.md into a run folder, and return the file's path.
+    """Write report.md into a run folder; return the path of the file.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def write(
     tables
         The run's tables by name: errors, advice and records.
     figures
-        The run's figure files, inside `folder`.
+        The paths of the run's figures, which lie inside `folder`.
     folder
         The run folder.
     """
@@ -142,5 +142,9 @@ def _describe_many(records: pd.DataFrame) -> str:
 
 
 def _escape(text: str) -> str:
-    """A text of other people's, in which Markdown sees no link, picture, formula or HTML."""
+    """Escape a text for Markdown, so that no part of it becomes a link, picture, formula or HTML.
+
+    Characters that cannot be printed are replaced by escape sequences. The text may come from other
+    people.
+    """
     return re.sub(r"([\\`*\[\]<>$&])", r"\\\1", printable(text))

@@ -1,4 +1,4 @@
-"""Make the tables of a replay from its rows."""
+"""Make the tables of a replay from its rows of results."""
 
 from __future__ import annotations
 
@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 
 
 def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Make the tables replay, errors, records and advice; docs/replay.md describes the columns."""
+    """Make the tables "replay", "errors", "records" and "advice" from a replay's rows of results.
+
+    docs/replay.md describes the columns.
+    """
     import pandas as pd
 
     done = rows[rows["status"] == OK]
@@ -47,20 +50,21 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
 def average_errors(
     rows: pd.DataFrame, files: Sequence[str], schemes: Sequence[str]
 ) -> pd.DataFrame:
-    """Average the rows over the replicates, with 95 % intervals.
+    """Average results over the replicates, with 95 % intervals.
 
     Parameters
     ----------
     rows
-        Rows of finished cases.
+        Rows of results, without failed ones.
     files, schemes
-        Labels of the files and names of the schemes, in the order of the result.
+        Labels of the files and names of the schemes, in the order wanted in the result.
 
     Returns
     -------
     DataFrame
         One row per file, scheme, measure and window ("full" or "settled"). Columns file, scheme,
-        measure, window, mean, ci_low, ci_high, n (number of replicates).
+        measure, window, mean, ci_low, ci_high, n. The interval (ci_low, ci_high) is NaN for a
+        single replicate; n is the number of replicates.
     """
     import pandas as pd
 
@@ -86,9 +90,10 @@ def average_errors(
 
 
 def list_records(config: ReplayConfig, rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
-    """Make the table of records, one row per record, in the order of the labels `files`.
+    """Make the table of records: one row per record, in the order of the labels in `files`.
 
-    The columns are the sea state, if `replay.table` gives one, and the facts about the record.
+    The columns are the file's label, the columns of `replay.table` (e.g. the sea state) if there is
+    such a table, and the facts about the record. `rows` holds one fact per row.
     """
     wide = rows.pivot_table(index="file", columns="measure", values="value", sort=False)
     table = wide.reindex([file for file in files if file in wide.index])
@@ -123,10 +128,22 @@ def _advise(
 def advise_from_map(
     config: ReplayConfig, schemes: Sequence[str], record: Any
 ) -> dict[str, Any] | None:
-    """Advise by the settled errors that are expected of the schemes for a record's spectrum.
+    """Advise which scheme to run, by the settled errors expected for a record's motion.
 
-    `record` is the record's row of records.csv. Returns None if the spectrum fitted to the record
-    has no peak inside the band, or if there is nothing to compare.
+    Parameters
+    ----------
+    config
+        The configuration of the replay.
+    schemes
+        Names of the schemes to compare.
+    record
+        The record's row of records.csv.
+
+    Returns
+    -------
+    dict or None
+        A row of the table of advice, without the file. None if the record has no fitted spectrum
+        with a peak inside the band, or if there is nothing to compare.
 
     Raises
     ------

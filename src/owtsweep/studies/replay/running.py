@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import glob
+import logging
 import os
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import changed, require
 from owtsweep.errors import InputError, printable
+from owtsweep.io.files import refuse_in_one_line
 from owtsweep.io.reading import require_regular
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.replay.config import ReplayConfig
@@ -25,12 +27,21 @@ if TYPE_CHECKING:
     from owtsweep.sweep.run import Outcome
     from owtsweep.sweep.runs import Run
 
+logger = logging.getLogger(__name__)
+
 #: Bytes of the name of a replay; its folder's name has 11 more, and file systems allow 255.
 LONGEST_EXPERIMENT = 244
 
 
 def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> ReplayConfig:
-    """Compose and check the configuration of a replay, without the list of files.
+    """Compose and check the configuration of a replay, whose files may be named later.
+
+    Parameters
+    ----------
+    overrides
+        Hydra overrides, e.g. `["tuning=matched"]`.
+    config_dir
+        A folder with further config groups for Hydra (`--config-dir`).
 
     Raises
     ------
@@ -39,31 +50,40 @@ def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> R
     """
     config = compose(overrides, config_dir, primary="replay")
     if not isinstance(config, ReplayConfig):
-        raise InputError(f"study: {config.study!r} is none that replays records; leave it out")
+        raise InputError(
+            f"study: {config.study!r} replays no record; leave out study={config.study}"
+        )
     return config
 
 
 def configure(
     files: Sequence[str], overrides: Sequence[str] = (), config_dir: str | None = None
 ) -> ReplayConfig:
-    """Compose and check the configuration of a replay of some files, without reading the files.
+    """Compose and check the configuration of a replay of some files, without reading these files.
 
     Parameters
     ----------
     files
-        Paths or patterns. If there are none, the files in the table `replay.table` are taken.
+        Paths of record files, or patterns such as "*.csv". If no file is named, here or by the key
+        `grid.files`, the files in the table `replay.table` are taken.
+    overrides
+        Hydra overrides, e.g. `["tuning=matched"]`.
+    config_dir
+        A folder with further config groups for Hydra (`--config-dir`).
 
     Raises
     ------
     InputError
-        If the overrides are wrong, or no file exists.
+        If the overrides are wrong, a file does not exist, or no file is named.
     """
     config = compose_replay(overrides, config_dir)
     words, table = [*files, *config.grid.files], config.replay.table
     if not words and table is not None:
         words = list(read_table(table)["file"])
     paths = expand(words)
-    require(len(paths) > 0, "FILE: name a record, a pattern, or replay.table=FILE.csv")
+    require(
+        len(paths) > 0, "FILE: name a record's file or a pattern, or give replay.table=FILE.csv"
+    )
     # Absolute, so that the run can be read from another folder.
     grid = changed(config.grid, files=paths)
     if table is not None:
@@ -76,18 +96,22 @@ def configure(
 
 
 def expand(words: Sequence[str]) -> list[str]:
-    """Return the absolute paths of files, and of all files that match patterns, each only once.
+    """Return the absolute paths of files and of files that match patterns; each path only once.
+
+    `words` are paths or patterns such as "*.csv".
 
     Raises
     ------
     InputError
-        If a file does not exist, or nothing matches a pattern.
+        If a file does not exist, a word is a folder, or nothing matches a pattern.
     """
     paths: dict[str, None] = {}
     for word in words:
         path = Path(os.path.expanduser(word))
         if os.path.exists(path):
-            require(not path.is_dir(), f"{word}: this is a folder; name files, e.g. {word}/*.csv")
+            require(
+                not path.is_dir(), f"{word}: this is a folder; name files in it, e.g. {word}/*.csv"
+            )
             require_regular(path)
             matches = [path]
         else:
@@ -103,8 +127,11 @@ def expand(words: Sequence[str]) -> list[str]:
 def verify(config: ReplayConfig) -> list[str]:
     """Read every record once, so that a bad record is refused before anything is written.
 
-    Returns the notes on the records, each only once. If there are several records, each note begins
-    with the name of the file.
+    Returns
+    -------
+    list of str
+        The notes on the records, for the user; equal notes appear once. If there are several
+        records, each note begins with the name of the record's file.
 
     Raises
     ------
@@ -139,27 +166,40 @@ def execute(
         Function that shows the user a line: notes on the records before anything runs, and
         announcements of slow work.
 
+    Returns
+    -------
+    Outcome
+        What was computed, reused and failed; estimates that could not be written are in `failed`.
+
     Raises
     ------
     InputError
         If a record or the configuration cannot be used; nothing has been written then.
     """
     from owtsweep.studies.replay import estimates
+    from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import sweep
 
     for note in verify(config):
         say(f"note: {note}")
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
-    folders = locate_estimates(config, outcome.run.folder).values()
-    for file, folder in zip(config.grid.files, folders, strict=True):
-        estimates.write(config, file, folder, say)
-    return outcome
+    folders = locate_estimates(config, outcome.run.place)
+    unwritten = []
+    for file, (label, folder) in zip(config.grid.files, folders.items(), strict=True):
+        try:
+            with refuse_in_one_line(folder):
+                estimates.write(config, file, folder, say)
+        except InputError as error:  # no case is lost: all are stored
+            logger.warning("failed: estimates of %s: %s", label, error)
+            unwritten.append(Setback(f"estimates of {label}", str(error), 0))
+    return replace(outcome, failed=[*outcome.failed, *unwritten])
 
 
 def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
-    """Return the folder of each record's estimates, by the record's label.
+    """Return the folder of each record's estimates: label of the record -> folder.
 
-    The folder is the run folder for a single record, otherwise records/<label> in the run folder.
+    With a single record, this is the run folder `run`; otherwise it is records/<label> in the run
+    folder.
     """
     labels = list(label_files(config.grid.files))
     return {label: run if len(labels) == 1 else run / "records" / label for label in labels}
@@ -167,7 +207,7 @@ def locate_estimates(config: ReplayConfig, run: Path) -> dict[str, Path]:
 
 @dataclass(frozen=True)
 class Replay:
-    """A finished replay."""
+    """A finished replay; `run` is the stored run."""
 
     run: Run
 
@@ -179,41 +219,48 @@ class Replay:
     def errors(self) -> pd.DataFrame:
         """Return the table of errors: means over the replicates with 95 % intervals.
 
-        Columns file, scheme, measure, window, mean, ci_low, ci_high, n (number of replicates).
+        Columns file, scheme, measure, window, mean, ci_low, ci_high, n. The interval (ci_low,
+        ci_high) is NaN for a single replicate; n is the number of replicates.
         """
         return self.run.table("errors")
 
     def advice(self) -> pd.DataFrame:
-        """Return the best scheme and the runner-up, by the record itself and by expected errors."""
+        """Return the table of advice: the best scheme and the runner-up for each record.
+
+        A record has up to two rows: one by the errors on the record, and one by the errors expected
+        for the record.
+        """
         return self.run.table("advice")
 
     def records(self) -> pd.DataFrame:
-        """Return a table with one row per record: duration, size, direction, fitted spectrum."""
+        """Return the table of records: one row per record, with duration, motion and spectrum."""
         return self.run.table("records")
 
     def estimates(self, record: str | None = None) -> pd.DataFrame:
         """Return the estimates of a record in replicate 0, one row per scheme and time.
 
-        Columns time (s), scheme, x, y (m), vx, vy (m/s), and the standard deviations x_std, y_std,
-        vx_std, vy_std.
+        Columns time (s), scheme, x, y (m), vx, vy (m/s), and the standard deviations of these four:
+        x_std, y_std, vx_std, vy_std.
 
         Parameters
         ----------
         record
-            The record's name, a value of the column `file` of `records()`. It may be left out if
+            The record's label, a value of the column `file` of `records()`. It may be left out if
             there is only one record.
 
         Raises
         ------
         InputError
-            If there are several records and `record` is None, or no record has this name.
+            If `record` is None although there are several records, or if no record has this label.
         """
         import pandas as pd
 
         assert isinstance(self.run.config, ReplayConfig)
-        folders = locate_estimates(self.run.config, self.run.folder)
+        folders = locate_estimates(self.run.config, self.run.place)
         if record is None and len(folders) == 1:
             record = next(iter(folders))
         if record not in folders:
-            raise InputError(f"record: {record!r} is none of {', '.join(folders)}")
+            raise InputError(
+                f"record: {record!r} is none of {', '.join(folders)}; name one of these"
+            )
         return pd.read_parquet(folders[record] / "estimates.parquet")

@@ -1,4 +1,7 @@
-"""Read the table of sea states: one row per record; two columns are the axes of the map."""
+"""Read the table `replay.table`: one row per record, with numbers such as those of the sea state.
+
+The first two columns of numbers are the axes of the map of records.
+"""
 
 from __future__ import annotations
 
@@ -18,20 +21,22 @@ from owtsweep.studies.replay.loading import label_files
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Bytes of a table of records.
+#: Most bytes of a table of records.
 MOST_BYTES = 10_000_000
 
 
 def read_table(path: str) -> pd.DataFrame:
-    """Read a CSV table with the column `file` and at least one column of numbers.
+    """Read a CSV table of records: the column `file`, and at least one column of numbers.
 
-    File names in the table are relative to the folder of the table; the result has full paths.
+    In the CSV file, names in the column `file` are relative to the CSV file's folder. In the
+    result, the names begin with this folder.
 
     Raises
     ------
     InputError
-        If the table cannot be read, lacks one of these columns, has no row, or has a row without a
-        file.
+        If the table cannot be read, is too large, lacks one of these columns, has no row, or has a
+        row without a file. Also if two columns have one name, if a column has the name of a column
+        of records.csv, or if a number is too large for a map.
     """
     import pandas as pd
 
@@ -41,20 +46,20 @@ def read_table(path: str) -> pd.DataFrame:
             raw = stream.read(MOST_BYTES + 1)
     except InputError as error:
         raise InputError(f"replay.table: {error}") from None
-    require(len(raw) <= MOST_BYTES, f"{where}: it is larger than {MOST_BYTES / 1e6:g} MB")
-    require(b"\0" not in raw, f"{where}: it holds binary data, not text")
+    require(len(raw) <= MOST_BYTES, f"{where}: the table is larger than {MOST_BYTES / 1e6:g} MB")
+    require(b"\0" not in raw, f"{where}: the file holds binary data, not text")
     try:
         table = pd.read_csv(io.BytesIO(raw), skipinitialspace=True)
     except ValueError as error:
-        raise InputError(f"{where}: it cannot be read as CSV ({shorten(error)})") from None
+        raise InputError(f"{where}: the file cannot be read as CSV ({shorten(error)})") from None
     _make_printable(table)
     _check_columns(table, where)
     columns = ", ".join(str(name) for name in table.columns[:8])
-    require("file" in table.columns, f"{where}: it has no column `file`; it has {columns}")
-    require(len(table) > 0, f"{where}: it has no row")
+    require("file" in table.columns, f"{where}: the table has no column `file`, only {columns}")
+    require(len(table) > 0, f"{where}: the table has no row")
     require(
         len(find_axes(table)) > 0,
-        f"{where}: it has no column of numbers besides `file`; add e.g. Hs and Tp",
+        f"{where}: the table has no column of numbers besides `file`; add e.g. Hs and Tp",
     )
     blank = table["file"].isna()
     require(not blank.any(), f"{where}: row {int(blank.argmax()) + 1} names no file")
@@ -66,7 +71,10 @@ def read_table(path: str) -> pd.DataFrame:
 
 
 def _make_printable(table: pd.DataFrame) -> None:
-    """Names of columns and texts, for the terminal, reports and figures; not the names of files."""
+    """Replace unprintable characters in a table, in place, so that its texts can be shown.
+
+    This applies to the names of columns and to texts, but not to the column `file`.
+    """
     table.columns = list(number_repeats([tidy(str(name)) for name in table.columns]))
     for name in table.select_dtypes(exclude="number").columns:
         if name != "file":
@@ -74,10 +82,16 @@ def _make_printable(table: pd.DataFrame) -> None:
 
 
 def _check_columns(table: pd.DataFrame, where: str) -> None:
-    """Raise for a column that clashes with another, and for numbers that no map can show."""
-    require("file.1" not in table.columns, f"{where}: it has two columns `file`; keep one")
+    """Raise `InputError` if the names of columns clash, or if a number is too large for a map.
+
+    No column may have the name of a column of records.csv. `where` is the beginning of the message.
+    """
+    require("file.1" not in table.columns, f"{where}: the table has two columns `file`; keep one")
     clash = next((name for name in table.columns if name in FACTS), None)
-    require(clash is None, f"{where}: records.csv has a column `{clash}` of its own; rename this")
+    require(
+        clash is None,
+        f"{where}: records.csv has a column `{clash}` of its own; rename the table's column",
+    )
     for name in find_axes(table):
         large = table[name].abs() > LARGEST_VALUE
         row = int(large.argmax())
@@ -89,15 +103,19 @@ def _check_columns(table: pd.DataFrame, where: str) -> None:
 
 
 def find_axes(table: pd.DataFrame) -> list[str]:
-    """Return the names of the columns of numbers, in order; the first two are the map's axes."""
+    """Return the names of the table's columns of numbers, in order, without the column `file`.
+
+    The first two columns of numbers are the axes of the map of records.
+    """
     numbers = table.select_dtypes("number").columns
     return [str(name) for name in numbers if name != "file"]
 
 
 def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
-    """Read the rows of `replay.table` on the replayed records, with labels in the column `file`.
+    """Read the rows of the table `replay.table` that belong to records of the replay.
 
-    Returns None if the configuration names no table.
+    The column `file` of the result holds the labels of the records; each record has at most one
+    row. Returns None if the configuration names no table.
 
     Raises
     ------
@@ -111,8 +129,8 @@ def read_sea_states(config: ReplayConfig) -> pd.DataFrame | None:
     table["file"] = [labels.get(_resolve(file)) for file in table["file"]]
     require(
         bool(table["file"].notna().any()),
-        f"replay.table: {config.replay.table}: it names none of the records; leave FILE out, or "
-        "name files of the table",
+        f"replay.table: {config.replay.table}: the table names none of the records; leave out "
+        "FILE, or name files of the table",
     )
     kept = table.dropna(subset=["file"]).drop_duplicates("file").reset_index(drop=True)
     return kept[["file", *[c for c in table.columns if c != "file"]]]

@@ -1,7 +1,7 @@
 """Collect the data that a record's figures show (replicate 0), without keeping the whole record.
 
-All schemes run through the record together, piece by piece. Only the steps that a figure shows are
-kept. Two results on all steps are kept too: the largest errors, and which schemes are alike.
+All schemes run on the record together, piece by piece. Only the steps that a figure shows are kept,
+and two results over all steps: the largest errors, and which schemes give equal estimates.
 """
 
 from __future__ import annotations
@@ -29,23 +29,23 @@ COLUMNS = {"position": slice(0, 2), "velocity": slice(2, 4)}
 
 @dataclass(frozen=True)
 class Session:
-    """A record, its measurements in replicate 0, and the estimates of the schemes.
+    """The data for a record's figures: the record, its measurements, and the schemes' estimates.
 
     Attributes
     ----------
     record, sensors, signals
         The record, the sensors' parameters, and the measurements in replicate 0.
     windows
-        Name of a window ("whole", "zoom" or "acceleration") -> the steps of this window.
+        Name of a part of the record ("whole", "zoom" or "acceleration") -> the steps of this part.
     seen
-        Name of a window -> scheme -> estimates in the window.
+        Name of a part of the record -> scheme -> estimates in this part.
     repeated
         "position" or "velocity" -> schemes whose estimates equal those of a later scheme.
     bounds
-        "position" or "velocity" -> scheme -> largest absolute error of x after the first fifth of
-        the record.
+        "position" or "velocity" -> scheme -> largest absolute error along x, after the first fifth
+        of the record; 0 if the truth is unknown.
     failed
-        Scheme without estimates -> the reason.
+        Scheme that failed -> the reason.
     """
 
     record: ReplayRecord
@@ -59,18 +59,26 @@ class Session:
 
     @property
     def names(self) -> list[str]:
-        """The schemes that have estimates."""
+        """The names of the schemes that have estimates, without failed schemes."""
         return list(next(iter(self.seen.values())))
 
 
 class Alike:
-    """A comparison of named series piece by piece; two series are alike if all pieces are equal."""
+    """A comparison of named series that come piece by piece: which series are equal to which?
+
+    Two series count as equal if all their pieces agree but for rounding errors.
+
+    Parameters
+    ----------
+    names
+        The names of the series, in order.
+    """
 
     def __init__(self, names: Iterable[str]) -> None:
         self._pairs = list(combinations(names, 2))
 
     def add(self, pieces: Mapping[str, Array]) -> None:
-        """Compare the next piece of every series; `pieces` are by name."""
+        """Compare the next piece of all series; `pieces` maps a series' name to its piece."""
         self._pairs = [
             (one, other)
             for one, other in self._pairs
@@ -78,17 +86,23 @@ class Alike:
         ]
 
     def repeated(self) -> frozenset[str]:
-        """Return the names of the series that are equal to a later series."""
+        """Return the names of those series that are equal to a later series."""
         return frozenset(one for one, _ in self._pairs)
 
 
 def skip_start(record: ReplayRecord) -> int:
-    """Return the step after a fifth of the record; only later errors set the range of an axis."""
+    """Return the step after the first fifth of the record.
+
+    Errors before this step do not count for the range of a figure's axis: estimates settle until
+    then.
+    """
     return record.steps // 5
 
 
 def run_session(config: ReplayConfig, file: str) -> Session:
-    """Run all schemes over replicate 0 of a record; a scheme that fails is left out.
+    """Run all schemes on replicate 0 of the record in a file, and collect the data for its figures.
+
+    A scheme that fails is left out, and listed in the result's `failed`.
 
     Raises
     ------
@@ -109,7 +123,7 @@ def run_session(config: ReplayConfig, file: str) -> Session:
 
 
 class SchemeFailed(Exception):
-    """The error for a scheme, `name`, that cannot estimate the record."""
+    """The error for a scheme that fails on a record; its attribute `name` is the scheme's name."""
 
     def __init__(self, name: str, cause: BaseException) -> None:
         self.name = name
@@ -119,7 +133,16 @@ class SchemeFailed(Exception):
 def run_scheme(
     config: ReplayConfig, scheme: Scheme, sensors: Sensors, signals: Signals, edges: list[int]
 ) -> Iterator[Trajectory]:
-    """Yield the estimates of a scheme piece by piece; pieces begin and end at the steps `edges`.
+    """Run a scheme on one replicate of a record; yield its estimates piece by piece.
+
+    Parameters
+    ----------
+    config, scheme, sensors
+        The configuration, the scheme to run, and the sensors' parameters.
+    signals
+        The measurements of the replicate.
+    edges
+        The steps at which the pieces begin, and the number of steps.
 
     Raises
     ------
@@ -184,5 +207,5 @@ def _run_side_by_side(
 
 
 def raise_bound(bound: float, values: Array) -> float:
-    """Return the greatest of a bound and some values; values that are not finite do not count."""
+    """Return the greatest of `bound` and the finite values in `values`."""
     return float(np.max(values, initial=bound, where=np.isfinite(values)))

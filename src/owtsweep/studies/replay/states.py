@@ -1,4 +1,4 @@
-"""Collect the filters' estimates of acceleration and accelerometer bias, for figures."""
+"""Collect the filters' estimates of acceleration and accelerometer bias, for a record's figures."""
 
 from __future__ import annotations
 
@@ -29,22 +29,23 @@ from owtsweep.studies.replay.session import Alike, Session, raise_bound, skip_st
 
 @dataclass
 class FilterState:
-    """One filter's estimates of acceleration and bias, in NED and SI units.
+    """One filter's estimates of acceleration and accelerometer bias, in NED coordinates and m/s^2.
 
     An estimate is stored at the time to which it refers, which may be earlier than the time at
-    which the filter computed it.
+    which the filter computed it. An envelope is a series reduced to few points, for a plot.
 
     Attributes
     ----------
     acceleration
-        Estimates in the window "acceleration", shape (n, 2); None if the filter's model has no
-        acceleration.
+        Estimates in the zoomed part of the record that the figure of acceleration shows, shape
+        (n, 2); None if the filter's model has no acceleration.
     acceleration_bound, bias_bound
-        Largest absolute error of x after the first fifth of the record; 0 without a truth.
+        Largest absolute errors along x of acceleration and bias, after the first fifth of the
+        record; 0 if the truth is unknown.
     bias
         Envelopes of x and y of the bias R b^b over the whole record.
     bias_error
-        Envelope of the bias error of x; without values if the bias is not simulated.
+        Envelope of the error of the bias along x; without values if the bias is not simulated.
     bias_range
         Ranges of the bias after the first fifth of the record, shape (2, 2): rows x and y, columns
         least and greatest.
@@ -60,7 +61,9 @@ class FilterState:
 
 @dataclass(frozen=True)
 class FilterStates:
-    """All filters' estimates of acceleration and bias.
+    """All filters' estimates of acceleration and accelerometer bias on a record.
+
+    They are kept as envelopes: series reduced to few points, for a plot.
 
     Attributes
     ----------
@@ -71,7 +74,8 @@ class FilterStates:
     true_bias
         Envelopes of x and y of the simulated bias; None for recorded sensors.
     true_range
-        Ranges of the true bias, shape (2, 2): rows x and y, columns least and greatest.
+        Ranges of the simulated bias (m/s^2), shape (2, 2): rows x and y, columns least and
+        greatest. Each row is (+inf, -inf) for recorded sensors, or if no filter was run.
     """
 
     of: Mapping[str, FilterState]
@@ -81,9 +85,10 @@ class FilterStates:
 
 
 def collect_filter_states(config: ReplayConfig, session: Session) -> FilterStates:
-    """Run all filters over the record and collect their estimates of acceleration and bias.
+    """Run all filters on the record and collect their estimates of acceleration and bias.
 
-    If fixes are missing, no filter is run, because kernels need every fix.
+    Only schemes with a kernel are run. If position fixes are missing, no filter is run, because
+    kernels need every fix; the result then has no filters.
     """
     record = session.record
     simulated = record.gnss == "simulated"
@@ -130,11 +135,20 @@ def _new_state(chain: Chain, steps: int) -> FilterState:
 
 
 def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[Array]:
-    """Yield the filter's states in pieces of shape (n, 4, 2), one piece between two edges each.
+    """Run a filter on a record; yield its states in pieces of shape (n, 4, 2).
 
-    The middle axis holds position, velocity, acceleration and the bias R b^b, the last one x and y.
-    A state is computed `lag_of(chain)` steps late and moved back to the step to which it refers, so
-    the last steps of the record are NaN.
+    The second axis holds position, velocity, acceleration and the bias R b^b; the third holds x and
+    y. The filter computes a state `lag_of(chain)` steps late. The state is moved back to the step
+    to which it refers, so the last steps of the record are NaN.
+
+    Parameters
+    ----------
+    chain
+        The form of a scheme that the batch engine runs, with the filter.
+    session
+        The record and its measurements.
+    edges
+        The steps at which the pieces begin, and the number of steps.
     """
     lag, steps = lag_of(chain), session.record.steps
     chunks = state_chunks(chain, *make_lanes([session.signals], session.sensors))
@@ -152,9 +166,21 @@ def _run_shifted(chain: Chain, session: Session, edges: list[int]) -> Iterator[A
 def _add_piece(
     state: FilterState, piece: Array, truth: Array | None, begin: int, session: Session
 ) -> None:
-    """Add a piece, which begins at step `begin`, to the values that figures show.
+    """Append a piece of a filter's states to the values that figures show.
 
-    `truth` is the true bias in this piece; None for recorded sensors.
+    Parameters
+    ----------
+    state
+        The values that figures show; they are changed in place.
+    piece
+        The filter's states, shape (n, 4, 2). The second axis holds position, velocity, acceleration
+        and bias; the third holds x and y.
+    truth
+        The true bias in this piece, shape (n, 2) in m/s^2; None for recorded sensors.
+    begin
+        The step at which the piece begins.
+    session
+        The record and the parts of it that figures show.
     """
     end, late = begin + len(piece), slice(max(skip_start(session.record) - begin, 0), None)
     acceleration, bias = piece[:, 2], piece[:, 3]
@@ -175,15 +201,20 @@ def _add_piece(
 
 
 def _empty_range() -> Array:
-    """Return the range of no values, shape (2, 2): rows x and y, columns +inf and -inf."""
+    """Return empty ranges of x and y, shape (2, 2): rows x and y, columns +inf and -inf."""
     return np.array([[np.inf, -np.inf], [np.inf, -np.inf]])
 
 
 def _widen(limits: Array, values: Array) -> None:
-    """Widen the ranges of x and y in place, so that they include further values.
+    """Widen ranges of x and y in place, so that they include further values.
 
-    `limits` has shape (2, 2): rows x and y, columns least and greatest. `values` has shape (n, 2),
-    columns x and y; values that are not finite do not count.
+    Parameters
+    ----------
+    limits
+        The ranges, shape (2, 2): rows x and y, columns least and greatest.
+    values
+        The values to include, shape (n, 2), columns x and y; values that are not finite do not
+        count.
     """
     finite = np.isfinite(values)
     limits[:, 0] = np.minimum(limits[:, 0], np.min(values, axis=0, initial=np.inf, where=finite))

@@ -1,4 +1,4 @@
-"""Make the text that the command `replay` prints at its end: errors of every scheme, and advice."""
+"""Make the text that the command `replay` prints at its end: every scheme's errors, and advice."""
 
 from __future__ import annotations
 
@@ -30,7 +30,11 @@ MOST_RECORDS = 8
 
 
 def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> RenderableType:
-    """Make the terminal's output: the table of errors if there is one record, and the advice."""
+    """Make the terminal's output: the advice, and with a single record the table of errors.
+
+    With more than `MOST_RECORDS` records, the advice is one sentence that counts on how many
+    records each scheme is best. `tables` are the run's tables by name.
+    """
     from rich.console import Group
     from rich.text import Text
 
@@ -45,7 +49,10 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
 
 
 def _count_advice(advised: pd.DataFrame) -> str:
-    """Say in a sentence on how many records each scheme is best, by the errors on the records."""
+    """Say in one sentence on how many records each scheme is best, by the errors on these records.
+
+    `advised` is the run's table of advice. Rows by expected errors are not counted.
+    """
     by_record = advised[advised["source"] != "map"]
     counts = by_record["best"].value_counts()
     best = ", ".join(f"{name} in {count}" for name, count in counts.items())
@@ -56,9 +63,9 @@ def _count_advice(advised: pd.DataFrame) -> str:
 
 
 def make_sentences(advised: pd.DataFrame) -> list[str]:
-    """Write one sentence per row of the advice.
+    """Write one sentence for each row of the table of advice.
 
-    If there are several records, each sentence begins with the name of the record.
+    If the table has several records, each sentence begins with the name of its record.
     """
     texts = ["same_as", "runner_up"]  # NaN where a file that was read back has no text
     clean = advised.astype(dict.fromkeys(texts, object)).fillna(dict.fromkeys(texts, ""))
@@ -70,7 +77,7 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
 
 
 def list_spectrum_notes(config: ReplayConfig) -> list[str]:
-    """List the warnings about the spectrum fitted to the run's record.
+    """List the warnings about the spectrum fitted to the single record of a run.
 
     If the run has several records, the list is empty.
     """
@@ -80,9 +87,9 @@ def list_spectrum_notes(config: ReplayConfig) -> list[str]:
 
 
 def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
-    """List the warnings about the spectrum fitted to a record.
+    """List the warnings about the spectrum fitted to the record in a file.
 
-    If no spectrum could be fitted, the single warning is the reason.
+    If no spectrum could be fitted, the reason is the only warning.
     """
     from owtsweep.studies.replay.facts import summarise_motion
 
@@ -93,9 +100,10 @@ def list_fit_warnings(config: ReplayConfig, file: str) -> tuple[str, ...]:
 def make_error_cells(
     config: ReplayConfig, errors: pd.DataFrame
 ) -> tuple[list[str], list[list[str]]]:
-    """Make the table of errors of one record: return the headings, and the rows of texts.
+    """Return the table of errors of one record: its headings, and its rows of texts.
 
-    The errors are those in the window `measures.window`.
+    A row holds a scheme's errors over the part of the record that `measures.window` names. `errors`
+    is the run's table of errors.
     """
     shown = errors[errors["window"] == config.measures.window]
     names = [name for name in SHOWN if name in set(shown["measure"])]

@@ -1,4 +1,4 @@
-"""Choose the steps of a record that its figures show."""
+"""Choose the parts of a record that figures show."""
 
 from __future__ import annotations
 
@@ -18,17 +18,18 @@ SETTLING = 20.0
 
 
 def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str, slice]:
-    """Choose the steps of the windows "whole", "zoom" and "acceleration", by name.
+    """Choose the parts of a record that figures show: name of the part -> its steps.
 
-    The window "whole" begins with the record and is at most `SPAN` s long. The others lie around
-    the largest motion after the start.
+    The part "whole" begins with the record and is at most `SPAN` s long. The shorter parts "zoom"
+    and "acceleration" lie around the largest motion after `SETTLING` s.
 
     Parameters
     ----------
     record
         The record.
     positions
-        The positions of the record in pieces of shape (n, 2) in m; NaN where there is none.
+        The positions in the record, true or estimated, in pieces of shape (n, 2) in m; NaN where
+        unknown.
     """
     windows = {"whole": _select(record, record.begin, min(record.begin + SPAN, record.end))}
     for name, step in _find_largest_motion(record, positions).items():
@@ -39,9 +40,18 @@ def choose_windows(record: ReplayRecord, positions: Iterable[Array]) -> dict[str
 
 
 def _find_largest_motion(record: ReplayRecord, positions: Iterable[Array]) -> dict[str, int]:
-    """Find for each zoomed view the step of the largest motion around which the view fits.
+    """Find the step of the largest motion for each of the zoomed parts in `ZOOMS`: name -> step.
 
-    If there is none, the step is the middle one of the record.
+    A step is considered only if the zoomed part around this step lies inside the record and begins
+    after `SETTLING` s. If there is no such step, the middle step of the record is taken.
+
+    Parameters
+    ----------
+    record
+        The record.
+    positions
+        The positions in the record, true or estimated, in pieces of shape (n, 2) in m; NaN where
+        unknown.
     """
     found = dict.fromkeys(ZOOMS, (0.0, record.steps // 2))
     begin = 0
@@ -59,7 +69,10 @@ def _find_largest_motion(record: ReplayRecord, positions: Iterable[Array]) -> di
 
 
 def _select(record: ReplayRecord, start: float, end: float) -> slice:
-    """Return the slice of steps from `start` to `end` (s on the file's clock), both included."""
+    """Return the slice of the steps whose time lies from `start` to `end` (s), both included.
+
+    Times are on the clock of the record's file.
+    """
     near = slice(
         max(int((start - record.begin) / record.step) - 2, 0),
         min(int((end - record.begin) / record.step) + 3, record.steps),

@@ -1,6 +1,6 @@
-"""Open recorded motion in any file format, each of which has a reader of its own.
+"""Open a recorded file in any of the known formats; each format has a reader of its own.
 
-`open_table` chooses the reader by the file's extension, then by the content.
+`open_table` chooses the reader by the file's extension, then by the file's content.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ READERS = {
 
 
 def open_table(path: str | Path) -> ChannelTable:
-    """Open a file of channels: read their names and units, but not yet their numbers.
+    """Open a file: read the names and the units of its channels, but not yet their numbers.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def open_table(path: str | Path) -> ChannelTable:
     path = Path(path)
     require_regular(path)
     if not os.access(path, os.R_OK):
-        raise refuse(path, "you may not read it")
+        raise refuse(path, "you may not read this file; change its permissions")
     if path.stat().st_size == 0:
         raise refuse(path, "is empty")
     return make_safe(_open(path))

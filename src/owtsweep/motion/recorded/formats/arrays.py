@@ -36,15 +36,16 @@ HEADERS: dict[tuple[int, int], Callable[[Any], tuple[Any, ...]]] = {
 def open_npz(path: Path) -> ChannelTable:
     """Open a NumPy archive of arrays that all have the same number n of rows.
 
-    An array of shape (n,) becomes one channel, called like the array. An array of shape (n, 2) or
-    (n, 3) becomes the channels name_x, name_y and name_z. One with more columns becomes name_1,
-    name_2, ... Arrays that hold no numbers or have more than two dimensions are left out.
+    An array `a` of shape (n,) becomes the channel a. An array `a` with up to three columns, of
+    shape (n, 1) to (n, 3), becomes the channels a_x, a_y and a_z, as many as there are columns. An
+    array `a` with more columns becomes a_1, a_2, ... Arrays that hold no numbers or have more than
+    two dimensions are left out.
 
     Raises
     ------
     InputError
-        If the archive is damaged, holds pickled objects or no array of numbers, or if its arrays
-        differ in their number of rows.
+        If the archive is damaged, holds pickled objects, no array of numbers or too many numbers,
+        or if its arrays differ in their number of rows.
     """
     places: dict[str, tuple[str, int | None]] = {}  # channel -> member, column
     lengths: set[int] = set()
@@ -92,7 +93,10 @@ def require_channels(path: Path, count: int) -> None:
 
 @contextmanager
 def _reading(path: Path) -> Iterator[None]:
-    """Turn errors that a damaged NumPy archive raises inside the context into an `InputError`."""
+    """Turn NumPy's errors about a damaged archive into an `InputError` that names the file.
+
+    The errors are those raised inside the context; `path` is the file.
+    """
     try:
         yield
     except InputError:
@@ -107,7 +111,7 @@ def _reading(path: Path) -> Iterator[None]:
 def _find_shape(
     path: Path, archive: zipfile.ZipFile, member: zipfile.ZipInfo
 ) -> tuple[int, ...] | None:
-    """Return the shape that the header of an archive's member announces.
+    """Return the shape that the header of a member of an archive, i.e. of one array, announces.
 
     Return None if the member is left out: an array that does not hold plain numbers, or that has
     neither one nor two dimensions.
@@ -130,7 +134,7 @@ def _find_shape(
         size = math.prod(shape) * dtype.itemsize
         if stream.tell() + size > member.file_size:
             name, there = member.filename, member.file_size
-            raise refuse(path, f"{name} is to hold {size} bytes of numbers; {there} are there")
+            raise refuse(path, f"{name} is to hold {size} bytes of numbers, but holds {there}")
         require_room(path, shape[0], math.prod(shape[1:]), shape[0])
         return tuple(shape)
 
@@ -138,14 +142,14 @@ def _find_shape(
 def open_parquet(path: Path) -> ChannelTable:
     """Open a Parquet file.
 
-    The unit of a column is the entry `unit` or `units` of the field's metadata. Timestamps become
-    seconds since the first timestamp.
+    The unit of a column is the entry `unit` or `units` of the column's metadata; "" without such an
+    entry. A column of timestamps becomes seconds since the column's first timestamp.
 
     Raises
     ------
     InputError
-        If the file is damaged or has too many columns. Loading raises it too, if the file is
-        damaged or a column does not hold numbers.
+        If the file is damaged or has too many columns. When numbers are loaded, `InputError` is
+        raised if the file is damaged or a column does not hold numbers.
     """
     import pyarrow as pa
     from pyarrow import parquet
@@ -182,10 +186,10 @@ def open_parquet(path: Path) -> ChannelTable:
 
 
 def _load_column(path: Path, file: Any, place: int, rows: int | None) -> Array:
-    """Return the first `rows` numbers of a column; None returns at most `MOST_VALUES`.
+    """Return the first `rows` numbers of a column; if `rows` is None, the first `MOST_VALUES`.
 
-    `place` is the number of the column, from 0. The column is read in batches, because a page of
-    the file may unpack to far more rows than are wanted.
+    `file` is the opened Parquet file, and `place` is the number of the column, from 0. The column
+    is read in batches, because a page of the file may unpack to far more rows than are wanted.
 
     Raises
     ------

@@ -4,7 +4,7 @@ The layout, little-endian and without padding (OpenFAST, NWTC library, subroutin
 
     int16    kind: 1 with time; 2 without time; 3 without time, uncompressed; 4 like kind 2,
              but the next number says how long names are
-    int16    length of names and units (only in kind 4; 10 otherwise)
+    int16    length of each name and unit (stored only in kind 4; other kinds have length 10)
     int32    number of channels besides time; int32 number of time steps
     float64  scale and offset of time (kind 1), or first time and time step in s (other kinds)
     float32  scales, then float32 offsets of the channels (not kind 3)
@@ -13,7 +13,7 @@ The layout, little-endian and without padding (OpenFAST, NWTC library, subroutin
     int32    packed time of every step (kind 1)
     int16    packed values (float64 in kind 3), the channels of one step together
 
-In kinds 1, 2 and 4 a value is (packed - offset) / scale, and so is the time of kind 1.
+In kinds 1, 2 and 4 a value is (packed - offset) / scale. The times of kind 1 are computed likewise.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Header:
 
 
 def open_fast_binary(path: Path) -> ChannelTable:
-    """Open a FAST binary file.
+    """Open a FAST binary file (.outb): read its header, but not yet its numbers.
 
     Raises
     ------
@@ -147,7 +147,7 @@ def _load(
 
 
 def _decode(raw: bytes) -> str:
-    """Return a name or unit, decoded from UTF-8 if possible, else from Latin-1.
+    """Return a name or a unit as text: decoded from UTF-8 if possible, else from Latin-1.
 
     Versions of FAST differ in how they encode the point in N·m.
     """

@@ -2,11 +2,12 @@
 
 Each of the groups block0000, block0001, ... holds the table `data`, with one row per time step and
 one column per channel, and the HDF5 attributes `time_step` and `time_start`. A group may also hold
-the vectors `time` (0, 1, 2, ... if absent), `gains` and `offsets`. The time of a row is
-time_start + time_step * time, and the value of a channel is data * gain + offset. In integer data
-the largest value of the type means that a value is missing. The root holds the channels'
-`attribute_names` and `attribute_units`; time is not among these. The documentation of DTU's Wind
-Energy Toolbox (wetb.gtsdf) defines the format.
+the vectors `time` (0, 1, 2, ... if absent), `gains` (1 if absent) and `offsets` (0 if absent). The
+time of a row is time_start + time_step * time, and the value of a channel is data * gain + offset.
+In a table of integers, the largest value of the integer type means that a value is missing. The
+root of the file holds `attribute_names` and `attribute_units`, one text per channel; time is not
+among these channels. The documentation of DTU's Wind Energy Toolbox (wetb.gtsdf) defines the
+format.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ LONGEST_WORD = 1024
 
 
 def open_gtsdf(path: Path) -> ChannelTable:
-    """Open a gtsdf file with the package h5py.
+    """Open a gtsdf file (HDF5 as HAWC2 writes it) with the package h5py.
 
     Raises
     ------
@@ -72,7 +73,10 @@ def open_gtsdf(path: Path) -> ChannelTable:
 
 @contextmanager
 def _reading(path: Path) -> Iterator[None]:
-    """Turn errors that h5py raises for a damaged file into an `InputError`."""
+    """Turn h5py's errors about a damaged file into an `InputError` that names the file.
+
+    The errors are those raised inside the context; `path` is the file.
+    """
     try:
         yield
     except InputError:
@@ -84,12 +88,12 @@ def _reading(path: Path) -> Iterator[None]:
 
 
 def _open_data(path: Path, file: Any, block: str) -> Any:
-    """Return the HDF5 dataset of a block: one row per time step, one column per channel.
+    """Return the HDF5 dataset `data` of a group: one row per time step, one column per channel.
 
     Raises
     ------
     InputError
-        If the block holds no table of numbers.
+        If the group `block` of the opened file holds no table of numbers.
     """
     import h5py
 
@@ -106,7 +110,8 @@ def _follow(path: Path, group: Any, name: str) -> Any:
     Raises
     ------
     InputError
-        If the member is a link, might read another file, or is stored in too large pieces.
+        If the member is a link, if its data may lie in another file, or if it is stored in HDF5
+        chunks that would need too much memory.
     """
     import h5py
 
@@ -116,19 +121,24 @@ def _follow(path: Path, group: Any, name: str) -> Any:
     if isinstance(group.get(name, getlink=True), h5py.HardLink):
         item = group[name]
     if item is None or (isinstance(item, h5py.Dataset) and (item.external or item.is_virtual)):
-        raise refuse(path, f"{name} is a link, perhaps to another file; copy what it links to")
+        raise refuse(
+            path, f"{name} is a link, perhaps to another file; store the data in its place"
+        )
     if isinstance(item, h5py.Dataset) and item.chunks is not None:
         size = int(np.prod(item.chunks, dtype=float)) * item.dtype.itemsize
         if size > MOST_VALUES * 8:
-            raise refuse(path, f"{name} comes in pieces of {size / 1e9:.3g} GB; that is too much")
+            raise refuse(
+                path, f"{name} has chunks of {size / 1e9:.3g} GB; store it in smaller chunks"
+            )
     return item
 
 
 def _read_words(path: Path, file: Any, key: str, count: int) -> list[str]:
     """Return the names or the units of `count` channels, stripped of blanks.
 
-    `key` is the name of the dataset that holds them. If the file has no such dataset of `count`
-    texts, or the texts may be too long, each name or unit is "".
+    `file` is the opened file; `key` is the name of the dataset that holds these texts. If there is
+    no such dataset, if it does not hold `count` texts, or if they may be longer than
+    `LONGEST_WORD`, each name or unit is "".
     """
     words = _follow(path, file, key)
     if words is None or words.shape != (count,) or words.dtype.itemsize > LONGEST_WORD:
@@ -138,12 +148,14 @@ def _read_words(path: Path, file: Any, key: str, count: int) -> list[str]:
 
 
 def _read_vector(path: Path, group: Any, name: str, count: int) -> Array | None:
-    """Return the first `count` numbers of a member of a block; None if there is no such member.
+    """Return the first `count` numbers of the vector `name` in an HDF5 group.
+
+    Return None if the group has no member of this name.
 
     Raises
     ------
     InputError
-        If the member does not hold so many numbers.
+        If the member is not a vector of at least `count` numbers.
     """
     vector = _follow(path, group, name)
     if vector is None:

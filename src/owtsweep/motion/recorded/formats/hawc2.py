@@ -55,16 +55,16 @@ class Selection:
 
 
 def find_companion(path: Path, suffix: str) -> Path | None:
-    """Return the path with its extension replaced by `suffix`, in lower or upper case.
+    """Return `path` with its extension replaced by `suffix`, in lower or upper case.
 
-    Return None if neither of these files exists.
+    Return the first of these two paths that exists, or None if neither does.
     """
     candidates = (path.with_suffix(suffix), path.with_suffix(suffix.upper()))
     return next((candidate for candidate in candidates if candidate.exists()), None)
 
 
 def open_hawc2(path: Path) -> ChannelTable:
-    """Open a pair of .sel and .dat files, given the path of either.
+    """Open HAWC2 output, a .sel and a .dat file, given the path of one of these two files.
 
     Raises
     ------
@@ -88,7 +88,9 @@ def open_hawc2(path: Path) -> ChannelTable:
 
 def _read_selection(sel: Path) -> Selection:
     lines = read_bytes(sel, MOST_BYTES).decode("latin-1").splitlines()
-    strange = refuse(sel, "is not a HAWC2 .sel file (line 9: scans, channels, time, ASCII/BINARY)")
+    strange = refuse(
+        sel, "is not a HAWC2 .sel file (line 9 holds scans, channels, time, ASCII/BINARY)"
+    )
     try:
         words = lines[SUMMARY_LINE].split()
         scans, count, duration, kind = int(words[0]), int(words[1]), float(words[2]), words[3]
@@ -162,11 +164,12 @@ def _load_text(
 
 
 def _restore_time(values: Array, place: int, selection: Selection) -> Array:
-    """Return the time channel at full resolution, and any other channel as it is.
+    """Return a channel's values, and those of the time channel at full resolution.
 
-    HAWC2 stores time in 16 bits or 6 digits, so times repeat in a long file. Uniform times, with a
-    step of duration / scans, replace the stored times if the two differ only by rounding. `place`
-    is the number of the channel, from 0.
+    `values` are the values of the channel with the number `place`, from 0. Only values of the time
+    channel are changed. HAWC2 stores time in 16 bits or 6 digits, so times repeat in a long file.
+    Uniform times, with a step of duration / scans, replace the stored times if the two differ only
+    by rounding.
     """
     if place != 0 or not selection.names[0].lower().startswith("time") or not len(values):
         return values

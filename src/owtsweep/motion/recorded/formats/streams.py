@@ -1,6 +1,6 @@
-"""Read the bytes of a text file, which are unpacked if the file is compressed.
+"""Read the bytes of a text file; a compressed file is unpacked.
 
-A file that would unpack to too many bytes, or has a line longer than any table's, is refused.
+A file is refused if it unpacks to too many bytes, or if it has too long a line.
 """
 
 from __future__ import annotations
@@ -25,9 +25,10 @@ MOST_UNPACKED, MOST_TIMES = 150_000_000, 50
 class TextStream(io.RawIOBase):
     """The bytes of a text file, unpacked if the file's name ends in .gz.
 
-    Reading raises `InputError` if the file is damaged, or has a line of more than `BLOCK` bytes,
-    for which a parser might need any amount of memory. So does a compressed file that unpacks to
-    more than `MOST_UNPACKED` bytes and to more than `MOST_TIMES` times its size.
+    Reading raises `InputError` if the file is damaged. The same error is raised for a line of more
+    than `BLOCK` bytes, for which a parser might need any amount of memory. It is also raised if a
+    compressed file unpacks to more than `MOST_UNPACKED` bytes and to more than `MOST_TIMES` times
+    the size of the file.
     """
 
     def __init__(self, path: Path) -> None:
@@ -41,11 +42,11 @@ class TextStream(io.RawIOBase):
         self._line = 0
 
     def readable(self) -> bool:
-        """Return True, since the stream can be read; pandas asks."""
+        """Return True: the stream can be read. pandas calls this method."""
         return True
 
     def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
-        """Write the next bytes into a buffer; return their number, which is 0 at the end.
+        """Write the next bytes into a buffer; return their number, 0 at the end of the file.
 
         Raises
         ------
@@ -66,7 +67,9 @@ class TextStream(io.RawIOBase):
         end = max(chunk.rfind(b"\n"), chunk.rfind(b"\r"))
         self._line = self._line + len(chunk) if end < 0 else len(chunk) - end - 1
         if self._line > BLOCK:
-            raise refuse(self._path, f"has a line of more than {BLOCK >> 20} MB, as no table has")
+            raise refuse(
+                self._path, f"has a line of more than {BLOCK >> 20} MB; is this a text table?"
+            )
         buffer[: len(chunk)] = chunk
         return len(chunk)
 
@@ -77,7 +80,10 @@ class TextStream(io.RawIOBase):
 
 
 def read_blocks(path: Path) -> Iterator[bytes]:
-    """Yield a text file, unpacked, in blocks of whole lines, of about `BLOCK` bytes each."""
+    """Yield a text file, unpacked if it is compressed, in blocks of whole lines.
+
+    A block has about `BLOCK` bytes; the last block may be shorter or empty.
+    """
     rest = b""
     with TextStream(path) as stream:
         while chunk := stream.read(BLOCK):

@@ -1,4 +1,4 @@
-"""The opened file of channels. Names and units have been read; numbers are read on demand."""
+"""Defines the table of an opened file: names and units are known, numbers are read on demand."""
 
 from __future__ import annotations
 
@@ -31,13 +31,14 @@ class ChannelTable:
     path
         The file.
     format
-        The format in words.
+        The format of the file in words.
     names
         Channel names as in the file, without units; time is one of them.
     units
         Unit of each channel as in the file; "" if the file states none.
     load
-        Reads the named channels in the file's units; missing values are NaN.
+        A function. load(names, rows) returns name -> values of the named channels, in the file's
+        units: the first `rows` values, or all if `rows` is None. Missing values are NaN.
     rows
         The number of rows that the file announces; None if it announces none, as text does.
     """
@@ -55,7 +56,7 @@ class ChannelTable:
 
 
 def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names, with repeated names numbered: `a, a` becomes `a, a (2)`."""
+    """Return the names, repeated names being numbered: `a, a` becomes `a, a (2)`."""
     seen: dict[str, int] = {}
     result = []
     for name in names:
@@ -65,7 +66,7 @@ def number_repeats(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def make_safe(table: ChannelTable) -> ChannelTable:
-    """Return a copy of a table with printable names and units, and a limit to what it loads.
+    """Return a copy of a table with printable names and units, and with limits to its size.
 
     The copy's `load` raises `InputError` if it would load more than `MOST_VALUES` numbers.
 
@@ -94,9 +95,10 @@ def make_safe(table: ChannelTable) -> ChannelTable:
 
 
 def require_room(path: Path, rows: int, channels: int, whole: int | None = None) -> None:
-    """Raise `InputError` if `rows` times `channels` exceeds `MOST_VALUES`.
+    """Raise `InputError` if `rows` times `channels` numbers are more than `MOST_VALUES`.
 
-    `whole` is the number of all rows of the file, for the message; None if that is not known.
+    The message names the file `path` and `whole`, the number of all rows of the file. If `whole` is
+    None, this number is not known.
     """
     if rows * channels <= MOST_VALUES:
         return
@@ -110,7 +112,10 @@ def require_room(path: Path, rows: int, channels: int, whole: int | None = None)
 
 
 def tidy(text: str) -> str:
-    """Return a name or unit that can be printed, cut to `LONGEST_NAME` characters and "..."."""
+    """Return a name or a unit as printable text.
+
+    If the text is longer than `LONGEST_NAME` characters, it is cut there and "..." is added.
+    """
     text = printable(text)
     return text if len(text) <= LONGEST_NAME else f"{text[:LONGEST_NAME]}..."
 
@@ -121,5 +126,5 @@ def shorten(error: Exception, length: int = 120) -> str:
 
 
 def refuse(path: Path, reason: str) -> InputError:
-    """Return the error to raise for a file; the message is the file's path, then the reason."""
+    """Return (not raise) the error for a file; its message is the file's path, then the reason."""
     return InputError(f"{path}: {reason}")

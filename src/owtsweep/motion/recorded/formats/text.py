@@ -1,8 +1,9 @@
 """Read text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed.
 
-The reader finds the layout from the first lines. The data begin at the first two lines that have
-equally many fields, mostly numbers. The line above the data holds the names of the columns. If that
-line holds units, the names are one line higher. Anything above the names is skipped.
+The reader finds the layout from the first lines of the file. The data begin at the first of two
+successive lines that have equally many fields, at least half of which are numbers or missing
+values. The line above the data holds the names of the columns. If that line holds units, the names
+are one line higher. All lines above the names are skipped.
 """
 
 from __future__ import annotations
@@ -77,7 +78,7 @@ def open_text(path: Path) -> ChannelTable:
     ------
     InputError
         If the file is empty, is not text in UTF-8 or Latin-1, has no table of numbers, or has
-        commas whose meaning is not clear.
+        commas of unclear meaning (decimal commas or separators).
     """
     layout = find_layout(path, _read_head(path))
     load = partial(_load_blanks if layout.delimiter == " " else _load_delimited, path, layout)
@@ -88,7 +89,9 @@ def open_text(path: Path) -> ChannelTable:
 
 
 def _read_head(path: Path) -> list[str]:
-    """Return the first lines of a text file, at most `HEAD` bytes, without a cut last line.
+    """Return the first lines of a text file, which have at most `HEAD` bytes.
+
+    If this limit cuts a line, the line is left out.
 
     Raises
     ------
@@ -112,7 +115,10 @@ def _read_head(path: Path) -> list[str]:
 
 
 def split_fields(line: str, delimiter: str) -> list[str]:
-    """Return the fields of a line, without blanks and quotes around a field."""
+    """Return the fields of a line, without blanks and quotes around a field.
+
+    `delimiter` is the character between fields; " " stands for any run of blanks.
+    """
     if delimiter == " ":
         return [field.strip('"') for field in line.split()]
     if '"' in line and len(line) < 100_000:  # the module csv limits the length of a field
@@ -129,7 +135,8 @@ def find_layout(path: Path, lines: list[str]) -> Layout:
     Raises
     ------
     InputError
-        If the lines hold no table of numbers, or commas whose meaning is not clear.
+        If the lines hold no table of numbers, or commas of unclear meaning (decimal commas or
+        separators).
     """
     written = [(number, line) for number, line in enumerate(lines) if line.strip()]
     for place, (first, line) in enumerate(written):
@@ -157,18 +164,21 @@ def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
     """Return the decimal character of the numbers at the beginning of the data: "." or ",".
 
     `data` holds the fields of each line; `first` is the number of the first of these lines, from 0.
+    If some numbers have a point, and commas appear only below the first line, the commas are taken
+    for text, and "." is returned.
 
     Raises
     ------
     InputError
-        If some numbers have a comma and others a point, or all commas may separate thousands.
+        If the first line has numbers with a comma, but some numbers have a point; or if every comma
+        may separate thousands.
     """
     commas = [field for fields in data for field in fields if _DECIMAL_COMMA.match(field)]
     if not commas:
         return "."
     points = (f for fields in data for f in fields if "." in f and _NUMBER.match(f))
     point = next(points, None)
-    hint = "write numbers with a point, and no other character"
+    hint = "write numbers with a decimal point and without other separators"
     if point is not None:
         if commas[0] not in data[0]:
             return "."  # the comma is in a text further down
@@ -183,8 +193,9 @@ def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
 def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: str) -> None:
     """Raise `InputError` if commas between columns may also be decimal commas, as in `0,05,1,25`.
 
-    This is assumed if the line of data holds only integers, and the header names a time but has
-    fewer names than the line has fields, though at least half as many.
+    `fields` are the fields of the first line of data, which has the number `first`, from 0;
+    `header` is the line above the data. The error is raised if all fields are integers, and the
+    header names a time but has fewer names than there are fields, though at least half as many.
     """
     names = split_fields(header.lstrip("#!%").strip(), ",")
     parts = len(fields)
@@ -192,8 +203,8 @@ def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: st
     if whole and len(names) < parts <= 2 * len(names) and any(map(_TIME.match, names)):
         raise refuse(
             path,
-            f"line {first + 1} has {parts} numbers below {len(names)} names: if these are decimal "
-            "commas, write numbers with a point, or semicolons between the columns",
+            f"line {first + 1} has {parts} numbers below {len(names)} names: if its commas are "
+            "decimal commas, write points instead, or write semicolons between the columns",
         )
 
 
@@ -217,7 +228,9 @@ def _is_data(fields: list[str]) -> bool:
 def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
     """Return the names and the units of `count` columns, read from the lines above the data.
 
-    If no line holds names, the columns are called 1, 2, 3, ... A unit is "" if none is stated.
+    `above` holds these lines, and `delimiter` is the character between fields (" " for any run of
+    blanks). If no line holds names, the columns are called 1, 2, 3, ... A unit is "" if the lines
+    state none.
     """
     rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above[-2:]]
     units = [""] * count
@@ -239,8 +252,9 @@ def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[st
 def _holds_units(rows: list[list[str]]) -> bool:
     """Return whether the last row holds units.
 
-    It does if all its fields are in brackets, or if all are known units and the row above it has
-    equally many fields.
+    `rows` are the fields of the one or two lines above the data. The last row holds units if all
+    its fields are in brackets. It also holds units if all its fields are known units and the row
+    above it has equally many fields. Fields that are empty or "-" are not looked at.
     """
     last = [field for field in rows[-1] if field not in ("", "-")]
     if all(_BRACKETED.match(field) for field in last):
@@ -252,9 +266,11 @@ def _holds_units(rows: list[list[str]]) -> bool:
 def _load_delimited(
     path: Path, layout: Layout, names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """Load columns with pyarrow, block by block, so that only the wanted columns use memory.
+    """Load the named columns with pyarrow: return name -> values.
 
-    The streaming reader of pyarrow is not used: its thread may outlive an error.
+    Only the first `rows` rows are loaded; None loads all rows. The file is read block by block, so
+    that only the wanted columns use memory. pyarrow's own streaming reader is not used, because its
+    thread may outlive an error.
     """
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
@@ -296,8 +312,8 @@ def _not_numbers(path: Path, error: Exception) -> InputError:
 def _lengthen(column: Array, count: int, least: int) -> Array:
     """Return a longer array that begins with the first `count` values of `column`.
 
-    The array is twice as long as `column`, but has at least `least` values. The part without
-    values takes no memory until values are written to it.
+    The array is twice as long as `column`, or has `least` values if that is more. The rest of the
+    array takes no memory until values are written to it.
     """
     result = np.empty(max(2 * len(column), least))
     result[:count] = column[:count]
@@ -307,7 +323,11 @@ def _lengthen(column: Array, count: int, least: int) -> Array:
 def _load_blanks(
     path: Path, layout: Layout, names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """Load columns with pandas, because pyarrow cannot split at runs of blanks."""
+    """Load the named columns with pandas: return name -> values.
+
+    Only the first `rows` rows are loaded; None loads all rows. pandas is used because pyarrow
+    cannot split a line at runs of blanks.
+    """
     import pandas as pd
 
     try:

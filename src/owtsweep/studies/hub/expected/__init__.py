@@ -1,1 +1,1 @@
-"""The expected engine: computes means over infinitely many records without making any record."""
+"""The expected engine: computes mean errors over infinitely many records without making any."""

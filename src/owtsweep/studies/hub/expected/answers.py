@@ -1,6 +1,7 @@
 """Makes the tables of a study that is run by the expected engine.
 
-The columns are those of a study with records, but there are no confidence intervals.
+The expected engine computes means over infinitely many records without making any. The tables'
+columns are those of a study with records, but there are no confidence intervals.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ MOST_CELLS = 2000
 class Expected:
     """The expected mean square errors of schemes, of one measure in one window.
 
-    At amplitude N the expected MSE is N^2 motion + noise.
+    A measure is an error such as "position"; a window is a part of the record, "full" or "settled".
+    At amplitude N (m) the expected mean square error is N^2 motion + noise.
 
     Attributes
     ----------
@@ -57,13 +59,20 @@ class Expected:
     noise: Array
 
     def at(self, amplitudes: Array) -> Array:
-        """Compute the expected MSE at amplitudes, shape (schemes, periods, amplitudes)."""
+        """Compute the expected mean square error at amplitudes (m), shape (n,).
+
+        The result has the shape (schemes, periods, n).
+        """
         N = np.asarray(amplitudes, dtype=float)
         return np.asarray(superpose(self.motion[..., None], 0.0, self.noise[..., None], N))
 
 
 def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: str) -> Expected:
-    """Select one measure and one window from the rows of a study; return the schemes' errors."""
+    """Select one measure and one time window from a study's rows; return the expected errors.
+
+    `rows` are the rows that the expected engine has made. Failed rows are ignored, and schemes
+    without other rows are left out.
+    """
     # plain text instead of the store's categories, which sort differently
     rows = rows.astype(dict.fromkeys(("scheme", "measure", "window"), object))
     used = rows[(rows["status"] == OK) & (rows["measure"] == measure) & (rows["window"] == window)]
@@ -78,11 +87,18 @@ def expected(rows: pd.DataFrame, schemes: Sequence[str], measure: str, window: s
 
 @dataclass(frozen=True)
 class Verdict:
-    """The best scheme and the runner-up in every cell; arrays have the shape (periods, amplitudes).
+    """The best scheme and the runner-up in every cell (a natural period and an amplitude).
 
-    `best` and `runner_up` are indices of schemes; `runner_up` is -1 where there is only one scheme.
-    `mse_best` and `mse_runner_up` are their MSE. `distinguishable` says whether the two MSE differ
-    by more than `RESOLUTION`.
+    Arrays have the shape (periods, amplitudes).
+
+    Attributes
+    ----------
+    best, runner_up
+        Indices of schemes; `runner_up` is -1 where there is only one scheme.
+    mse_best, mse_runner_up
+        Mean square error of the best scheme and of the runner-up.
+    distinguishable
+        Whether mse_best and mse_runner_up differ by more than `RESOLUTION`, relatively.
     """
 
     best: NDArray[np.int64]
@@ -93,10 +109,11 @@ class Verdict:
 
 
 def judge(values: Array) -> Verdict:
-    """Find the scheme of least MSE and the next, given MSE of shape (schemes, periods, amplitudes).
+    """Find the scheme of least mean square error and the runner-up in every cell.
 
-    Schemes that agree up to rounding count as one scheme, under the last of their names. The
-    runner-up is the best scheme that does not coincide with the winner (`statistics.contest`).
+    `values` are mean square errors of shape (schemes, periods, amplitudes). Schemes that agree up
+    to rounding count as one scheme, under the last of their names. The runner-up is the best scheme
+    that does not coincide with the winner (`statistics.contest`).
     """
     result = contest(values.reshape(len(values), -1, 1))
     clear = result.difference > RESOLUTION * result.mse_best
@@ -104,30 +121,70 @@ def judge(values: Array) -> Verdict:
     return Verdict(*(part.reshape(values.shape[1:]) for part in parts))
 
 
-def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Make the tables `summary` and `best_scheme`.
+def find_winning(values: Array, mse_best: Array) -> tuple[NDArray[np.int64], Array]:
+    """Find where a baseline is better than the best scheme by more than `RESOLUTION`.
 
-    There are no records, so confidence intervals are NaN and the number of replicates, n, is 0.
+    Parameters
+    ----------
+    values
+        MSE of the baselines, shape (baselines, periods, amplitudes).
+    mse_best
+        MSE of the best scheme, shape (periods, amplitudes).
+
+    Returns
+    -------
+    tuple of array
+        Index of the best baseline where it is better, else -1; and the logarithm of `mse_best`
+        divided by that baseline's MSE, -inf without baselines. Shape (periods, amplitudes) each.
     """
-    from owtsweep.studies.hub import criteria, scheme_names
+    if not len(values):
+        return np.full(mse_best.shape, -1), np.full(mse_best.shape, -np.inf)
+    lead = np.log(mse_best / values.min(axis=0))
+    return np.where(lead > RESOLUTION, np.argmin(values, axis=0), -1), lead
+
+
+def tables(config: HubConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Make the tables "summary" and "best_scheme" from the rows of a study without records.
+
+    Since there are no records, confidence intervals are NaN and the number of replicates, n, is 0.
+    In grids of more than `MOST_CELLS` cells, "summary" has only the run's criterion and window.
+    """
+    from owtsweep.studies.hub import baseline_names, criteria, scheme_names
 
     window, measure = config.measures.window, config.measures.criterion
-    best = best_scheme(rows, scheme_names(config), criteria(config), get_grid(config), window)
+    best = best_scheme(
+        rows, scheme_names(config), criteria(config), get_grid(config), window,
+        baseline_names(config),
+    )  # fmt: skip
     if len(config.grid.amplitude) * len(config.grid.natural_period) > MOST_CELLS:
         rows = rows[(rows["measure"] == measure) & (rows["window"] == window)]
-    return {"summary": summarise(make_cube(config, rows)).assign(n=0), "best_scheme": best}
+    summary = summarise(make_cube(config, rows, baselines=True)).assign(n=0)
+    return {"summary": summary, "best_scheme": best}
 
 
 def best_scheme(
-    rows: pd.DataFrame, schemes: Sequence[str], criteria: Sequence[str], grid: Grid, window: str
+    rows: pd.DataFrame,
+    schemes: Sequence[str],
+    criteria: Sequence[str],
+    grid: Grid,
+    window: str,
+    baselines: Sequence[str] = (),
 ) -> pd.DataFrame:
-    """Make the table of the best scheme in every cell, as in a study with records.
+    """Make the table of the best scheme in every cell (natural period and amplitude).
 
-    Unlike there, two schemes are distinguishable if their MSE differs by more than `RESOLUTION`.
+    The columns are those of a study with records. With records, a confidence interval decides
+    whether two schemes are distinguishable. In this table, two schemes are distinguishable if their
+    mean square errors differ by more than `RESOLUTION`, relatively. By this rule, too, a baseline
+    wins against the best scheme. `window` is "full" or "settled"; `criteria` are the measures that
+    are compared; `baselines` are names of baselines, whose rows are compared with the best scheme.
     """
-    table = find_best_schemes(Cube.of_rows(rows, schemes, CONDITIONS, grid), window, criteria)
-    clear = table["difference"] > RESOLUTION * table["mse_best"]
-    return table.assign(distinguishable=clear)
+    cube = Cube.of_rows(rows, [*schemes, *baselines], CONDITIONS, grid)
+    table = find_best_schemes(cube, window, criteria, baselines)
+    table["distinguishable"] = table["difference"] > RESOLUTION * table["mse_best"]
+    if baselines:
+        gain = table["mse_best"] - table["mse_baseline"]
+        table["baseline_wins"] = gain > RESOLUTION * table["mse_baseline"]
+    return table
 
 
 def coinciding(
@@ -135,7 +192,8 @@ def coinciding(
 ) -> list[tuple[str, ...]]:
     """Find groups of schemes whose errors due to motion and due to noise coincide by all criteria.
 
-    The members of a group are in the order of `schemes`.
+    `criteria` are measures such as "position". The members of a group are in the order of
+    `schemes`. The list is empty if no schemes coincide.
     """
     curves = [expected(rows, schemes, criterion, window) for criterion in criteria]
     names = curves[0].schemes

@@ -1,7 +1,8 @@
 """Caches results that take seconds to compute, in memory and in the user's cache folder.
 
-A file's name is a hash of everything that its numbers depend on, this program's source included.
-So an edited program never reads old numbers. If a file is damaged, its numbers are computed again.
+A file's name is a hash of everything that the file's numbers depend on, including this program's
+source. So an edited program never reads old numbers. If a file is damaged, its numbers are computed
+again.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ SOURCES = ("estimation", "motion", "studies/hub", "streams.py")
 
 @dataclass
 class Entry:
-    """An entry of the cache in memory: arrays by name, None until they are known.
+    """An entry of the cache in memory: arrays by name, None until the arrays are known.
 
     The thread that reads or computes the arrays holds the lock.
     """
@@ -41,15 +42,18 @@ class Entry:
 
 @lru_cache(KEPT)
 def find_entry(key: str) -> Entry:
-    """Return the entry of a key; a new entry has no arrays.
+    """Return the cache's entry in memory for a key; make an entry without arrays if there is none.
 
-    `find_entry.cache_clear` forgets all entries.
+    A key is a hash. `find_entry.cache_clear` forgets all entries.
     """
     return Entry()
 
 
 def folder() -> Path:
-    """Return the folder of the cached files."""
+    """Return the folder of the cached files: owtsweep/expected in $XDG_CACHE_HOME or ~/.cache.
+
+    The folder need not exist.
+    """
     base = os.environ.get("XDG_CACHE_HOME")
     return (Path(base) if base else Path.home() / ".cache") / "owtsweep" / "expected"
 
@@ -62,7 +66,7 @@ def cached(what: Mapping[str, Any], compute: Callable[[], dict[str, Array]]) -> 
     what
         Everything that the arrays depend on besides this program; must be JSON-serialisable.
     compute
-        Function that computes the arrays.
+        Function that computes the arrays; it is called only if the arrays are not stored.
     """
     text = json.dumps({**what, "source": source_hash()}, sort_keys=True, default=str)
     key = hashlib.blake2b(text.encode(), digest_size=16).hexdigest()
@@ -104,7 +108,7 @@ def _write(path: Path, arrays: Mapping[str, Array]) -> None:
 def source_hash() -> str:
     """Return a hash of the code that expected errors depend on, and of the libraries' versions.
 
-    The libraries are NumPy and SciPy.
+    The code is that of the files and folders in `SOURCES`; the libraries are NumPy and SciPy.
     """
     import scipy
 

@@ -2,8 +2,8 @@
 
 Gains, initial states and windows are those of a simulated record, so the expectation holds whether
 or not the scheme settles within the record. There are two approximations. Curves (errors at each
-frequency) are interpolated between nodes. A response that has become periodic is assumed to stay
-periodic.
+frequency) are computed at some frequencies, the nodes, and interpolated between nodes. A response
+that has become periodic is assumed to stay periodic.
 """
 
 from __future__ import annotations
@@ -34,8 +34,9 @@ WALK_TO = 1.0
 class Curves:
     """The expected errors of one scheme for records of one length.
 
-    Arrays have two axes of length 2: measure (position, velocity) and window (full, settled). Of
-    two units, the first is for position and the second for velocity.
+    The array `frequency` has the shape (n,). The other arrays have two axes of length 2: measure
+    (position, velocity) and window (full, settled). Of two units, the first is for position and the
+    second for velocity.
 
     Attributes
     ----------
@@ -59,7 +60,10 @@ class Curves:
     constant: Array
 
     def at(self, frequency: Array) -> Array:
-        """Interpolate `motion` at other frequencies of the band (Hz), shape (2, 2, n)."""
+        """Interpolate `motion` at other frequencies (Hz), shape (m,), inside the motion's band.
+
+        The result has the shape (2, 2, m): measure, window, frequency.
+        """
         return _between(frequency, self.frequency, self.motion)
 
 
@@ -71,7 +75,7 @@ def curves(
     Parameters
     ----------
     chain
-        The compiled form of a scheme, made for records of `steps` steps.
+        A scheme as arrays for kernels, made for records of `steps` steps.
     steps, settled
         Number of steps of a record, and the first step of the settled window.
     band
@@ -94,7 +98,7 @@ def curves(
 
 
 class _Prober:
-    """Runs one chain on test inputs that are as long as a record."""
+    """Runs one chain (a scheme as arrays) on test inputs that are as long as a record."""
 
     def __init__(self, chain: Chain, sensors: Sensors, steps: int, settled: int) -> None:
         self.sensors, self.steps = sensors, steps
@@ -102,9 +106,10 @@ class _Prober:
         self.energies = Workspace(chain, sensors, steps, settled).energies
 
     def motion(self, band: tuple[float, float]) -> tuple[Array, Array]:
-        """Compute the sums of squared errors due to motion at nodes in the band (Hz).
+        """Compute the sums of squared errors due to sinusoidal motion at frequencies in a band.
 
-        Return the frequencies of the nodes (Hz) and the sums, axes (measure, window, node).
+        `band` is in Hz. Return n frequencies (Hz) and the sums, shape (2, 2, n): measure, window,
+        frequency. The frequencies are chosen so that interpolation between them is accurate.
         """
 
         def wrong(left: Array, right: Array, predicted: Array, computed: Array) -> Array:
@@ -119,9 +124,9 @@ class _Prober:
         return nodes.refined(first, answer(first), answer, _between, wrong)
 
     def fixes(self) -> Array:
-        """Compute the sums of squared errors due to noise of variance 1 in the position fixes.
+        """Compute the sums of squared errors due to noise of variance 1 m^2 in the position fixes.
 
-        The axes of the result are measure, window.
+        The result has the shape (2, 2): measure, window.
         """
         count = fix_count(self.steps, self.sensors.fix_interval)
         per_number = 1.0 / (count * self.sensors.fix_step)
@@ -130,15 +135,17 @@ class _Prober:
     def forces(self) -> Array:
         """Compute the sums of squared errors due to white noise of variance 1 in the IMU's samples.
 
-        The axes of the result are measure, window.
+        The samples are specific forces in m/s^2. The result has the shape (2, 2): measure, window.
         """
         per_number = 1.0 / (self.steps * self.sensors.step)
         return self._phasors(self.steps, per_number, lambda n: inputs.forces(n, self.steps))
 
     def _phasors(self, count: int, per_number: float, probe: Callable[[Array], Probe]) -> Array:
-        """Sum squared errors over a basis of `count` phasors, given by `probe(number)`.
+        """Sum squared errors over a basis of `count` phasors, the test inputs `probe(number)`.
 
-        The phasors number n and count - n have equal errors.
+        A phasor is a cosine and a sine of one frequency: `per_number` (Hz) times the phasor's
+        number. The phasors number n and count - n have equal errors. The result has the shape
+        (2, 2): measure, window.
         """
         number = np.arange(1.0, count // 2 + 1.0)
         weight = np.where(2.0 * number == count, 1.0, 2.0) / count
@@ -148,8 +155,9 @@ class _Prober:
     def walks(self) -> Array:
         """Compute the sums of squared errors due to a Wiener process with increments of variance 1.
 
-        The axes of the result are measure, window. The covariance min(k, l) of the Wiener process
-        has the eigenvectors sin(angle k) with the eigenvalues 1 / (2 - 2 cos angle).
+        The Wiener process is a specific force, like the IMU's bias. The covariance of steps k and l
+        is min(k, l); its eigenvectors are sin(angle k), its eigenvalues 1 / (2 - 2 cos angle). The
+        result has the shape (2, 2): measure, window.
         """
         last = self.steps - 1
         per_number = 0.5 / (self.steps * self.sensors.step)
@@ -160,9 +168,11 @@ class _Prober:
         return self._sum(weight, per_number, lambda n: inputs.walks(n, self.steps))
 
     def _sum(self, weight: Array, per_number: float, probe: Callable[[Array], Probe]) -> Array:
-        """Sum weight x squared error over the basis vectors number 1, 2, ...
+        """Sum weight x squared error over the basis vectors number 1 ... n, where n = len(weight).
 
-        The chain is run on some basis vectors; the squared errors of the others are interpolated.
+        The chain is run on some basis vectors, the test inputs `probe(numbers)`. The squared errors
+        of the other basis vectors are interpolated. A basis vector's frequency is its number times
+        `per_number` (Hz). The result has the shape (2, 2): measure, window.
         """
 
         def answer(number: Array) -> Array:
@@ -190,15 +200,19 @@ class _Prober:
 
 
 def _between(x: Array, at: Array, values: Array) -> Array:
-    """Interpolate positive curves at x, given their values (..., n) at the n nodes `at`.
+    """Interpolate curves that are nowhere negative at x, given values (..., n) at the n nodes `at`.
 
-    Interpolation is by monotone cubics in the logarithms of both axes. Beyond the first and the
-    last node, curves are constant.
+    Interpolation is by monotone cubics in the logarithms of both axes. Before the first node and
+    beyond the last node, curves are constant. A curve that is zero stays zero: a baseline has no
+    error due to noise that it does not use.
     """
     from scipy.interpolate import PchipInterpolator
 
-    logs = np.log(np.maximum(values, np.finfo(float).tiny))
+    least = np.finfo(float).tiny  # stands for 0, which has no logarithm
+    logs = np.log(np.maximum(values, least))
     if len(at) < 2:
-        return np.asarray(np.exp(np.repeat(logs, len(x), axis=-1)))
-    curve = PchipInterpolator(np.log(at), logs, axis=-1)
-    return np.asarray(np.exp(curve(np.log(np.clip(x, at[0], at[-1])))))
+        result = np.exp(np.repeat(logs, len(x), axis=-1))
+    else:
+        curve = PchipInterpolator(np.log(at), logs, axis=-1)
+        result = np.exp(curve(np.log(np.clip(x, at[0], at[-1]))))
+    return np.where(result > 2.0 * least, result, 0.0)

@@ -1,4 +1,4 @@
-"""Draws the figures of a study that is run by the expected engine."""
+"""Draws the figures of a study that is run by the expected engine, so without records."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from owtsweep.figures.drawings import Drawing
 from owtsweep.results.status import OK
-from owtsweep.studies.hub import criteria, figures, scheme_names
+from owtsweep.studies.hub import baseline_names, criteria, figures, scheme_names, winners
 from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
 from owtsweep.studies.hub.expected import answers, engine
 from owtsweep.studies.hub.origin import describe_origin
@@ -34,9 +34,19 @@ def drawings(
     rows: pd.DataFrame,
     metadata: Mapping[str, str] | None = None,
 ) -> dict[str, Drawing]:
-    """Return figure name -> function that draws the figure.
+    """Return figure name -> function that draws and saves the figure, for a study without records.
 
-    The figures are the maps of the best schemes, MSE against amplitude, and the error spectra.
+    The figures are the maps of the best schemes, MSE against amplitude, and the error spectra. In
+    grids of more than `MOST_PERIODS` natural periods, MSE against amplitude is left out.
+
+    Parameters
+    ----------
+    tables
+        The run's tables "summary" and "best_scheme".
+    rows
+        The rows that the expected engine has made.
+    metadata
+        Texts by name to store inside the figures' files.
     """
     from owtsweep.studies.hub.figures import error_spectra
 
@@ -58,7 +68,8 @@ def draw_map(
     """Draw the map of the best schemes: amplitude (upwards) against natural period (across).
 
     The map is smooth. If the grid has only one period or amplitude, or the spectrum exists only at
-    some periods, cells are drawn instead.
+    some periods, cells are drawn instead. `tables` are the run's tables, `rows` the rows that the
+    expected engine has made. `criterion` is the measure that is compared, "position" or "velocity".
     """
     from owtsweep.figures import smooth_map, style
 
@@ -74,10 +85,14 @@ def draw_map(
     periods = np.linspace(min(grid.natural_period), max(grid.natural_period), FINE)
     amplitudes = np.geomspace(min(grid.amplitude), max(grid.amplitude), FINE)
     done = set(rows.loc[rows["status"] == OK, "scheme"])
-    fine = engine.rows_of(config, [name for name in names if name in done], periods.tolist())
+    baselines = baseline_names(config)
+    computed = [name for name in (*names, *baselines) if name in done]
+    fine = engine.rows_of(config, computed, periods.tolist())
     expected = answers.expected(fine, names, criterion, window)
     values = expected.at(amplitudes)
     verdict = answers.judge(values)
+    beside = answers.expected(fine, baselines, criterion, window)
+    winning, lead = answers.find_winning(beside.at(amplitudes), verdict.mse_best)
     amplitude = f"amplitude: {figures.MEANING[config.normalise]} along the waves"
     field = smooth_map.Field(
         across=NATURAL_PERIOD,
@@ -85,11 +100,14 @@ def draw_map(
         columns=periods,
         lines=amplitudes,
         values=values,
-        best=verdict.best,
+        best=np.where(winning >= 0, -1, verdict.best),
         excess=100.0 * (verdict.mse_runner_up / verdict.mse_best - 1.0),
         distinguishable=verdict.distinguishable,
         resolution=answers.RESOLUTION,
+        baseline=winning,
+        lead=lead,
     )
+    won = [name for place, name in enumerate(beside.schemes) if (winning == place).any()]
     return smooth_map.draw(
         field,
         expected.schemes,
@@ -98,4 +116,6 @@ def draw_map(
         origin="All values are expectations over all records, computed from error spectra and "
         "noise without any record.",
         coinciding=same,
+        baselines=beside.schemes,
+        notes=winners.explain(won),
     )

@@ -1,6 +1,6 @@
-"""The engine `expected`: plans the blocks of work of a study without records, and makes their rows.
+"""The engine `expected`: plans the work of a study without records, and makes the study's rows.
 
-There is one block per scheme, with all natural periods. Most of the time goes into the curves of a
+A block of work is one scheme at all natural periods. Most of the time goes into the curves of a
 scheme (its errors at each frequency), which do not depend on the period.
 """
 
@@ -26,7 +26,7 @@ from owtsweep.studies.hub.expected.cache import cached
 from owtsweep.studies.hub.expected.curves import Curves, curves
 from owtsweep.studies.hub.expected.peak import RECORDS, factor_at, ladder, peak_factors
 from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
-from owtsweep.studies.hub.schemes import resolve, resolve_all
+from owtsweep.studies.hub.schemes import list_entries, resolve, resolve_all
 from owtsweep.sweep.study import Block
 
 #: Version of this engine's numbers. Raise it when they change and the study's `numerics_version`
@@ -37,7 +37,7 @@ AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}
 
 
 def plan(config: HubConfig) -> list[Block]:
-    """Return the blocks of a study: one block per scheme, with all natural periods."""
+    """Return the blocks of work of a study: one block per scheme, with all natural periods."""
     shared = sampled.shared_content(config)
     if config.normalise == "peak":
         shared["peak_records"] = RECORDS
@@ -45,6 +45,7 @@ def plan(config: HubConfig) -> list[Block]:
         del shared["seed"]  # there is no record, so nothing is random
     periods = sorted(float(period) for period in config.grid.natural_period)
     cells = len(periods) * len(config.grid.amplitude)
+    entries = list_entries(config)
     return [
         Block(
             group=scheme.name,
@@ -59,21 +60,25 @@ def plan(config: HubConfig) -> list[Block]:
             cases_per_row=cells,
             anew=sampled.explain_anew(entry, scheme),
         )
-        for entry, scheme in zip(config.schemes, resolve_all(config.schemes, config), strict=True)
+        for entry, scheme in zip(entries, resolve_all(entries, config), strict=True)
     ]
 
 
 def run(config: HubConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
-    """Compute the rows of some blocks; yield each block with its rows."""
+    """Compute the rows of some blocks of work; yield each block with its rows.
+
+    A block of work is one scheme at all natural periods.
+    """
     for block in blocks:
         name, periods = block.content["scheme"], block.content["natural_periods"]
         yield block, rows(block.choose(config), name, periods)
 
 
 def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -> pd.DataFrame:
-    """Compute the rows of several schemes, on all cores, as `rows` does for one scheme.
+    """Compute the rows of several schemes at natural periods (s), on all cores.
 
-    The kernels release the GIL, so threads run in parallel.
+    The rows, as `rows` makes them, are in the order of `names`. The kernels release the GIL, so
+    threads run in parallel.
     """
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         if config.normalise == "peak":
@@ -88,9 +93,10 @@ def rows_of(config: HubConfig, names: Sequence[str], periods: Sequence[float]) -
 def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame:
     """Compute the rows of a scheme: one row per natural period (s), measure and window.
 
-    A row has the mean square errors due to motion of 1 m and due to noise, and 0 as their mean
-    product. Each further natural period costs only a sum over the scheme's curves, without a loop
-    over steps. If an error is not finite, there is one row with the status "failed".
+    A row has the mean square error due to motion of 1 m, the mean square error due to noise, and 0
+    as the mean product of the two errors. Each further natural period costs only a sum over the
+    scheme's curves, without a loop over steps. If an error is not finite, there is one row with the
+    status "failed".
     """
     sensors = sensing.sensors(config.sensors)
     curve = curves_of(config, name)
@@ -137,13 +143,14 @@ def rows(config: HubConfig, name: str, periods: Sequence[float]) -> pd.DataFrame
 def curves_of(config: HubConfig, name: str) -> Curves:
     """Compute the curves (expected errors) of a scheme of the study, or read them from the cache.
 
-    `name` is the scheme's name.
+    `name` is the scheme's name. The cache is not used for a scheme of the user if changes of its
+    code could not be noticed.
     """
     sensors = sensing.sensors(config.sensors)
     steps = round(config.record.duration / sensors.step)
     settled = round(config.measures.settling_time / sensors.step)
     band = (config.band[0], config.band[1])
-    entry = {resolve(entry).name: entry for entry in config.schemes}[name]
+    entry = {resolve(entry).name: entry for entry in list_entries(config)}[name]
     scheme: Any = resolve(entry)
     what = {
         "what": "curves",
@@ -165,9 +172,10 @@ def curves_of(config: HubConfig, name: str) -> Curves:
 
 
 def motion_of(config: HubConfig, curve: Curves, periods: Sequence[float]) -> Array:
-    """Compute the expected mean square error due to motion of amplitude 1 m.
+    """Compute the expected mean square error due to motion of amplitude 1 m at natural periods (s).
 
-    The axes of the result are natural period, measure, window.
+    `curve` holds the scheme's errors at each frequency. The axes of the result are natural period,
+    measure (position, velocity), window (full, settled).
     """
     lines = lines_of((config.band[0], config.band[1]), config.record.duration)
     at_lines = curve.at(lines.frequency)

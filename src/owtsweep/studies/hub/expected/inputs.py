@@ -1,8 +1,8 @@
-"""The test inputs (probes) on which a chain is run instead of records.
+"""The test inputs (probes) on which a scheme is run instead of records.
 
 The mean over records of a sum of squared errors equals a sum over any orthonormal basis of the
 inputs. In the bases used here the squared error changes smoothly with the number of the basis
-vector. So a chain is run on a few dozen basis vectors, and the errors for the others are
+vector. So a scheme is run on a few dozen basis vectors, and the errors for the other vectors are
 interpolated.
 """
 
@@ -18,7 +18,7 @@ from owtsweep.studies.hub.contract import Sensors
 
 @dataclass(frozen=True)
 class Probe:
-    """A test input: n sinusoids of different frequencies that enter a chain in the same way.
+    """A test input: n sinusoids of different frequencies that enter a scheme in the same way.
 
     Attributes
     ----------
@@ -28,10 +28,10 @@ class Probe:
         Amplitudes that a unit sinusoid has in the IMU's samples and in the position fixes, shape
         (n,) each.
     truth
-        Whether the sinusoid is a displacement that the estimate should follow; position fixes then
-        arrive with their delay. If not, the estimate should stay at zero.
+        True if the sinusoid is a displacement that the estimate should follow; position fixes then
+        arrive with the delay of the GNSS. False if the estimate should stay at zero.
     phasor
-        Whether both a cosine and a sine are run for each sinusoid. If not, only the sine is run.
+        True if both a cosine and a sine are run for each sinusoid, false if only the sine is run.
     shift
         Phase at step 0, rad.
     """
@@ -44,29 +44,34 @@ class Probe:
     shift: float = 0.0
 
     def part(self, first: int, last: int) -> Probe:
-        """Return a probe with the sinusoids `first` to `last` - 1."""
+        """Return a test input with the sinusoids number `first` ... last - 1 of this test input."""
         some = slice(first, last)
         return replace(self, angle=self.angle[some], force=self.force[some], fix=self.fix[some])
 
 
 def motion(frequency: Array, sensors: Sensors) -> Probe:
-    """Make a probe of sinusoidal displacements of 1 m at frequencies in Hz."""
+    """Make a probe (test input) of sinusoidal displacements of 1 m.
+
+    `frequency` are the sinusoids' frequencies, Hz, shape (n,).
+    """
     omega = 2.0 * np.pi * frequency
     return Probe(omega * sensors.step, -(omega**2), np.ones(len(omega)), truth=True)
 
 
 def forces(number: Array, steps: int) -> Probe:
-    """Make a probe of specific forces e^{2 pi i number k / steps} at steps k.
+    """Make a probe of specific forces e^{2 pi i number k / steps} at steps k = 0 ... steps - 1.
 
-    Divided by sqrt(steps), the vectors for all numbers are an orthonormal basis of IMU noise.
+    `number` has the shape (n,). Divided by sqrt(steps), the vectors for all numbers are an
+    orthonormal basis of IMU noise.
     """
     return Probe(2.0 * np.pi * number / steps, np.ones(len(number)), np.zeros(len(number)))
 
 
 def fixes(number: Array, count: int, sensors: Sensors) -> Probe:
-    """Make a probe of position fixes e^{2 pi i number q / count}, where q numbers the fixes.
+    """Make a probe of position fixes e^{2 pi i number q / count}, fix number q = 0 ... count - 1.
 
-    Divided by sqrt(count), the vectors for all numbers are an orthonormal basis of noise in fixes.
+    `number` has the shape (n,). Divided by sqrt(count), the vectors for all numbers are an
+    orthonormal basis of noise in fixes.
     """
     angle = 2.0 * np.pi * number / (count * sensors.fix_interval)
     return Probe(angle, np.zeros(len(number)), np.ones(len(number)))
@@ -75,12 +80,16 @@ def fixes(number: Array, count: int, sensors: Sensors) -> Probe:
 def walks(number: Array, steps: int) -> Probe:
     """Make a probe of the eigenvectors of a Wiener process: forces sin(angle k) at steps k.
 
-    The Wiener process starts from zero at step 0. The eigenvectors are numbered from 1.
+    The Wiener process starts from zero at step 0 and has `steps` steps. `number`, shape (n,), are
+    the numbers of eigenvectors, from 1 on.
     """
     angle = (2.0 * number - 1.0) * np.pi / (2.0 * (steps - 1) + 1.0)
     return Probe(angle, np.ones(len(number)), np.zeros(len(number)), phasor=False)
 
 
 def constant() -> Probe:
-    """Make a probe of a constant specific force of 1 m/s^2, written as sin(0 k + pi/2)."""
+    """Make a probe (test input) of a constant specific force of 1 m/s^2.
+
+    The force is written as sin(0 k + pi/2) at steps k.
+    """
     return Probe(np.zeros(1), np.ones(1), np.zeros(1), phasor=False, shift=0.5 * np.pi)

@@ -1,7 +1,7 @@
-"""The compiled loops of the expected engine: sinusoids, the chain's estimates, squared errors.
+"""The compiled loops of the expected engine: sinusoids, a scheme's estimates, squared errors.
 
 One call runs two groups of eight lanes (a cosine or a sine in each lane) through a long part of the
-record. Sinusoids are made just before the chain needs them, in buffers that stay in the processor's
+record. Sinusoids are made just before they are needed, in buffers that stay in the processor's
 cache, and errors are squared as soon as they are computed. The structures are those of
 `expected.layout` and `kernels.layout`.
 """
@@ -19,10 +19,12 @@ from owtsweep.vectors.lanes import borrowed, groups, load, store
 
 @njit
 def advance(k0, stop, judged, course, waves, buffers, chain, memory):
-    """Run two groups of lanes from step k0 until their response repeats, or up to the step `stop`.
+    """Run two groups of eight lanes from step k0 until their response repeats, or to step `stop`.
 
-    Whether the response repeats is first tested after the chunk that reaches the step `judged`, and
-    then every `course.every` steps.
+    A lane is one sinusoidal test input. Whether the response repeats is first tested after the
+    chunk (steps that are computed together) that reaches the step `judged`, and then every
+    `course.every` steps. The other arguments are structures of `expected.layout` and
+    `kernels.layout`.
 
     Returns
     -------
@@ -56,9 +58,10 @@ def advance(k0, stop, judged, course, waves, buffers, chain, memory):
 def repeats(newest, lanes, tolerance, ring):
     """Return whether, in each of the first `lanes` lanes, all complete cycles have equal sums.
 
-    `ring` holds the sums of squared errors of the newest cycles; sums are equal if they agree to
-    the relative tolerance. `newest` is the number of the last cycle, which is not complete and does
-    not count.
+    Lanes are counted through both groups of eight. `ring`, arranged as in `Buffers`, holds the sums
+    of squared errors of the newest cycles (stretches of equal length). Sums are equal if they agree
+    to the relative tolerance; NaN equals nothing. `newest` is the number of the last cycle, which
+    is not complete and does not count.
     """
     slots = ring.shape[0] // 4
     for row in range(4):
@@ -78,7 +81,7 @@ def repeats(newest, lanes, tolerance, ring):
 
 @njit
 def _move(buffers, first, stop):
-    """Copy the rows first ... stop - 1 to the beginning of each buffer."""
+    """Copy the rows first ... stop - 1 of each buffer (rows, 8) to the buffer's beginning."""
     rows = borrowed(buffers)
     for i in range(first, stop):
         store(rows, i - first, load(rows, i))
@@ -86,12 +89,13 @@ def _move(buffers, first, stop):
 
 @njit
 def make_waves(stop, waves, buffers):
-    """Fill the rows of `buffers.force` with sinusoids, up to the step stop - 1.
+    """Fill `buffers.force` with specific forces, scaled sinusoids, up to the step stop - 1.
 
-    If the estimates should follow the sinusoids (waves.truth), `buffers.wave` is filled too. The
-    sinusoids are rotated by their angle from step to step. In every block they start anew from
-    `waves.starts`, so that rounding errors do not accumulate. Between calls `waves.now` holds the
-    sinusoids of the next step.
+    If the estimates should follow the sinusoids (waves.truth), `buffers.wave` is filled with the
+    sinusoids. From step to step, a sinusoid is rotated by its angle. After every `waves.block`
+    steps the sinusoids start anew from `waves.starts`, so that rounding errors do not accumulate.
+    Between calls `waves.now` holds the sinusoids of the next step. `waves` and `buffers` are
+    `Waves` and `Buffers`.
     """
     base, k = buffers.filled[0], buffers.filled[1]
     phasor, keep = waves.phasor, waves.truth
@@ -133,11 +137,14 @@ def make_waves(stop, waves, buffers):
 
 @njit
 def add_squares(k0, count, course, waves, buffers, output):
-    """Add the squared errors of a chunk to the sums of the record and of the present cycle.
+    """Add the squared errors of `count` steps, from step k0 on, to the sums in `buffers`.
 
-    If waves.truth is set, the wave is the true position and its time derivative is the true
-    velocity; otherwise both are zero. For phasors, the squares of cosine and sine are added
-    together in group 0.
+    `buffers.sums` holds the sums of the record, `buffers.ring` the sums of each of the newest
+    cycles. If waves.truth is set, the wave is the true position and the wave's time derivative is
+    the true velocity; otherwise true position and velocity are zero. For phasors (a cosine and a
+    sine of one frequency), the squares of cosine and sine are added together in group 0. `course`,
+    `waves` and `buffers` are `Course`, `Waves` and `Buffers`; `output` holds the estimates
+    (`Output`).
     """
     settled, cycle, base, ring = course.settled, course.cycle, buffers.filled[0], buffers.ring
     phasor, truth = waves.phasor, waves.truth

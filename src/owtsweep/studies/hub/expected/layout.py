@@ -1,4 +1,7 @@
-"""The structures that the kernels of the expected engine take."""
+"""The structures that the kernels of the expected engine take.
+
+A lane is one sinusoidal test input to a scheme; eight lanes make a group.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from owtsweep.studies.hub.kernels.layout import Groups
 
 
 class Waves(NamedTuple):
-    """The sinusoids of two groups of eight lanes.
+    """The sinusoids of two groups of eight lanes (test inputs).
 
     Attributes
     ----------
@@ -24,9 +27,9 @@ class Waves(NamedTuple):
         Cosines and sines of the angle per step, and factors that turn sinusoids into forces, of
         both groups, shape (6, 8).
     rate
-        Angular frequencies, rad/s, shape (1, 8).
+        Angular frequencies of group 0, rad/s, shape (1, 8).
     block
-        Number of steps in a block.
+        Number of steps in a block, after which sinusoids start anew from `starts`.
     moving
         Whether any force differs from zero.
     phasor
@@ -49,20 +52,22 @@ class Waves(NamedTuple):
 class Course(NamedTuple):
     """The plan by which two groups of lanes are run and tested for a response that repeats.
 
+    A lane is one sinusoidal test input.
+
     Attributes
     ----------
     lead
-        Number of steps before a chunk whose force the chunk needs.
+        Number of steps before a chunk whose force the computation of the chunk needs.
     chunk
         Number of steps computed at a time.
     settled
         The first settled step.
     cycle
-        Number of steps after which the chain's gains, fixes and MHE repeat.
+        Number of steps after which the scheme's gains, fixes and moving horizon estimator repeat.
     every
         Number of steps from one test to the next.
     lanes
-        Number of lanes in use.
+        Number of lanes in use: in both groups together or, for phasors, in each group.
     tolerance
         Cycles repeat if their sums of squared errors differ by at most this, relatively.
     """
@@ -77,12 +82,13 @@ class Course(NamedTuple):
 
 
 class Buffers(NamedTuple):
-    """The working memory of two groups of eight lanes.
+    """The working memory of two groups of eight lanes (test inputs).
 
     Attributes
     ----------
     filled
-        The step in row 0 of `force` and `wave`, and the step up to which they are filled.
+        Two steps: the step in row 0 of `force` and `wave`, and the first step that is not filled
+        yet.
     force, wave
         Specific force, and the sinusoid itself; an array (rows, 8) for each group.
     fixes
@@ -91,8 +97,9 @@ class Buffers(NamedTuple):
         Sums of squared errors, shape (8, 8); the rows are 2 parts of the record (before and after
         settling) x 2 measures x 2 groups.
     ring
-        Sums of squared errors of the newest cycles, shape (4 slots, 8). Cycle number q is in slot
-        q % slots; a slot has the rows 2 measures x 2 groups.
+        Sums of squared errors of the newest cycles, shape (4 slots, 8). A cycle is `Course.cycle`
+        steps. Cycle number q is in slot q modulo the number of slots; the four rows of a slot are 2
+        measures x 2 groups.
     """
 
     filled: NDArray[np.int64]

@@ -1,10 +1,10 @@
 """Chooses the nodes at which a curve is computed: first a coarse set, then more where needed.
 
-Nodes are frequencies or numbers of basis vectors. A curve may ripple (due to a memory that ends
-abruptly), have a peak (due to a poorly damped mode), or change within a range of frequencies as
-small as one over the record's duration (due to a slow mode, at multiples of the fix rate). The
-first nodes are dense enough to show all of these. Intervals between nodes are then halved until
-interpolation between two nodes is accurate enough.
+A curve is a scheme's error over frequency. Nodes are frequencies or numbers of basis vectors. A
+curve may ripple (due to a memory that ends abruptly), have a peak (due to a poorly damped mode), or
+change within a range of frequencies as small as one over the record's duration (due to a slow mode,
+at multiples of the fix rate). The first nodes are dense enough to show all of these features.
+Intervals between nodes are then halved until interpolation between nodes is accurate enough.
 """
 
 from __future__ import annotations
@@ -30,12 +30,13 @@ HALVINGS = 7
 
 @dataclass(frozen=True)
 class Scales:
-    """The widths of the finest structures of a chain's curves.
+    """The widths (Hz) of the finest features of a scheme's error curves over frequency.
 
     Attributes
     ----------
     window
-        Width due to the chain's longest memory, the MHE's window, Hz; seen below the fix rate.
+        Width due to the scheme's longest memory, the window of the moving horizon estimator, Hz;
+        seen below the fix rate.
     lag
         Width due to the smoother and the predictor, Hz; seen at higher frequencies, which only the
         IMU measures.
@@ -49,7 +50,10 @@ class Scales:
 
 
 def scales(chain: Chain, sensors: Sensors) -> Scales:
-    """Compute the scales of a chain's curves."""
+    """Compute the widths of the finest features of a chain's error curves over frequency.
+
+    A chain is a scheme as arrays for kernels.
+    """
     rate = 1.0 / sensors.fix_step
     window = chain.mhe.horizon * sensors.fix_step if chain.mhe.active else 0.0
     lag = (chain.filter.window + chain.predictor.steps) * sensors.step
@@ -60,7 +64,8 @@ def scales(chain: Chain, sensors: Sensors) -> Scales:
 def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Array:
     """Return the first nodes in a band of frequencies: increasing, both edges included, Hz.
 
-    `duration` is that of a record, s.
+    Nodes are the frequencies at which a curve is computed. `band` is in Hz; `scales` are the widths
+    of the curve's finest features; `duration` is that of a record, s.
     """
     low, high = band
     nodes = [np.geomspace(low, high, 8), _evenly(low, high, scales.window / PER_RIPPLE)]
@@ -75,9 +80,10 @@ def over_band(band: tuple[float, float], scales: Scales, duration: float) -> Arr
 
 
 def numbers(last: int, per_number: float, scales: Scales) -> Array:
-    """Return the first nodes among the basis vectors number 1 ... last, increasing.
+    """Return the first nodes among the basis vectors number 1 ... last: whole numbers, increasing.
 
-    The frequency of a basis vector is its number times `per_number`, Hz.
+    Nodes are the basis vectors for which a curve is computed. The frequency of a basis vector is
+    its number times `per_number`, Hz. `scales` are the widths of the curve's finest features.
     """
     decades = np.log10(max(last, 2))
     nodes = [np.arange(1.0, min(last, 3) + 1.0), np.geomspace(1, last, int(PER_DECADE * decades))]
@@ -105,12 +111,14 @@ def refined(
 ) -> tuple[Array, Array]:
     """Halve the intervals between nodes until interpolation between nodes is accurate.
 
+    An interval is halved at most `HALVINGS` times.
+
     Parameters
     ----------
     nodes, values
-        The first n nodes, increasing, and the curve's values there, shape (..., n).
+        The first n nodes, increasing, and the curve's values at these nodes, shape (..., n).
     answer
-        Function of nodes that computes the curve's values there.
+        Function of nodes that computes the curve's values at the nodes.
     between
         Function of (x, nodes, values) that interpolates the curve at x.
     wrong
@@ -119,14 +127,14 @@ def refined(
         interpolation is too inaccurate.
     matters
         Function of (left, right, predicted) that returns, for each interval, whether to compute the
-        curve in its middle; None to compute it in all.
+        curve in its middle; None to compute the curve in the middle of every interval.
     whole
         Whether nodes must be whole numbers.
 
     Returns
     -------
     tuple of array
-        The nodes, increasing, and the curve's values there.
+        All nodes, increasing, and the curve's values at these nodes.
     """
     left, right = nodes[:-1], nodes[1:]
     for _ in range(HALVINGS):

@@ -1,10 +1,10 @@
 """Computes the mean square of records that are scaled to a greatest displacement of 1 m.
 
-The mean square of such a record is (standard deviation / peak)^2. The mean over records is called
-the peak factor. To compute it, records are synthesised, but no scheme is run. The peak factor
-changes slowly with the natural period. It is therefore computed at fixed periods, the rungs of a
-ladder, and interpolated between them. So a result does not depend on which other periods a grid
-holds.
+The mean square of a scaled record is (standard deviation / peak)^2 of the record before scaling.
+The mean over records is called the peak factor. To compute it, records are synthesised, but no
+scheme is run. The peak factor changes slowly with the natural period. The factor is therefore
+computed at fixed periods, the rungs of a ladder, and interpolated between them. So a result does
+not depend on which other periods a grid holds.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ STREAM = "phase of a peak factor"
 def peak_factors(config: HubConfig, periods: Sequence[float]) -> Array:
     """Compute the mean of (standard deviation / peak)^2 over records, for each natural period (s).
 
-    The factors, shape (periods,), are interpolated between the periods of `ladder`.
+    The result has the shape (periods,). It is interpolated between the values at the fixed periods
+    that `ladder` returns.
     """
     result = []
     for period in periods:
@@ -47,14 +48,18 @@ def peak_factors(config: HubConfig, periods: Sequence[float]) -> Array:
 
 
 def ladder(config: HubConfig, periods: Sequence[float]) -> list[float]:
-    """Return the fixed periods (rungs), s, that `peak_factors` needs for the given periods, s."""
+    """Return the fixed periods (rungs), s, that `peak_factors` needs for natural periods (s).
+
+    The fixed periods are sorted; none is listed twice.
+    """
     return sorted({rung for period in periods for rung in _list_rungs(config, period)})
 
 
 def _list_rungs(config: HubConfig, period: float) -> list[float]:
-    """Return the rungs on both sides of a natural period, s.
+    """Return the fixed periods (rungs), s, at which records are made for a natural period (s).
 
-    A printed spectrum exists only at a few periods; then the period itself is the only rung.
+    The rungs are the fixed periods next to the natural period, below and above. A printed spectrum
+    exists only at a few periods; then the natural period itself is the only rung.
     """
     if config.spectrum.kind != "translated":
         return [period]
@@ -65,9 +70,9 @@ def _list_rungs(config: HubConfig, period: float) -> list[float]:
 
 
 def factor_at(config: HubConfig, period: float) -> float:
-    """Compute the mean of (standard deviation / peak)^2 over records of a natural period (s).
+    """Compute the mean of (standard deviation / peak)^2 over records of one natural period (s).
 
-    The result is cached.
+    The result is cached in a file.
     """
     what: dict[str, Any] = {
         "what": "peak factor",

@@ -1,7 +1,8 @@
 """Runs a chain on the sinusoids of a probe and sums its squared errors in a record's windows.
 
-A chain is a scheme as arrays for kernels. A probe is a test input: some sinusoids. Each sinusoid
-takes one or two lanes; kernels run two groups of eight lanes, a pair, at once.
+A chain is a scheme as arrays for kernels. A probe is a test input: some sinusoids. A cosine or sine
+fills a lane; a sinusoid takes one lane or two. Kernels run two groups of eight lanes, a pair, at
+once.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ BLOCK = 2048
 
 
 class Workspace:
-    """Runs one chain on probes (test inputs); all runs have the length of a record.
+    """Runs one chain (a scheme as arrays) on probes (test inputs) that are as long as a record.
 
     All runs use the same memory, because allocation takes time. Therefore only one run is allowed
     at a time.
@@ -49,7 +50,11 @@ class Workspace:
         self.pairs: list[PairMemory] = []
 
     def pair(self, number: int) -> PairMemory:
-        """Return the memory, set to zero, of one of the pairs of groups that run side by side."""
+        """Return the memory, set to zero, of pair number `number`.
+
+        A pair is two groups of eight lanes (test inputs) that are run together. Memory is made for
+        a new pair; pairs are numbered from 0 without gaps.
+        """
         if number == len(self.pairs):
             rows = self.lead + 2 * self.chunk
             self.pairs.append(
@@ -68,7 +73,8 @@ class Workspace:
         """Compute the sums of squared errors over a record for each of the probe's n sinusoids.
 
         The result has the shape (2, 2, n): measures position and velocity, windows full and
-        settled. For phasors, the sums of cosine and sine are added.
+        settled. For a phasor (a cosine and a sine of one frequency), the sums of cosine and sine
+        are added.
         """
         lanes_each = 2 if probe.phasor else 1
         each = min(WIDTH // lanes_each, max(MOST_INPUTS // (self.steps * lanes_each), 1))
@@ -78,7 +84,7 @@ class Workspace:
         return np.concatenate(parts, axis=-1)
 
     def _run(self, probe: Probe) -> Array:
-        """Compute what `energies` returns for a part of a probe.
+        """Compute what `energies` returns, for a probe of at most `WIDTH` cosines and sines.
 
         Once the response has become periodic, its sums are extrapolated to the record's end.
         """
@@ -99,9 +105,10 @@ class Workspace:
 
 
 class PairMemory(NamedTuple):
-    """The memory of a pair of groups of lanes: a chain's registers, and two series.
+    """The memory of a pair of groups of eight lanes: a scheme's registers, and two series.
 
-    `force` is the specific force and `wave` the true displacement; an array (rows, 8) per group.
+    `force` is the specific force (m/s^2) and `wave` the true displacement (m); an array (rows, 8)
+    per group.
     """
 
     registers: Registers
@@ -110,10 +117,10 @@ class PairMemory(NamedTuple):
 
 
 def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
-    """Run pairs of groups to the first step at which the responses of all repeat.
+    """Run pairs of groups of eight lanes to the first step at which all responses repeat.
 
-    If the responses do not repeat, run to the record's end, `steps`. Return the step reached.
-    Repetition is tested from the step `earliest` on.
+    A lane is one sinusoidal test input. If the responses do not repeat, run to the record's end,
+    `steps`. Return the step reached. Repetition is tested from the step `earliest` on.
     """
     done = place = agreeing = 0
     while agreeing < len(pairs):
@@ -130,9 +137,11 @@ def _together(pairs: list[_Pair], steps: int, earliest: int) -> int:
 
 
 class _Pair:
-    """A pair of groups of eight lanes: the chain's state for them, and sums of squared errors.
+    """A pair of groups of eight lanes: a scheme's state for the lanes, and sums of squared errors.
 
-    The lanes hold eight cosines and their sines, or sixteen sines. Unused lanes are zero.
+    The lanes hold the sinusoids of `probe`: up to eight cosines and their sines, or up to sixteen
+    sines. Unused lanes are zero. `number` is the number of the memory in `space` that the pair
+    uses.
     """
 
     def __init__(self, space: Workspace, number: int, probe: Probe) -> None:
@@ -157,7 +166,8 @@ class _Pair:
     def advance(self, stop: int, judged: int) -> None:
         """Run until the response repeats, but at most up to step `stop`.
 
-        Repetition is tested from step `judged` on.
+        Repetition is tested from step `judged` on. The attributes `done` (the step reached) and
+        `repeats` are updated.
         """
         from owtsweep.studies.hub.expected.kernels import advance
 
@@ -168,12 +178,19 @@ class _Pair:
 
     @property
     def sums(self) -> Array:
-        """The sums of squared errors; axes are part of the record, measure, sinusoid."""
+        """The sums of squared errors; axes are part of the record, measure, sinusoid.
+
+        The parts are before and after settling; the measures are position and velocity.
+        """
         return self._of_lanes(self.buffers.sums)
 
     @property
     def ring(self) -> Array:
-        """The sums of squared errors of the newest cycles; axes are slot, measure, sinusoid."""
+        """The sums of squared errors of the newest cycles; axes are slot, measure, sinusoid.
+
+        A slot holds the sums of one cycle. A cycle is the time after which the scheme's gains
+        repeat. The measures are position and velocity.
+        """
         return self._of_lanes(self.buffers.ring)
 
     def _of_lanes(self, rows: Array) -> Array:
@@ -202,7 +219,11 @@ def _waves(probe: Probe, space: Workspace) -> Waves:
 
 
 def _fixes(probe: Probe, space: Workspace) -> tuple[Array, Array]:
-    """Make the position fixes of a probe, an array (fixes, 8) for each of the two groups."""
+    """Make the position fixes (m) of a probe; return an array (fixes, 8) for each group of lanes.
+
+    There are two groups of eight lanes. For phasors they hold cosines and sines of equal
+    frequencies, otherwise different sines.
+    """
     delay = space.sensors.delay if probe.truth else 0
     fix_steps = space.sensors.fix_interval * np.arange(len(space.no_fixes))[:, None] - delay
     values = np.exp(1j * (probe.angle * fix_steps + probe.shift)) * probe.fix
@@ -215,7 +236,8 @@ def _fixes(probe: Probe, space: Workspace) -> tuple[Array, Array]:
 def _in_groups(values: Array, phasor: bool) -> Array:
     """Arrange values (..., n) as (..., 2, 8), two groups of eight lanes, padded with zeros.
 
-    If `phasor`, both groups get the same eight values; otherwise they share sixteen values.
+    If `phasor` is true, both groups get the same values, at most eight; otherwise each group gets
+    its own eight of at most sixteen values.
     """
     missing = (1 if phasor else 2) * LANES - values.shape[-1]
     filled = np.pad(values, [(0, 0)] * (values.ndim - 1) + [(0, missing)])
@@ -225,7 +247,7 @@ def _in_groups(values: Array, phasor: bool) -> Array:
 
 
 def _rows(values: Array) -> Array:
-    """Copy values (..., 8) to an array (rows, 8) that is aligned to cache lines."""
+    """Copy values (..., 8) to a new array (rows, 8) that is aligned to the cache's lines."""
     rows = aligned(values.size // LANES, LANES)
     rows[:] = values.reshape(-1, LANES)
     return rows

@@ -1,10 +1,10 @@
 """Computes expected mean square errors over the records of a spectrum.
 
-A scheme's curve says how large the error due to motion is at each frequency. A record is a sum of
-sinusoids (lines) of fixed amplitudes and independent random phases, so the expectation of its
-squared error is a sum over its lines. For a record that is normalised to a standard deviation of
-1 m, the squared error is a ratio of two sums. Both vary together from record to record, because
-neighbouring lines beat in a finite record.
+A scheme's curve is the scheme's error due to motion at each frequency. A record is a sum of
+sinusoids (lines) of fixed amplitudes and independent random phases, so the expectation of the
+record's squared error is a sum over its lines. For a record that is normalised to a standard
+deviation of 1 m, the squared error is a ratio of two sums. Numerator and denominator vary together
+from record to record, because neighbouring lines beat in a finite record.
 """
 
 from __future__ import annotations
@@ -20,17 +20,18 @@ from owtsweep.motion.synthesis import lines
 
 @dataclass(frozen=True)
 class Lines:
-    """The spectral lines of records of one length.
+    """The spectral lines (sinusoids) of which records of one length consist.
 
     Attributes
     ----------
     frequency
         Frequencies of the lines, Hz, evenly spaced, shape (n,).
     beat
-        Fourier transform of a function: the mean square of the beat of two lines in the record,
-        given the difference of the lines' numbers.
+        Fourier transform, shape (size // 2 + 1,), of a function b. The argument of b is the
+        difference of two lines' numbers. The value of b is the square of the mean that the beat of
+        the two lines has over a record; b(0) = 0.
     size
-        Number of values that are transformed.
+        Number of values of b that are transformed, at least 2 n.
     """
 
     frequency: Array
@@ -41,8 +42,8 @@ class Lines:
 def lines_of(band: tuple[float, float], duration: float) -> Lines:
     """Return the spectral lines inside a band (Hz) of records of a duration (s).
 
-    The common period of all lines is twice the record's duration. Over the record, the beat of two
-    lines m and n therefore has the mean sin(pi (m - n) / 2) / (pi (m - n) / 2).
+    The common period of all lines is twice the record's duration. Over the record, the beat of the
+    lines number m and n therefore has the mean sin(pi (m - n) / 2) / (pi (m - n) / 2).
     """
     from scipy.fft import next_fast_len, rfft
 
@@ -60,12 +61,12 @@ def lines_of(band: tuple[float, float], duration: float) -> Lines:
 def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
     """Compute the expected mean square error of records normalised to a standard deviation of 1 m.
 
-    The squared error of a normalised record is a ratio n / d of two random sums. To second order in
-    the scatter of the records, the expectation of the ratio is
-    E[n / d] = E n / E d (1 + var d / (E d)^2 - cov(n, d) / (E n E d)). (The term var d / (E d)^2 is
-    0.3 % for the default records, and more for narrower spectra and shorter records.) The beat of
-    two lines in the error is approximated by their beat in the motion, times the geometric mean of
-    the curve at both lines.
+    The squared error of a normalised record is a ratio p / q of two random sums, the squared error
+    and the variance before normalisation. To second order in the scatter of the records, the
+    expectation of the ratio is E[p / q] = E p / E q (1 + var q / (E q)^2 - cov(p, q) / (E p E q)).
+    (The term var q / (E q)^2 is 0.3 % for the default records, and more for narrower spectra and
+    shorter records.) The beat of two lines in the error is approximated by their beat in the
+    motion, times the geometric mean of the curve at both lines.
 
     Parameters
     ----------
@@ -74,7 +75,7 @@ def expected_ratio(spectrum: Spectrum, curves: Array, drawn: Lines) -> Array:
     curves
         Mean square errors per mean square of the motion, at the n lines; shape (..., n).
     drawn
-        The spectral lines.
+        The spectral lines of the records.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Test the paper's claims on the HME1/HME2 boundary: the amplitude where both are equally good."""
+"""Test claims of Ren et al. (2019) on the amplitude at which HME1 and HME2 are equally good."""
 
 from __future__ import annotations
 
@@ -17,22 +17,28 @@ TOLERANCE = 2.0
 def tolerated(period: float) -> tuple[float, float]:
     """Return the least and greatest amplitude (m) that agree with the published boundary.
 
-    `period` is a natural period in s at which a boundary is published.
+    The boundary is the amplitude at which HME1 and HME2 are equally good. `period` is a natural
+    period at which a boundary is published: 4 or 6 s.
     """
     return PUBLISHED[period] / TOLERANCE, PUBLISHED[period] * TOLERANCE
 
 
 def claim_growth(evidence: HubEvidence) -> Claim:
-    """Test the claim that the boundary grows with the natural period."""
+    """Test the claim that the boundary between HME1 and HME2 grows with the natural period.
+
+    The boundary is the amplitude at which both schemes are equally good. The claim is that this
+    amplitude is larger at 8 s than at 4 s. `evidence` holds the results of the run.
+    """
     text, name = "the boundary at 8 s is above that at 4 s", "boundary at 4 s and 8 s"
     return claim_estimate(text, name, evidence.growth, {"above": 1.0})
 
 
 def boundary_claims(evidence: HubEvidence, period: float) -> list[Claim]:
-    """Test three claims on the boundary at a natural period (s).
+    """Test three claims on the boundary between HME1 and HME2 at a natural period of 4 or 6 s.
 
-    The boundary lies within a factor of 2 of the published amplitude. HME2 has the smaller position
-    MSE at all amplitudes below this range, and HME1 at all amplitudes above it.
+    First, the boundary lies within a factor of 2 of the published amplitude. Second, HME2 has the
+    smaller position MSE at all amplitudes below this range. Third, HME1 has the smaller position
+    MSE at all amplitudes above this range. `evidence` holds the results of the run.
     """
     low, high = tolerated(period)
     boundary, name = evidence.boundaries.get(period), f"boundary at {period:g} s"

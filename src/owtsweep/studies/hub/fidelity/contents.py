@@ -1,4 +1,4 @@
-"""Write the contents of the fidelity report, in the order of a reader's questions."""
+"""Write the contents of the report on how well a run reproduces Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -38,18 +38,18 @@ def document(
     judged: Sequence[JudgedStatement],
     pictures: Mapping[str, Path],
 ) -> list[Block]:
-    """Write the whole report on one run, as blocks of a page.
+    """Write the whole report on one run, as blocks (headings, paragraphs, tables) of a page.
 
     Parameters
     ----------
     name
         Name of the run in the report.
     config, evidence
-        The run's configuration and values.
+        The run's configuration and results.
     tables
         File name without suffix -> table: fidelity, fidelity_numbers and consistency.
     judged
-        The paper's statements F1 to F11 with their verdicts.
+        The statements F1 to F11 of Ren et al. (2019), with the verdicts on them.
     pictures
         Figure name -> PNG file: published_against_reproduced, ratios and boundaries.
     """
@@ -60,9 +60,9 @@ def document(
             f"Tuning {config.tuning_name}. {describe_origin(config)}. Judged: the "
             f"{describe_window(config.measures.window)}; schemes {', '.join(evidence.schemes)}. "
             "Position is x + y, velocity vx + vy. Brackets are 95 % intervals: of means, t "
-            "intervals over the records; of ratios of means, paired over the records (Fieller); of boundaries, a bootstrap "
-            "over the records. A claim about many cells is tested in all of them with Holm's "
-            "correction."
+            "intervals over the records; of ratios of means, paired over the records (Fieller); "
+            "of boundaries, a bootstrap over the records. A claim about many cells is tested in "
+            "all of them with Holm's correction."
         ),
         *_summary(tables["fidelity"], numbers, judged),
         *sections.statement_section(judged, DEFINITIONS),
@@ -111,9 +111,11 @@ def _summary(
 def _number_section(
     evidence: HubEvidence, numbers: pd.DataFrame, pictures: Mapping[str, Path]
 ) -> list[Block]:
-    """Write the section on the 64 numbers of the paper's tables 6-9.
+    """Write the section on the 64 numbers of tables 6-9 of Ren et al. (2019).
 
-    It has two figures, four tables, and the reasons for numbers missed by more than a factor of 2.
+    The section has two figures, four tables, and the reasons for numbers that the run misses by
+    more than a factor of 2. `numbers` is the result of `numbers.compare_numbers`; `pictures` maps
+    figure names to PNG files.
     """
     blocks: list[Block] = [
         Heading("Numbers of tables 6-9"),
@@ -144,7 +146,7 @@ def _number_section(
         cell = Cell(row.natural_period, row.amplitude)
         why = reason(evidence, row.scheme, cell, row.measure, row.published)
         name = f"Table {row.table}, {row.scheme} {row.measure}"
-        items.append(f"{name}, {row.ratio:.2f} times the print: {why}.")
+        items.append(f"{name}, {sections.format_ratio(row.ratio)} times the print: {why}.")
     if not items:
         return [*blocks, Paragraph("None.")]
     explanation = (

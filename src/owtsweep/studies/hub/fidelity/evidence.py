@@ -1,4 +1,4 @@
-"""The cells (natural period, amplitude) that the paper discusses, and a run's results there."""
+"""The cells (natural period, amplitude) of Ren et al. (2019), and a run's results in the cells."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SCHEMES = ("EKF", "MKF", "HME1", "HME2")
 
 
 class Cell(NamedTuple):
-    """A cell of the grid: natural period (s) and amplitude (m)."""
+    """A cell, which is a point of the grid: natural period (s) and amplitude (m)."""
 
     natural_period: float
     amplitude: float
@@ -35,17 +35,21 @@ class Cell(NamedTuple):
 def cells(
     periods: Sequence[float] = PERIODS, amplitudes: Sequence[float] = AMPLITUDES
 ) -> list[Cell]:
-    """Return all cells of these natural periods (s) and amplitudes (m), period by period."""
+    """Return all pairs of these natural periods (s) and amplitudes (m), period by period.
+
+    The default is the grid of Ren et al. (2019).
+    """
     return [Cell(period, amplitude) for period in periods for amplitude in amplitudes]
 
 
 @dataclass(frozen=True)
 class Boundary(Estimate):
-    """The amplitude (m) below which HME2 has the smaller position MSE, and HME1 above.
+    """The boundary: the amplitude (m) below which HME2 has the smaller position MSE, HME1 above.
 
     The 95 % interval is a bootstrap over the replicates. If there is a boundary, `wins` is "". If
-    there is none, the amplitude is NaN and `wins` names the scheme that is better at every
-    amplitude. It is "neither" if the means cross twice or the other way round.
+    there is no boundary, the amplitude is NaN, and `wins` names the scheme that is better at every
+    amplitude. In this case `wins` is "neither" if the two MSEs cross twice, or if HME1 is better
+    below and HME2 above.
     """
 
     wins: str = ""
@@ -53,7 +57,7 @@ class Boundary(Estimate):
 
 @dataclass(frozen=True, kw_only=True)
 class HubEvidence(Evidence):
-    """The values of a hub run that published results are compared with.
+    """The results of a hub run, with which the published results are compared.
 
     Attributes
     ----------
@@ -66,9 +70,10 @@ class HubEvidence(Evidence):
 
     @cached_property
     def boundaries(self) -> dict[float, Boundary]:
-        """The HME1/HME2 boundary by natural period (s), for the periods that have both schemes.
+        """Natural period (s) -> amplitude at which HME1 and HME2 have equal position MSE.
 
-        Empty if the run lacks a scheme, or was not run with evaluation=superposed.
+        The dict is empty if the run lacks one of the two schemes, or was not run with
+        evaluation=superposed.
         """
         try:
             table = find_boundary(self.rows, CONDITIONS, BOUNDARY, "position", self.window)
@@ -89,9 +94,11 @@ class HubEvidence(Evidence):
 
     @cached_property
     def growth(self) -> Estimate | None:
-        """The boundary at 8 s divided by the boundary at 4 s; None if the run lacks a period.
+        """The boundary at a natural period of 8 s, divided by the boundary at 4 s.
 
-        NaN if one of the two boundaries does not exist.
+        The boundary is the amplitude at which HME1 and HME2 have equal position MSE. The ratio is
+        NaN if one of the two boundaries does not exist. The ratio is None if the run lacks one of
+        these periods or schemes, or was not run with evaluation=superposed.
         """
         periods = (8.0,), (4.0,)
         try:

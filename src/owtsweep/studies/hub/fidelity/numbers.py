@@ -1,4 +1,4 @@
-"""Compare the 64 numbers of the paper's tables 6-9 with those of a run."""
+"""Compare the 64 numbers of tables 6-9 of Ren et al. (2019) with the numbers of a run."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ if TYPE_CHECKING:
 
 
 def compare_numbers(evidence: HubEvidence) -> pd.DataFrame:
-    """Compare the published numbers with a run's, in the order of the paper.
+    """Compare the 64 numbers of tables 6-9 of Ren et al. (2019) with the numbers of a run.
 
     Returns
     -------
     DataFrame
-        One row per number. Columns table, natural_period (s), amplitude (m), scheme, measure,
-        published, the keys of `verdicts.numbers.compare_number`, why. The numbers are MSEs, of x
-        and y in m^2, of vx and vy in m^2/s^2. `why` says where the published number lies among the
-        records, and gives the cause if it is missed by more than a factor of 2. If the run lacks
-        the condition or the scheme, the run's values are NaN and `why` says "not in this run".
-        EKF's v_x in Table 7 is judged at 1.98e-3, not at the printed 1.98e-2.
+        One row per published number, in the order of the paper. Columns table, natural_period (s),
+        amplitude (m), scheme, measure, published, the keys of `verdicts.numbers.compare_number`,
+        why. The numbers are MSEs, of x and y in m^2, of vx and vy in m^2/s^2. `why` says where the
+        published number lies among the run's records. `why` also gives the cause if the run misses
+        the number by more than a factor of 2. If the run lacks the condition or the scheme, the
+        run's values are NaN and `why` says "not in this run". EKF's v_x in Table 7 is judged at
+        1.98e-3, not at the printed 1.98e-2, which must be a misprint.
     """
     import pandas as pd
 

@@ -1,4 +1,8 @@
-"""Draw the boundary figure of the hub's fidelity report; call under `figures.style.context`."""
+"""Draw the figure of the fidelity report on the boundary between HME1 and HME2.
+
+The boundary is the amplitude at which both schemes are equally good. Drawing must happen inside the
+context `figures.style.context`.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +24,16 @@ if TYPE_CHECKING:
 
 
 def draw_boundaries(boundaries: Mapping[float, Boundary], amplitudes: Sequence[float]) -> Figure:
-    """Draw a run's and the paper's HME1/HME2 boundary (amplitude, m) against natural period (s).
+    """Draw the amplitude (m) at which HME1 and HME2 are equally good against natural period (s).
+
+    This amplitude is the boundary. The figure shows the boundaries of a run and of Ren et al.
+    (2019).
 
     Parameters
     ----------
     boundaries
-        Natural period (s) -> the run's boundary, drawn with its 95 % interval.
+        Natural period (s) -> the run's boundary, drawn with its 95 % interval. If there is no
+        boundary, a text says which scheme is better throughout.
     amplitudes
         The run's amplitudes in m, which set the limits of the vertical axis.
     """

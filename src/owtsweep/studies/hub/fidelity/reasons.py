@@ -1,9 +1,10 @@
-"""Say why a published number is missed, from the parts of the MSE in the run and in the paper.
+"""Say why a run misses a published number, from the parts of the MSE in run and paper.
 
-For a linear scheme MSE(N) = N^2 A + 2 N C + F with the amplitude N: A is the error from motion, F
-the error from sensor noise, C their mean product. The paper's tables 7 and 8 are for one natural
-period and two amplitudes, so they give the paper's A and F if C is neglected. F depends only on the
-sensors and the scheme, so F is equal at all natural periods.
+For a linear scheme, the MSE at the amplitude N is N^2 A + 2 N C + F. A is the mean square error
+from motion of unit amplitude, F is the mean square error from sensor noise, and C is the mean
+product of both errors. Tables 7 and 8 of Ren et al. (2019) are for one natural period and two
+amplitudes. So the tables give the paper's A and F if C is neglected. F depends only on the sensors
+and the scheme, so F is equal at all natural periods.
 """
 
 from __future__ import annotations
@@ -26,9 +27,11 @@ WEAK, STRONG = Cell(8.0, 0.2), Cell(8.0, 1.0)
 
 
 class Terms(NamedTuple):
-    """The parts of an MSE at the amplitude N, in the unit of the MSE.
+    """The three parts of an MSE at the amplitude N, in the unit of the MSE.
 
-    They are N^2 A (motion), 2 N C (cross) and F (noise).
+    The parts are N^2 A (motion), 2 N C (cross) and F (noise). A is the mean square error from
+    motion of unit amplitude, F is the mean square error from noise, and C is the mean product of
+    both errors.
     """
 
     motion: float
@@ -38,9 +41,11 @@ class Terms(NamedTuple):
 
 @cache
 def implied_floor(scheme: str, measure: str) -> float:
-    """Compute the paper's noise part F of a scheme's MSE, from tables 7 and 8.
+    """Compute the part of a scheme's MSE that noise causes, from tables 7 and 8 of the paper.
 
-    `measure` is x, y (result in m^2), vx or vy (in m^2/s^2). F may come out negative.
+    The paper is Ren et al. (2019). `measure` is x or y (result in m^2), or vx or vy (result in
+    m^2/s^2). The result may be negative, because the product of the errors from motion and noise is
+    neglected.
     """
     table = published_numbers()
     chosen = table[(table["scheme"] == scheme) & (table["measure"] == measure)]
@@ -56,10 +61,11 @@ def _floor(weak: Any, strong: Any) -> Any:
 def _superposed(
     evidence: HubEvidence, scheme: str, cell: Cell, measure: str, *, both_windows: bool = False
 ) -> pd.DataFrame:
-    """Return the rows of one scheme and measure that hold motion, cross and noise products.
+    """Return the run's rows of one scheme and measure at the natural period of `cell`.
 
-    Such rows exist with evaluation=superposed. They are for the natural period of `cell`.
-    Only rows of the run's window are returned, or of both windows if `both_windows`.
+    Only rows that hold motion, cross and noise products are returned; a run has such rows with
+    evaluation=superposed. A row is for one of two time windows, the full record or its settled
+    part. Only rows of the run's own window are returned, unless `both_windows` is True.
     """
     rows = evidence.finished
     return rows[
@@ -76,9 +82,10 @@ def _mse(rows: pd.DataFrame, cell: Cell) -> Any:
 
 
 def terms(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> Terms | None:
-    """Compute the motion, cross and noise part of a scheme's mean MSE in a cell of the run.
+    """Compute the motion, cross and noise part of a scheme's mean MSE at one point of the grid.
 
-    Returns None unless the run computed this case by superposition (evaluation=superposed).
+    `cell` is the point: natural period and amplitude. Return None if the run did not compute this
+    scheme at this point with evaluation=superposed.
     """
     chosen = _superposed(evidence, scheme, cell, measure)
     if chosen.empty:
@@ -90,18 +97,22 @@ def terms(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> Terms
 def start_up_share(evidence: HubEvidence, scheme: str, cell: Cell, measure: str) -> float:
     """Compute which share (0 to 1) of the record's squared error is made before the settling time.
 
-    Returns NaN unless the run computed this case by superposition (evaluation=superposed).
+    Returns NaN if there is no error, and unless the run computed this case by superposition
+    (evaluation=superposed).
     """
     chosen = _superposed(evidence, scheme, cell, measure, both_windows=True)
     total = (_mse(chosen, cell) * chosen["n_samples"]).groupby(chosen["window"]).sum()
-    return float(1.0 - total.get("settled", np.nan) / total.get("full", np.nan))
+    full = total.get("full", np.nan)
+    return float(1.0 - total.get("settled", np.nan) / full) if full > 0.0 else float("nan")
 
 
 def reason(evidence: HubEvidence, scheme: str, cell: Cell, measure: str, published: float) -> str:
-    """Say why a number is missed, by comparing the parts of the run's MSE with the paper's.
+    """Say in one line why the run's mean MSE misses the number `published`.
 
-    The motion part and the noise part of the run's MSE are replaced by the paper's, one at a time.
-    The cause is the part whose replacement brings the MSE closer to the published number.
+    The motion part and the noise part of the run's MSE are replaced by those of Ren et al. (2019),
+    one at a time. The cause is the part whose replacement brings the MSE closer to the published
+    number. `cell` is the number's natural period and amplitude. If the parts are not known, the
+    text says so.
     """
     parts = terms(evidence, scheme, cell, measure)
     if parts is None:
@@ -122,10 +133,11 @@ def reason(evidence: HubEvidence, scheme: str, cell: Cell, measure: str, publish
     else:
         sentences.append("the print leaves no room for a motion term")
     cause = "noise floor" if with_noise < with_motion else "motion term"
-    left = min(with_noise, with_motion)
+    with np.errstate(over="ignore"):
+        left = np.exp2(min(with_noise, with_motion))
     sentences.append(
         f"mainly the {cause}: with the print's own the number would be within a factor of "
-        f"{2.0**left:.2f}"
+        f"{left:.2f}"
     )
     share = start_up_share(evidence, scheme, cell, measure)
     if np.isfinite(share) and evidence.window == "full":
@@ -139,10 +151,11 @@ def _distance(value: float, published: float) -> float:
 
 
 def _doubt(evidence: HubEvidence, scheme: str, measure: str, floor: float) -> str:
-    """Write a note if the paper's noise part may be off because the neglected C is not small.
+    """Write a note if the noise part that the paper's tables imply is uncertain; otherwise "".
 
-    This is so if `floor`, the paper's F, lies within the central 95 % of the values that single
-    records of the run imply in the same way. Otherwise, returns "".
+    The implied noise part, `floor`, neglects the mean product of the errors from motion and noise.
+    The noise part of each single record of the run is computed with the same neglect. `floor` is
+    uncertain if it lies within the central 95 % of these values.
     """
     rows = _superposed(evidence, scheme, WEAK, measure)
     # F of single records, computed as for the paper, and so with a contribution of C
@@ -159,7 +172,10 @@ def _doubt(evidence: HubEvidence, scheme: str, measure: str, floor: float) -> st
 
 
 def _shares(parts: Terms) -> str:
-    motion, cross, noise = (part / sum(parts) for part in parts)
+    total = sum(parts)
+    if not total > 0.0:
+        return f"ours is {total:.3g}"
+    motion, cross, noise = (part / total for part in parts)
     product = f", {_percent(cross)} their product" if abs(cross) > 0.005 else ""
     return f"ours is {_percent(motion)} motion, {_percent(noise)} noise{product}"
 

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from owtsweep.io.steps import tell_step
 from owtsweep.studies.hub import published, scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS, get_grid
 from owtsweep.studies.hub.config import HubConfig
@@ -35,7 +36,7 @@ PANELS = {
 
 
 def judge_all(evidence: HubEvidence) -> list[JudgedStatement]:
-    """Judge the paper's statements F1 to F11."""
+    """Judge the statements F1 to F11 of Ren et al. (2019) by the results of a run."""
     facts = published.facts()
     return judge(dict(zip(facts["id"], facts["statement"], strict=True)), STATEMENTS, evidence)
 
@@ -43,7 +44,7 @@ def judge_all(evidence: HubEvidence) -> list[JudgedStatement]:
 def write_report(
     config: HubConfig, rows: pd.DataFrame, folder: Path, metadata: Mapping[str, str]
 ) -> list[Path]:
-    """Compare a run with the paper and write the report on it.
+    """Compare a run with Ren et al. (2019) and write the report on this comparison.
 
     Parameters
     ----------
@@ -52,8 +53,9 @@ def write_report(
     rows
         The run's cases, as `Run.cases` returns them.
     folder
-        Where to write; made if it does not exist. The files are fidelity.csv, fidelity_numbers.csv,
-        fidelity_claims.csv, consistency.csv, fidelity.md, fidelity.html and figures/.
+        The folder for the report, which is made if it does not exist. The files are fidelity.csv,
+        fidelity_numbers.csv, fidelity_claims.csv, consistency.csv, fidelity.md, fidelity.html and
+        figures/.
     metadata
         Texts by name to store inside the figures' files. The text "folder" is the run's name in
         the report.
@@ -63,6 +65,7 @@ def write_report(
     list of Path
         All files written.
     """
+    tell_step("time histories of HME1 and HME2")
     evidence = HubEvidence(
         rows=rows,
         conditions=CONDITIONS,
@@ -72,6 +75,7 @@ def write_report(
         window=config.measures.window,
         history_errors=measure_history_errors(config),
     )
+    tell_step("published numbers and statements")
     numbers, judged = compare_numbers(evidence), judge_all(evidence)
     tables = {
         "fidelity": fidelity_table(evidence, numbers, judged),

@@ -1,10 +1,12 @@
 """Compute the score of an interpretation of the paper: its distance from the published results.
 
-The score is the sum of three parts, fixed before the recorded search. The first part is the mean of
-|log2(reproduced / published)| over the 64 numbers of tables 6-9 (Table 7's misprint is judged at
-1.98e-3). The second part is `WINNER_PENALTY` for each of the four tables in which another scheme
-has the least position MSE (x + y). The third part is `BOUNDARY_WEIGHT` times the sum of
-|log2(reproduced / published)| of the HME1/HME2 boundary, published as 0.3 m at 4 s and 1 m at 6 s.
+The paper is Ren et al. (2019). The score is the sum of three parts. This sum was fixed before the
+recorded search for an interpretation. The first part is the mean of |log2(reproduced / published)|
+over the 64 numbers of tables 6-9 (Table 7's misprint is judged at 1.98e-3). The second part is
+`WINNER_PENALTY` for each of the four tables whose scheme of least position MSE (x + y) is not the
+published one. The third part concerns the boundary, the amplitude at which HME1 and HME2 are
+equally good: published as 0.3 m at 4 s and 1 m at 6 s. This part is `BOUNDARY_WEIGHT` times the sum
+of |log2(reproduced / published)| over both boundaries.
 """
 
 from __future__ import annotations
@@ -40,20 +42,20 @@ Products = Mapping[str, Mapping[float, Array]]
 def scheme_products(
     config: HubConfig, scheme: str, lanes: Mapping[float, Lanes]
 ) -> dict[float, Array]:
-    """Run one scheme and average its errors' products over the records, by natural period (s).
+    """Run one scheme; average the products of its errors from motion and noise over the records.
 
-    The error of a scheme is the amplitude times an error from motion, plus an error from noise. The
-    products are the mean square of the first, the mean product of both, the mean square of the
-    second.
+    The error of a scheme is the amplitude times an error from motion, plus an error from noise.
+    There are three products: the mean square of the error from motion, the mean product of both
+    errors, and the mean square of the error from noise.
 
     Parameters
     ----------
     config
-        The configuration; `measures.window` selects the part of each record.
+        The configuration; `measures.window` selects the part of each record that counts.
     scheme
         Name of a scheme with a batch kernel.
     lanes
-        Natural period (s) -> records.
+        Natural period (s) -> records, as `make_lanes` returns them.
 
     Returns
     -------
@@ -77,25 +79,34 @@ def scheme_products(
 def make_lanes(
     config: HubConfig, replicates: Sequence[int], periods: Sequence[float] = PERIODS
 ) -> dict[float, Lanes]:
-    """Make the records from which a score is computed, by natural period (s)."""
+    """Return natural period (s) -> the records from which a score is computed.
+
+    `replicates` are the numbers of the records, and `periods` the natural periods in s.
+    """
     return {period: Lanes(make_records(config, period, replicates)) for period in periods}
 
 
 def at_amplitude(products: Array, amplitude: float) -> Array:
-    """Compute the MSE at an amplitude (m); last axis of `products`: motion, cross, noise."""
+    """Compute the MSE at an amplitude (m) by superposition.
+
+    `products` is the result of `scheme_products`. Its last axis holds the mean square of the error
+    due to motion of 1 m, the mean product of this error and the error due to noise, and the mean
+    square of the error due to noise. The result has the shape of `products` without the last axis.
+    """
     return np.asarray(superpose(products[..., 0], products[..., 1], products[..., 2], amplitude))
 
 
 def boundary(lower: Array, upper: Array) -> float:
-    """Compute the amplitude (m) above which the scheme `upper` has the smaller position MSE, x + y.
+    """Compute the amplitude (m) below which one scheme has the smaller MSE, and above it another.
 
-    Returns NaN if there is no such amplitude: one scheme is better at every amplitude, or `upper`
-    is better below and not above.
+    The MSE is that of position, x + y. Return NaN if there is no such amplitude: one scheme is
+    better at every amplitude, or `upper` is better at small amplitudes.
 
     Parameters
     ----------
     lower, upper
-        Products of two schemes, shape (4, 3), as `scheme_products` returns them.
+        Products of the scheme that is better below the amplitude, and of the scheme that is better
+        above; shape (4, 3) each, as `scheme_products` returns them.
     """
     a, c, f = np.sum(lower[:2] - upper[:2], axis=0)  # lower minus upper: < 0 below the boundary
     if f >= 0.0 or a <= 0.0:
@@ -105,16 +116,20 @@ def boundary(lower: Array, upper: Array) -> float:
 
 @dataclass(frozen=True)
 class Score:
-    """The two parts of the score that compare schemes with each other: winners and boundaries.
+    """Two parts of the distance from the published results: wrong winners, and wrong boundaries.
+
+    A third part, the mean distance of the published numbers, is not included.
 
     Attributes
     ----------
     penalties
-        The sum of both parts; less is better.
+        The sum of the two parts; less is better.
     winners
-        The schemes of least position MSE at the conditions of tables 6, 7, 8 and 9.
+        The scheme of least position MSE at the condition of each of the tables 6, 7, 8 and 9 of
+        Ren et al. (2019).
     boundaries
-        Natural period (s) -> HME1/HME2 boundary (m); NaN where there is none.
+        Natural period (s) -> amplitude (m) at which HME1 and HME2 are equally good; NaN if there is
+        no such amplitude.
     """
 
     penalties: float
@@ -123,7 +138,10 @@ class Score:
 
 
 def published_numbers() -> pd.DataFrame:
-    """Return the 64 numbers of the paper's tables 6-9, with Table 7's misprint corrected."""
+    """Return the 64 numbers of tables 6-9 of Ren et al. (2019), with Table 7's misprint corrected.
+
+    The columns are those of `published.mse_tables`.
+    """
     table = published.mse_tables()
     misprint = (table.table == 7) & (table.scheme == "EKF") & (table.measure == "vx")
     table.loc[misprint, "published"] = 1.98e-3
@@ -131,7 +149,12 @@ def published_numbers() -> pd.DataFrame:
 
 
 def compare(products: Products) -> pd.DataFrame:
-    """Compare the published numbers of the given schemes with those that the products imply.
+    """Compare the published numbers of some schemes with the numbers that a run reproduces.
+
+    Parameters
+    ----------
+    products
+        Scheme -> what `scheme_products` returns. The MSE at any amplitude follows from it.
 
     Returns
     -------
@@ -153,7 +176,9 @@ def compare(products: Products) -> pd.DataFrame:
 def score(products: Products) -> Score:
     """Compute the parts of the score on winners and boundaries, for EKF, MKF, HME1 and HME2.
 
-    The mean distance of the numbers is not included; `compare` gives these distances.
+    `products` maps each of these schemes to what `scheme_products` returns. The third part of the
+    score, the mean distance of the published numbers, is not included; `compare` gives these
+    distances.
     """
     table = compare(products)
     position = table[table.measure.isin(["x", "y"])]

@@ -1,15 +1,17 @@
 """F1-F11: numeric tests of the paper's statements about the map, the tables and the histories.
 
-Definitions and thresholds were written down before any run was judged by them; winners and
-boundaries of earlier prototypes were known. (One detail of the inference was corrected after the
-first results: a paired t test also counts where the ratio has no bounded interval.) A test's
-docstring is its definition; the report prints it. Common to all tests: the measure is the MSE in
-the run's window (`measures.window`), position = x + y, velocity = vx + vy, unless said otherwise;
-the quantity is a ratio of two means over the replicates that all schemes concerned finished; "below
-1 in all cells" is tested in each cell by a paired t test and over the cells by Holm's correction
-(`verdicts.inference`); cells are those of the paper's grid, and a claim that lacks one of its cells
-can be refuted but not confirmed. Boundaries are bootstrapped over the replicates
-(`results.boundary`). F9 and F11 concern the time histories at 3.8 s (`fidelity.history_errors`).
+The paper is Ren et al. (2019). Definitions and thresholds were written down before any run was
+judged by them; winners and boundaries of earlier prototypes were known. (One detail of the
+inference was corrected after the first results: a paired t test also counts where the ratio has no
+bounded interval.) The docstring of a test is the test's definition, which the report prints.
+
+Unless a test says otherwise: The measure is the MSE in the run's window (`measures.window`), with
+position = x + y and velocity = vx + vy. The quantity is a ratio of two means over the replicates
+that all schemes concerned finished. A cell is a natural period and an amplitude of the paper's
+grid. "Below 1 in all cells" is tested in each cell by a paired t test, and over the cells by Holm's
+correction (`verdicts.inference`). A claim can be refuted but not confirmed if the run lacks one of
+the claim's cells. Boundaries are bootstrapped over the replicates (`results.boundary`). F9 and F11
+concern the time histories at 3.8 s (`fidelity.history_errors`).
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""Make the table fidelity.csv: one row per published item, with the run's result for this item."""
+"""Make the table fidelity.csv, which compares a run with the published results of the paper.
+
+The paper is Ren et al. (2019). The table has one row per published item.
+"""
 
 from __future__ import annotations
 
@@ -28,12 +31,12 @@ NO_BOUNDARY = "period, scheme or superposed cases not in this run"
 def fidelity_table(
     evidence: HubEvidence, numbers: pd.DataFrame, judged: Sequence[JudgedStatement]
 ) -> pd.DataFrame:
-    """Make the table fidelity.csv.
+    """Make the table fidelity.csv, which compares a run with Ren et al. (2019).
 
     Parameters
     ----------
     evidence
-        The run's values.
+        The results of the run.
     numbers
         The result of `numbers.compare_numbers`.
     judged
@@ -42,13 +45,13 @@ def fidelity_table(
     Returns
     -------
     DataFrame
-        One row per item; columns as in `verdicts.summary.make_table`. The column `kind` is
-        "number" for the 64 numbers of tables 6-9; "statement" for F1 to F11, where `published` is
-        the threshold of the decision that settles the verdict and `agrees` is the verdict;
-        "boundary" for the HME1/HME2 boundary in m; "winner" for the position MSE of a table's
-        published winner divided by that of the best other scheme; "summary" for numbers on whole
-        tables. Except for statements, `agrees` is yes, no, undecided, missing, or empty where
-        nothing is published.
+        One row per item; columns as in `verdicts.summary.make_table`. The column `kind` says what
+        the item is. "number": one of the 64 numbers of tables 6-9. "statement": one of F1 to F11;
+        `published` is the threshold of the decision that settles the verdict, and `agrees` is the
+        verdict. "boundary": the amplitude (m) at which HME1 and HME2 are equally good. "winner":
+        the position MSE of a table's published winner divided by that of the best other scheme.
+        "summary": a number on a whole table. Except for statements, `agrees` is yes, no, undecided
+        or missing, or empty if nothing is published.
     """
     tables: Any = numbers.groupby("table")
     return summary.make_table(
@@ -65,16 +68,18 @@ def fidelity_table(
 
 
 def _boundary(evidence: HubEvidence, period: float) -> Item:
-    """Make the row of the boundary at a natural period (s), compared with the published one if any.
+    """Make the row on the boundary between HME1 and HME2 at a natural period (s).
 
-    If the run has no boundary there, the verdict is that on the cells on either side.
+    The boundary is the amplitude at which both are equally good. If a boundary is published at this
+    period, the run's boundary is compared with it. If the run has no boundary at such a period, the
+    verdict also rests on the MSEs at the amplitudes below and above the published boundary.
     """
     boundary = evidence.boundaries.get(period)
     row = Item(f"boundary {period:g} s", "boundary", boundaries.PUBLISHED.get(period, NAN))
     if period not in boundaries.PUBLISHED:
         return _boundary_row(row, boundary, "", "not published")
     claims = boundaries.boundary_claims(evidence, period)
-    # where there is no boundary, the cells on either side decide
+    # if there is no boundary, the cells below and above the published boundary decide
     verdict = all_of(claims if boundary and boundary.wins else claims[:1])
     low, high = boundaries.tolerated(period)
     why = f"agreement: within a factor of 2, {low:g} to {high:g} m"
@@ -82,7 +87,10 @@ def _boundary(evidence: HubEvidence, period: float) -> Item:
 
 
 def _growth(evidence: HubEvidence) -> Item:
-    """Make the row of the boundary at 8 s divided by the boundary at 4 s."""
+    """Make the row on the growth of the boundary between HME1 and HME2 with the natural period.
+
+    The row's number is the boundary (an amplitude) at 8 s divided by the boundary at 4 s.
+    """
     why = "the paper's boundary grows with the period; agreement: above 1"
     row = Item("boundary 8 s / 4 s", "boundary")
     return _boundary_row(row, evidence.growth, boundaries.claim_growth(evidence).verdict, why)
@@ -95,10 +103,11 @@ def _boundary_row(row: Item, boundary: Estimate | None, verdict: str, why: str) 
 
 
 def _winner(evidence: HubEvidence, number: int, table: pd.DataFrame) -> Item:
-    """Make the row of one table's published winner.
+    """Make the row on the published winner of one table of Ren et al. (2019).
 
-    Its number is the winner's position MSE divided by that of the best other scheme. `number` is
-    the number of the paper's table, and `table` its rows of `numbers.compare_numbers`.
+    The row's number is the winner's position MSE divided by that of the best other scheme. `number`
+    is the number of the published table. `table` holds the rows of `numbers.compare_numbers` for
+    this published table.
     """
     cell = TABLE_CELLS[number]
     chosen = table[table["measure"].isin(["x", "y"])]
@@ -116,10 +125,10 @@ def _winner(evidence: HubEvidence, number: int, table: pd.DataFrame) -> Item:
 
 
 def _ekf_ratio(evidence: HubEvidence, number: int, table: pd.DataFrame) -> Item:
-    """Make the row of EKF's velocity MSE divided by its position MSE at one table's condition.
+    """Make the row on EKF's velocity MSE divided by its position MSE at one table's condition.
 
-    This ratio shows at which frequency EKF's loop resonates. `number` is the number of the paper's
-    table, and `table` its rows of `numbers.compare_numbers`.
+    This ratio shows at which frequency EKF's loop resonates. `number` is the number of the table in
+    Ren et al. (2019). `table` holds the rows of `numbers.compare_numbers` for this published table.
     """
     cell, (low, high) = TABLE_CELLS[number], EKF_RATIO
     value = table[table["scheme"] == "EKF"].set_index("measure")["published"]

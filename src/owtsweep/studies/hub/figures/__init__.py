@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from owtsweep.figures.drawings import Drawing, save_figure
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.status import FAILED
-from owtsweep.studies.hub import scheme_names
+from owtsweep.studies.hub import baseline_names, scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS, CRITERIA, make_cube
 from owtsweep.studies.hub.origin import describe_one_record, describe_origin
+from owtsweep.studies.hub.winners import find_winners
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,7 +49,8 @@ def drawings(
 ) -> dict[str, Drawing]:
     """List all figures of a run with records: name -> function that draws and saves the figure.
 
-    Some figures show the run's results, others are simulated from the run's configuration.
+    Some figures show the run's results. The other figures are simulated from the run's
+    configuration. The Markdown and CSV files "tables_6_to_9" are listed too.
 
     Parameters
     ----------
@@ -57,7 +59,7 @@ def drawings(
     tables
         The run's tables "summary" and "best_scheme".
     rows
-        The run's cases, including failed ones.
+        The run's rows, including those of failed schemes.
     metadata
         Texts by name to store inside the figures' files.
     """
@@ -72,7 +74,12 @@ def drawings(
     }
     return {
         **save_each(results, describe_origin(config), metadata),
-        "tables_6_to_9": partial(write, summary, config.measures.window),
+        "tables_6_to_9": partial(
+            write,
+            summary,
+            config.measures.window,
+            f"Tuning {config.tuning_name}. {describe_origin(config)}.",
+        ),
         **save_each(_illustrations(config, same), describe_one_record(config), metadata),
     }
 
@@ -98,9 +105,9 @@ def save_each(
 
 
 def maps(config: HubConfig, draw_map: Callable[[str], Figure]) -> dict[str, Draw]:
-    """List the two best-scheme maps by name: by the run's criterion and by velocity.
+    """List the two maps of the best scheme by name: judged by the run's criterion, and by velocity.
 
-    `draw_map` draws a map from the name of the criterion.
+    `draw_map` draws a map from the name of a criterion, "position" or "velocity".
     """
     return {
         MAP: partial(draw_map, config.measures.criterion),
@@ -117,16 +124,16 @@ def draw_cells(
     *,
     replicates: int | None = None,
 ) -> Figure:
-    """Draw the best-scheme map with one coloured cell per condition.
+    """Draw the map of the best schemes with one coloured cell per natural period and amplitude.
 
     Parameters
     ----------
     tables
         The run's tables; "best_scheme" is drawn.
     rows
-        The run's cases, of which failed ones are counted.
+        The run's rows, of which failed ones are counted.
     criterion
-        "position" or "velocity".
+        The measure by which schemes are compared, "position" or "velocity".
     coinciding
         Groups of schemes with equal results. The map shows each group under the last of its names.
     replicates
@@ -134,17 +141,20 @@ def draw_cells(
     """
     from owtsweep.figures import best_scheme_map
 
+    window = config.measures.window
+    best, names, notes = find_winners(config, tables["best_scheme"], criterion, window)
     return best_scheme_map.draw(
-        tables["best_scheme"],
-        scheme_names(config),
+        best,
+        names,
         CONDITIONS,
         criterion=criterion,
-        window=config.measures.window,
+        window=window,
         tuning=config.tuning_name,
         quantity=f"{criterion} MSE (x + y)",
         coinciding=coinciding,
         replicates=replicates,
         failures=int((rows["status"] == FAILED).sum()),
+        notes=notes,
     )
 
 
@@ -154,13 +164,17 @@ def over_amplitude(
     periods: Iterable[float],
     coinciding: Sequence[Sequence[str]],
 ) -> dict[str, Draw]:
-    """List the figures of MSE against amplitude by name, one per natural period (s)."""
+    """List the figures of MSE against amplitude by name, one figure per natural period (s).
+
+    `summary` is the run's table "summary". `coinciding` are groups of schemes with equal results.
+    """
     from owtsweep.studies.hub.figures import mse_over_amplitude
 
     draw = partial(
         mse_over_amplitude.draw,
         summary,
         schemes=scheme_names(config),
+        baselines=baseline_names(config),
         window=config.measures.window,
         tuning=config.tuning_name,
         coinciding=coinciding,
@@ -173,9 +187,10 @@ def over_amplitude(
 
 
 def _illustrations(config: HubConfig, coinciding: Sequence[Sequence[str]]) -> dict[str, Draw]:
-    """List the figures that need the configuration alone, by name.
+    """List the figures that need the configuration alone: name -> function that draws the figure.
 
-    They show a record, the record's spectrum, time histories and error spectra.
+    The figures show a record, the record's spectrum, time histories and error spectra. `coinciding`
+    are groups of schemes with equal results, for a footnote.
     """
     from owtsweep.studies.hub.figures import error_spectra, record_and_spectrum, time_histories
     from owtsweep.studies.hub.histories import simulate_histories

@@ -1,6 +1,7 @@
-"""Draw each scheme's error per unit of motion against frequency, and its error from noise alone.
+"""Draws each scheme's error from motion against frequency, and its error from sensor noise alone.
 
-The figure shows why a scheme wins: because of a smaller error from motion or from sensor noise.
+The figure shows why a scheme wins: because of a smaller error from motion or a smaller error from
+sensor noise.
 """
 
 from __future__ import annotations
@@ -38,9 +39,10 @@ UNITS = {"position": "m²", "velocity": "m²/s²"}
 
 @dataclass(frozen=True)
 class SchemeErrors:
-    """A scheme's errors from motion and from noise.
+    """A scheme's settled errors from motion and from noise.
 
-    `floor` is None if the error from noise does not settle.
+    `spectrum` is the error from motion at each frequency. `floor` is the error from sensor noise;
+    None if this error does not settle.
     """
 
     spectrum: ErrorSpectrum
@@ -48,10 +50,12 @@ class SchemeErrors:
 
 
 def compute(config: HubConfig, *, points: int = POINTS) -> dict[str, SchemeErrors]:
-    """Error spectra and noise floors of all schemes of a study that have a kernel.
+    """Return scheme -> the settled errors of the scheme, from motion and from sensor noise.
 
-    A scheme whose response does not settle with this tuning is left out, and so is code of a stored
-    run's author; `unsettled` names them.
+    A scheme is left out if it has no kernel, if its response to motion does not settle with the
+    study's tuning, or if it is code of a stored run's author (such code is not run). `unsettled`
+    describes the schemes that are left out. `points` is the number of frequencies; a few near
+    multiples of the fix rate are dropped.
     """
     sensors = sensing.sensors(config.sensors)
     low, high = config.band
@@ -84,7 +88,7 @@ def draw(
     errors: dict[str, SchemeErrors] | None = None,
     motion: bool = False,
 ) -> Figure:
-    """Draw the error spectra and noise floors of a study's schemes: position left, velocity right.
+    """Draw the schemes' errors from motion and from sensor noise: position left, velocity right.
 
     Parameters
     ----------
@@ -93,9 +97,10 @@ def draw(
     coinciding
         Groups of schemes with equal results, for the footnote.
     errors
-        The result of `compute`; None to compute it here.
+        The result of `compute`; None to compute the errors here.
     motion
-        Whether to draw below these panels the motion spectra at the grid's natural periods.
+        Whether to draw, below the two panels, the spectra of the motion at the grid's natural
+        periods.
 
     Raises
     ------
@@ -124,7 +129,7 @@ EXPLANATION = (
     "Curves: error from motion alone, for a sinusoid of 1 m rms along the waves; s m rms moves them"
     " by s². Bars on the right: error from sensor noise alone, at any motion. The MSE of a record"
     " is the average of the curve over its spectrum, times its mean square, plus the bar. Both are"
-    " settled: the start-up transient of a record is in neither."
+    " settled: the start-up transient of a record is in neither. Curves may go on below a panel."
 )
 
 MOTION_EXPLANATION = (
@@ -135,9 +140,10 @@ MOST_SPECTRA = 8
 
 
 def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, float]) -> None:
-    """Draw the motion spectra at the grid's natural periods, each scaled to a peak of 1.
+    """Draw the spectra of the motion at the grid's natural periods, each scaled to a peak of 1.
 
-    `limits` are the ends of the frequency axis in Hz.
+    Of many natural periods, `MOST_SPECTRA` are drawn. `limits` are the ends of the frequency axis,
+    Hz.
     """
     from owtsweep.motion.spectra import spectrum
 
@@ -154,11 +160,15 @@ def _draw_motion_spectra(axes: Axes, config: HubConfig, limits: tuple[float, flo
     axes.set_ylim(1e-4, 2.0)
     _frequency_ticks(axes, limits[0], BEYOND[1] * config.band[1])
     axes.set_xlabel("frequency of the motion (Hz)")
-    axes.set_ylabel("motion spectrum")
+    axes.set_ylabel("motion spectrum\n(its peak is 1)")
 
 
 def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
-    """Write sentences that name the schemes without a curve or without a noise floor."""
+    """Write sentences that name the schemes without a curve or without a noise floor, and say why.
+
+    `errors` is the result of `compute`. The list is empty if every scheme has both a curve and a
+    floor.
+    """
     missing = [s for s in resolve_all(config.schemes, config) if s.name not in errors]
     theirs = [scheme.name for scheme in missing if isinstance(scheme, StoredScheme)]
     ours = [scheme.name for scheme in missing if not isinstance(scheme, StoredScheme)]
@@ -175,9 +185,10 @@ def unsettled(config: HubConfig, errors: dict[str, SchemeErrors]) -> list[str]:
 
 
 def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measure: str) -> None:
-    """Draw one measure's error spectra and noise floors, on log-log axes with the natural periods.
+    """Draw one measure's errors from motion, against frequency, and its errors from noise.
 
-    `measure` is "position" or "velocity". `errors` is the result of `compute`.
+    Both axes are logarithmic; the grid's natural periods are marked. `measure` is "position" or
+    "velocity". `errors` is the result of `compute`.
 
     Raises
     ------
@@ -185,7 +196,10 @@ def panel(axes: Axes, errors: dict[str, SchemeErrors], config: HubConfig, measur
         If `errors` is empty.
     """
     if not errors:
-        raise InputError("schemes: none of this run has a settled error spectrum to draw")
+        raise InputError(
+            "schemes: none of this run has a settled error spectrum to draw; use EKF, MKF, HME1 or "
+            f"HME2, or a tuning other than {config.tuning!r}"
+        )
     names = list(errors)
     for name, of_scheme in errors.items():
         look, spectrum = style_of(name, names), of_scheme.spectrum
@@ -223,7 +237,10 @@ def _frequency_ticks(axes: Axes, low: float, high: float) -> None:
 
 
 def _mark_periods(axes: Axes, periods: Sequence[float]) -> None:
-    """Mark natural periods (s) by dotted vertical lines and by ticks on the upper edge."""
+    """Mark natural periods (s) by dotted vertical lines and by ticks on the upper edge.
+
+    Periods outside the frequency axis are not marked.
+    """
     low, high = axes.get_xlim()
     shown = [period for period in periods if low < 1.0 / period < high]
     for period in shown:

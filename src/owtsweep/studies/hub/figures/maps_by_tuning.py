@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from owtsweep.errors import InputError
-from owtsweep.figures import style
+from owtsweep.figures import margin, style
 from owtsweep.figures.best_scheme_map import draw_cells
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
+from owtsweep.figures.shades import HANDLERS, Shades
 from owtsweep.results.winners import tell_winners
-from owtsweep.studies.hub import scheme_names
+from owtsweep.studies.hub import baseline_names, scheme_names
 from owtsweep.studies.hub.conditions import CONDITIONS
 from owtsweep.studies.hub.origin import describe_origin
+from owtsweep.studies.hub.winners import find_winners
 
 if TYPE_CHECKING:
     from owtsweep.sweep.runs import Results
@@ -40,15 +41,17 @@ def draw(results: Mapping[str, Results]) -> Figure:
     """
     config: Any = next(iter(results.values())).config
     criterion, window = config.measures.criterion, config.measures.window
-    shown = {}
-    for tuning, result in results.items():
-        best = result.tables["best_scheme"]
-        shown[tuning] = best[(best["criterion"] == criterion) & (best["window"] == window)]
-        if shown[tuning].empty:
+    found = {
+        tuning: find_winners(config, result.tables["best_scheme"], criterion, window)
+        for tuning, result in results.items()
+    }
+    shown = {tuning: winners.table for tuning, winners in found.items()}
+    for tuning, cells in shown.items():
+        if cells.empty:
             raise InputError(
                 f"tuning {tuning}: no cell is judged by {criterion} MSE in window {window!r}"
             )
-    names = scheme_names(config)
+    names = [*scheme_names(config), *baseline_names(config)]
     planes = {tuning: Plane.of(cells, CONDITIONS) for tuning, cells in shown.items()}
     columns = max(len(plane.columns) for plane in planes.values())
     lines = max(len(plane.lines) for plane in planes.values())
@@ -59,24 +62,28 @@ def draw(results: Mapping[str, Results]) -> Figure:
     for axes, (tuning, cells) in zip(panels, shown.items(), strict=True):
         labels = "best" if len(cells) <= MOST_LABELS else "none"
         draw_cells(axes, cells.to_dict("records"), names, planes[tuning], labels=labels)
-        letters = int(13 * max(width, 4.8))
+        letters = int(12 * max(width, 4.8))
         told = "\n".join(textwrap.wrap(tell_winners(cells), letters))
         axes.set_title(f"Tuning {tuning}\n{told}", loc="left", fontsize=10)
-    winners = {str(name) for cells in shown.values() for name in cells["best"]}
+    named = {str(name) for cells in shown.values() for name in cells["best"]}
     handles = [
-        Patch(facecolor=style_of(name, names).color, label=style.label_of(name))
+        Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
         for name in names
-        if name in winners
+        if name in named
     ]
-    figure.legend(handles=handles, loc="outside upper right", ncols=2, frameon=False)
+    figure.legend(
+        handles=handles, handler_map=HANDLERS, loc="outside upper right", ncols=2, frameon=False
+    )
     title = f"Best scheme by {criterion} MSE, {style.describe_window(window)}"
     figure.suptitle(f"{title}\n{describe_origin(config)}", x=0.01, ha="left", fontsize=10)
-    style.footnote(figure, EXPLANATION)
+    notes = dict.fromkeys(note for winners in found.values() for note in winners.notes)
+    style.footnote(figure, " ".join([EXPLANATION, *notes]))
     return figure
 
 
 EXPLANATION = (
-    "Colour: the scheme of least mean square error in the cell. Hatched: the records do not show "
-    "that the best scheme is better than the next best (95 %, Holm's correction over one map). All "
-    "tunings have the same records of motion and noise; only what the schemes assume differs."
+    f"Colour: the scheme of least mean square error in the cell. {margin.EXPLANATION} Hatched: "
+    "the records do not show that the best scheme is better than the next best (95 %, Holm's "
+    "correction over one map). All tunings have the same records of motion and noise; only what "
+    "the schemes assume differs."
 )

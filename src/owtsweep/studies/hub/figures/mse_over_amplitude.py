@@ -1,4 +1,4 @@
-"""Draw the MSE against amplitude at one natural period, as figures 15-17 of Ren et al. (2019)."""
+"""Draws the MSE over amplitude at one natural period, like figures 15-17 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from owtsweep.figures import curves, style
 from owtsweep.studies.hub import published
 from owtsweep.studies.hub.conditions import AMPLITUDE, NATURAL_PERIOD
+from owtsweep.studies.hub.schemes import BASELINES
 
 #: The panels: measure -> label of its axis.
 PANELS = {"position": "position MSE, x + y (m²)", "velocity": "velocity MSE, vx + vy (m²/s²)"}
@@ -26,8 +27,9 @@ def draw(
     window: str,
     tuning: str,
     coinciding: Sequence[Sequence[str]] = (),
+    baselines: Sequence[str] = (),
 ) -> Figure:
-    """Draw position and velocity MSE of all schemes against the amplitude, on log-log axes.
+    """Draw position and velocity MSE of schemes against the amplitude, on log-log axes.
 
     Published numbers at this natural period are drawn as hollow marks.
 
@@ -40,18 +42,22 @@ def draw(
     schemes
         Schemes to draw, in the order of the legend.
     window
-        The window of the rows to draw, named in the title.
+        The time window of the rows to draw, "full" or "settled"; also named in the title.
     tuning
         Name of the tuning, for the title.
     coinciding
         Groups of schemes with equal results, for the footnote.
+    baselines
+        Baselines to draw too, as thin lines.
 
     Raises
     ------
     InputError
         If `summary` has no data at that period in that window.
     """
-    shown = curves.choose(summary, schemes, window, {NATURAL_PERIOD: natural_period})
+    here = {NATURAL_PERIOD: natural_period}
+    curves.choose(summary, schemes, window, here)  # baselines alone are no figure
+    shown = curves.choose(summary, [*schemes, *baselines], window, here)
     printed = _choose_published(natural_period, shown["amplitude"], schemes)
     whole = printed.assign(measure=printed["measure"].map(PARTS), value=printed["published"])
     tables = sorted(set(printed["table"]))
@@ -69,11 +75,21 @@ def draw(
         points=whole.groupby(["scheme", "measure", "amplitude"])["value"].sum().reset_index(),
         points_label=label,
         coinciding=coinciding,
-        notes=[
+        thin=baselines,
+        notes=_explain_baselines(baselines)
+        + [
             f"Table {row['table']}, {row['scheme']}: {row['note']}."
             for row in printed[printed["note"] != ""].to_dict("records")
         ],
     )
+
+
+def _explain_baselines(baselines: Sequence[str]) -> list[str]:
+    """Write a sentence for the footnote on the baselines that are drawn."""
+    if not baselines:
+        return []
+    told = "; ".join(f"{name}, {BASELINES[name]}" for name in baselines)
+    return [f"Thin: baselines ({told}). The axes have the range of the schemes."]
 
 
 def _choose_published(
@@ -81,7 +97,8 @@ def _choose_published(
 ) -> pd.DataFrame:
     """Return the published numbers of the schemes at a natural period (s).
 
-    Only those are returned whose amplitude lies within the range of `amplitudes`.
+    Numbers at amplitudes outside the range of `amplitudes` are left out. The table is empty if the
+    paper has none.
     """
     table = published.mse_tables()
     inside = table["amplitude"].between(amplitudes.min(), amplitudes.max())

@@ -1,7 +1,7 @@
-"""Draw a displacement record and its spectrum, as figures 3 and 4 of Ren et al. (2019).
+"""Draws a displacement record and its spectrum, like figures 3 and 4 of Ren et al. (2019).
 
-The paper's record comes from HAWC2. The record here is one of the study, drawn from the spectrum of
-the paper's Eq. (1).
+The paper's record was simulated by HAWC2. The record drawn here is one of the study, made from the
+spectrum of the paper's Eq. (1).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ MEASURED, GIVEN, EDGE = "#0072B2", "#D55E00", "0.45"
 
 
 def draw_record(config: HubConfig) -> Figure:
-    """Draw x and y of the study's first displacement record: the whole record, and one minute."""
+    """Draw x and y of the study's first displacement record; a detail shows one minute."""
     period, step, series = _first_record(config)
     time = step * np.arange(len(series))
     start = 0.5 * max(time[-1] - DETAIL, 0.0)
@@ -61,9 +61,10 @@ def draw_record(config: HubConfig) -> Figure:
 
 
 def draw_spectrum(config: HubConfig) -> Figure:
-    """Draw the spectrum of the study's first displacement record, in x and y.
+    """Draw the spectrum of the study's first displacement record, in a panel for x and one for y.
 
-    The same panels show the paper's Eq. (1), scaled to the record's variance.
+    Each panel also shows the spectrum of Eq. (1) of Ren et al. (2019), scaled to the record's
+    variance.
     """
     period, step, series = _first_record(config)
     rate = 1.0 / step
@@ -108,9 +109,9 @@ def draw_spectrum(config: HubConfig) -> Figure:
 
 
 def _first_record(config: HubConfig) -> tuple[float, float, Array]:
-    """Return natural period (s), step (s) and displacement (m) of the study's first record.
+    """Return natural period (s), time step (s) and displacement (m) of the study's first record.
 
-    The displacement has shape (steps, 2), columns x and y.
+    The displacement has the shape (steps, 2), columns x and y.
     """
     period = natural_period_of(config)
     records = make_records(config, period, [0])

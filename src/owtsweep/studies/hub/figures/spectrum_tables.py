@@ -1,4 +1,8 @@
-"""Draw the error spectra and tabulate them and the noise floors, for the command `spectrum`."""
+"""Draws and tabulates the error spectra and noise floors, for the command `spectrum`.
+
+An error spectrum is a scheme's error from motion over frequency; a noise floor is the scheme's
+error from sensor noise alone.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +28,16 @@ from owtsweep.studies.hub.origin import describe_truth
 
 
 def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple[list[Path], Table]:
-    """Draw the schemes' error spectra, and write spectra and noise floors as tables.
+    """Draw the schemes' error spectra, and write error spectra and noise floors as tables.
 
-    Returns the files written, and a table of the noise floors for the terminal.
+    Return the files written (figures, and the tables "spectrum" and "noise_floor"), and a table of
+    the noise floors for the terminal. `metadata` are texts by name to store inside the figures'
+    files.
+
+    Raises
+    ------
+    InputError
+        If no scheme of the study has an error spectrum.
     """
     errors = error_spectra.compute(config)
     draw = partial(
@@ -42,8 +53,9 @@ def write(config: HubConfig, folder: Path, metadata: Mapping[str, str]) -> tuple
 def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     """Make a table of the error spectra, one row per scheme and frequency.
 
-    Columns scheme, frequency (Hz), position and velocity: the MSE per m^2 of mean square
-    displacement, in m^2/m^2 and in s^-2.
+    `errors` is the result of `error_spectra.compute`, and not empty. The columns are scheme,
+    frequency (Hz), position and velocity. The last two are mean square errors divided by the mean
+    square of the displacement, in m^2/m^2 and in s^-2.
     """
     parts = [pd.DataFrame({"scheme": name, **vars(of.spectrum)}) for name, of in errors.items()]
     return pd.concat(parts, ignore_index=True)
@@ -52,8 +64,9 @@ def curves(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
     """Make a table of the noise floors, one row per scheme, measure and source of noise.
 
-    Columns scheme, measure (position or velocity), source (gnss, imu, bias or all), and mse in m^2
-    or (m/s)^2; NaN if the scheme's error from noise does not settle.
+    `errors` is the result of `error_spectra.compute`. The columns are scheme, measure (position or
+    velocity), source (gnss, imu, bias or all), and mse in m^2 or (m/s)^2. The mse is NaN if the
+    scheme's error from noise does not settle.
     """
     rows = []
     for name, of_scheme in errors.items():
@@ -67,7 +80,11 @@ def floors(errors: Mapping[str, SchemeErrors]) -> pd.DataFrame:
 
 
 def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
-    """Find the groups of schemes whose error spectra are equal."""
+    """Find the groups of schemes whose error spectra are equal up to rounding.
+
+    `errors` is the result of `error_spectra.compute`. The list is empty if no two spectra are
+    equal.
+    """
     spectra = [error.spectrum for error in errors.values()]
 
     def coincide(i: int, j: int) -> bool:
@@ -77,7 +94,7 @@ def coinciding(errors: Mapping[str, SchemeErrors]) -> list[tuple[str, ...]]:
 
 
 def terminal(config: HubConfig, noise: pd.DataFrame) -> Table:
-    """Make a table for the terminal of the noise floors as root mean squares, in cm and cm/s.
+    """Make a table for the terminal: noise floors as root mean squares, in cm and cm/s.
 
     `noise` is the result of `floors`.
     """

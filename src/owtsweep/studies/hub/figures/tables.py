@@ -1,4 +1,4 @@
-"""Write tables 6-9 of Ren et al. (2019), with a run's numbers beside the published ones."""
+"""Writes tables 6-9 of Ren et al. (2019), with a run's numbers beside the published numbers."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.io.tables import write_table
 from owtsweep.studies.hub import published
+from owtsweep.verdicts.sections import format_ratio
 
 COLUMNS = (
     "table", "natural_period", "amplitude", "scheme", "measure", "published", "reproduced",
@@ -24,33 +25,43 @@ UNITS = {"x": "m²", "y": "m²", "vx": "m²/s²", "vy": "m²/s²"}
 DIGITS = 9
 
 
-def write(summary: pd.DataFrame, window: str, folder: Path, name: str) -> list[Path]:
+def write(summary: pd.DataFrame, window: str, origin: str, folder: Path, name: str) -> list[Path]:
     """Write tables 6-9 into a folder, as `<name>.csv` and `<name>.md`; return both files.
 
-    `summary` is the run's table summary.csv, `window` "full" or "settled".
+    Parameters
+    ----------
+    summary
+        The run's table summary.csv.
+    window
+        The window of the run's numbers, "full" or "settled".
+    origin
+        The first line of the Markdown file: of which tuning, truth and records the numbers are.
+    folder, name
+        The folder of the files, and their name without a suffix.
     """
     table, text = tables_6_to_9(summary, window=window), folder / f"{name}.md"
-    write_atomically(text, to_markdown(table))
+    write_atomically(text, f"{origin}\n\n{to_markdown(table)}")
     return [write_table(folder, name, table), text]
 
 
 def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
-    """Put the 64 published numbers beside those of the run.
+    """Put the 64 numbers of tables 6-9 of Ren et al. (2019) beside those of a run.
 
     Parameters
     ----------
     summary
         The table summary.csv of a run.
     window
-        The window of the run's numbers, "full" or "settled".
+        The time window of the run's numbers, "full" or "settled".
 
     Returns
     -------
     DataFrame
-        One row per published number; the columns are `COLUMNS`. Published and reproduced MSE of x
-        and y in m^2, of vx and vy in m^2/s^2; `ci_low` and `ci_high`, the 95 % interval of the
-        reproduced mean; `ratio`, reproduced / published. Where the run lacks the condition or the
-        scheme, the run's values are NaN and the note says "not in this run".
+        One row per published number; the columns are `COLUMNS`. `published` and `reproduced` are
+        mean square errors, of x and y in m^2, of vx and vy in m^2/s^2. `ci_low` and `ci_high` are
+        the ends of the 95 % interval of the reproduced mean. `ratio` is reproduced / published.
+        Where the run lacks the scheme or the conditions, the run's values are NaN and the note says
+        "not in this run".
     """
     keys = [*CONDITIONS, "scheme", "measure"]
     run = summary.loc[summary["window"] == window, [*keys, "mean", "ci_low", "ci_high"]]
@@ -66,9 +77,10 @@ def tables_6_to_9(summary: pd.DataFrame, *, window: str) -> pd.DataFrame:
 
 
 def to_markdown(table: pd.DataFrame) -> str:
-    """Write the result of `tables_6_to_9` as Markdown: one table per condition, a line per scheme.
+    """Write the result of `tables_6_to_9` as Markdown, one table per natural period and amplitude.
 
-    Each cell of a table reads "published → reproduced (ratio)".
+    Each table has one line per scheme. A cell reads "published → reproduced (ratio)". If the run
+    lacks the number, a dash stands for the reproduced number.
     """
     parts = []
     shown = table.assign(cell=[_cell(row) for row in table.to_dict("records")])
@@ -95,10 +107,11 @@ def to_markdown(table: pd.DataFrame) -> str:
 def _cell(row: dict[Any, Any]) -> str:
     if row["reproduced"] != row["reproduced"]:
         return f"{_number(row['published'])} → {NO_VALUE}"
-    return f"{_number(row['published'])} → {_number(row['reproduced'])} ({row['ratio']:.2f})"
+    ratio = format_ratio(row["ratio"])
+    return f"{_number(row['published'])} → {_number(row['reproduced'])} ({ratio})"
 
 
 def _number(value: float) -> str:
-    """Format a number to three significant digits, with the exponent as in the paper: 1.42e-3."""
+    """Format a number with three significant digits and a short exponent, e.g. 1.42e-3."""
     mantissa, exponent = f"{value:.2e}".split("e")
     return f"{mantissa}e{int(exponent)}"

@@ -1,4 +1,4 @@
-"""Draw a record over time and the schemes' errors on it, as figures 9-14 of Ren et al. (2019)."""
+"""Draws a record over time and the schemes' errors, like figures 9-14 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ Limits = tuple[float | None, float | None]
 
 
 def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str) -> Figure:
-    """Draw one quantity over time: a panel for x, one for y, and a panel of errors below.
+    """Draw one quantity over time: a panel for x, a panel for y, and a panel of errors below.
 
     The lowest panel shows the accumulated errors of x and y, or in a zoomed figure the errors of x.
-    Drawn are MKF, HME1 and HME2, or all schemes if the histories have none of these.
+    Drawn are MKF, HME1 and HME2, or all schemes if the histories have none of these three.
 
     Parameters
     ----------
@@ -51,21 +51,23 @@ def draw(histories: Histories, quantity: str, *, zoom: bool = False, tuning: str
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom
-        Whether to show only some seconds (`ZOOM` or `ACCELERATION_ZOOM`), which end at `SPAN` s.
+        Whether to show only a few seconds: `ZOOM` s, or `ACCELERATION_ZOOM` s of acceleration.
+        These seconds end `SPAN` s after the record's start, or at the record's end if that is
+        earlier.
     tuning
         Name of the tuning, for the title.
 
     Raises
     ------
     InputError
-        If no scheme estimates the quantity.
+        If none of the schemes estimates the quantity.
     """
     names = _names(histories, quantity)
     view = _view(histories, quantity, zoom=zoom)
     panels = [_values(histories, quantity, axis, names, view) for axis in range(2)]
     return time_histories.draw(
         [*panels, _errors(histories, quantity, names, view if zoom else None)],
-        title=f"{time_histories.describe(quantity)} estimate{', zoomed in' if zoom else ''}, "
+        title=f"{time_histories.describe(quantity)} estimate{_name_part(histories, view)}\n"
         f"natural period {histories.natural_period:g} s, amplitude {histories.amplitude:g} m, "
         f"tuning: {tuning}",
         footnote=_explanations(histories, quantity, names),
@@ -78,7 +80,10 @@ def _names(histories: Histories, quantity: str) -> list[str]:
     if quantity == "acceleration":
         names = [name for name in names if estimated[name].acceleration is not None]
     if not names:
-        raise InputError(f"schemes: none of this run estimates the {quantity}")
+        wanted = " with the model sigma1" if quantity == "acceleration" else ""
+        raise InputError(
+            f"schemes: none of this run estimates the {quantity}; use MKF, HME1 or HME2{wanted}"
+        )
     return names
 
 
@@ -91,10 +96,20 @@ def _view(histories: Histories, quantity: str, *, zoom: bool) -> View:
     return 0.0, whole if quantity == "bias" else min(SPAN, whole)
 
 
-def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Array]:
-    """Return a scheme's estimates, shape (n, 2), and the times (s) to which they refer.
+def _name_part(histories: Histories, view: View) -> str:
+    """Name the part of the record that the panels of x and y show; "" for the whole record."""
+    if view[1] - view[0] >= float(histories.time[-1]):
+        return ""
+    length = histories.time[-1] + histories.time[1]
+    return f", {view[0]:g} to {view[1]:g} s of {length:g} s"
 
-    The times come first and have shape (n,). The columns of the estimates are x and y.
+
+def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Array]:
+    """Return the times (s), shape (n,), and a scheme's estimates at these times, shape (n, 2).
+
+    The columns of the estimates are x and y. The scheme is called `name`; `quantity` is "position",
+    "velocity", "acceleration" or "bias". A time is the moment to which the estimate refers, which
+    may be earlier than the moment at which the estimate is made.
     """
     estimated = histories.estimated[name]
     values = getattr(estimated, quantity)
@@ -106,7 +121,11 @@ def _estimate(histories: Histories, name: str, quantity: str) -> tuple[Array, Ar
 def _values(
     histories: Histories, quantity: str, axis: int, names: Sequence[str], view: View
 ) -> Panel:
-    """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates."""
+    """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates.
+
+    `quantity` is what is shown over time, e.g. "position". `names` are the schemes to draw. `view`
+    are the first and the last time shown, s.
+    """
 
     def inside(time: Array, values: Array) -> Line:
         return make_line(*clip(time, values[:, axis], view))
@@ -145,14 +164,19 @@ def _drift(
 ) -> tuple[list[Curve], Limits, str]:
     """Make the line of the IMU's integrated acceleration, and a note on the line's drift.
 
+    `quantity` is "position" or "velocity"; `axis` is 0 for x, 1 for y; `view` are the first and the
+    last time shown, s.
+
     Returns
     -------
     marks
-        The line, or nothing if it lies outside the panel during the whole view.
+        List with the line, or an empty list if the line lies outside the panel during the whole
+        view.
     limits
         Limits of the vertical axis; None for both if the line is not drawn.
     note
-        When the line leaves the panel; "" if it is inside at the end of the view.
+        When the line leaves the panel, and whether it is shown at all; "" if the line is inside at
+        the end of the view.
     """
     time, truth = histories.time, getattr(histories, quantity)[:, axis]
     alone = getattr(histories, f"integrated_{quantity}")[:, axis]
@@ -168,16 +192,17 @@ def _drift(
         return marks, limits, ""
     unit, left = UNITS[quantity], time[int(np.argmax(outside))]
     note = (
-        f"IMU alone, integrated: leaves ±{reach:.2g} {unit} after {left:.0f} s, "
-        f"is at {alone[last]:.3g} {unit} after {time[last]:.0f} s"
+        f"{'' if marks else 'Not shown: '}IMU alone, integrated: leaves ±{reach:.2g} {unit} after "
+        f"{left:.0f} s, is at {alone[last]:.3g} {unit} after {time[last]:.0f} s"
     )
     return marks, limits, note
 
 
 def _errors(histories: Histories, quantity: str, names: Sequence[str], view: View | None) -> Panel:
-    """Make the panel of the errors of x in a view.
+    """Make the panel of the errors of x between two times, the `view` (s).
 
     If `view` is None, make the panel of the accumulated errors of x and y over the whole record.
+    `quantity` is what is estimated, e.g. "position"; `names` are the schemes to draw.
     """
     truth = getattr(histories, quantity)
     estimates = {name: _estimate(histories, name, quantity) for name in names}
@@ -205,15 +230,24 @@ def _explanations(histories: Histories, quantity: str, names: Sequence[str]) -> 
     else:
         sentences += _lags(histories, names)
     if quantity == "bias":
-        sentences.append("Panels of x and y are scaled to what is left after the transient.")
+        sentences.append(
+            "Panels of x and y are scaled to what is left after the first tenth of the record;"
+            " before, lines may leave them."
+        )
     if quantity in ("acceleration", "bias") and len(names) > 1:
         sentences.append("Where one line shows, the others lie under it.")
+    others = [name for name in histories.estimated if name not in names]
+    blind = [name for name in others if name in SHOWN]
+    sentences += [f"{name} estimates no {quantity}." for name in blind]
+    if len(others) > len(blind):
+        rest = " and ".join(name for name in others if name not in blind)
+        sentences.append(f"Not drawn, as in the paper: {rest}.")
     sentences += [f"{name} is left out: {why}." for name, why in histories.left_out.items()]
     return " ".join(sentences)
 
 
 def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
-    """Write sentences on the delay with which each scheme's filter estimates its states."""
+    """Write sentences on how late each scheme's filter knows its states."""
     lags: dict[float, list[str]] = {}
     for name in names:
         lag = histories.estimated[name].lag * float(histories.time[1])
@@ -223,7 +257,8 @@ def _lags(histories: Histories, names: Sequence[str]) -> list[str]:
         for lag, group in sorted(lags.items())
     )
     sentences = [
-        f"Each value of the filter stands at the moment that it is about; it is known: {when}."
+        "Estimates are drawn at the time to which they refer; the filters give them then, or later:"
+        f" {when}."
     ]
     if 0.0 in lags:
         sentences.append(

@@ -1,7 +1,8 @@
-"""Draw two tunings side by side: best-scheme maps, the HME1/HME2 boundary, and its cause.
+"""Draws two tunings side by side: best-scheme maps, and why HME1 and HME2 change places.
 
-Below each map, a panel shows each scheme's error from motion against frequency, and its noise
-floor. At the boundary, HME1 and HME2 have equal sums of these two parts.
+Each map shows the boundary at which HME1 and HME2 have equal errors. Below each map, a panel shows
+each scheme's error from motion against frequency, and the scheme's error from sensor noise. At the
+boundary, the sum of these two errors is equal for HME1 and HME2.
 """
 
 from __future__ import annotations
@@ -13,19 +14,20 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from owtsweep.errors import InputError
 from owtsweep.figures import style
-from owtsweep.figures.best_scheme_map import draw_cells
+from owtsweep.figures.best_scheme_map import Crossing, draw_cells
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.plane import Plane
+from owtsweep.figures.shades import Shades, add_legend
 from owtsweep.results.best_scheme import find_coinciding
 from owtsweep.results.boundary import find_boundary
 from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, CRITERIA, make_cube
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
+from owtsweep.studies.hub.winners import find_winners
 
 if TYPE_CHECKING:
     from owtsweep.sweep.runs import Run
@@ -34,7 +36,9 @@ LOWER, UPPER = BOUNDARY
 
 
 def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
-    """Draw the maps of two runs, usually tuning=paper and tuning=matched, and their error spectra.
+    """Draw the best-scheme maps of two runs side by side, and the error spectra below the maps.
+
+    Usually one run has tuning=paper and the other run has tuning=matched.
 
     Parameters
     ----------
@@ -46,8 +50,8 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
     Raises
     ------
     InputError
-        If a run is of another study or has no results for the criterion, or if the criterion is
-        neither "position" nor "velocity".
+        If a run is of another study, has no results for the criterion, or has no scheme with an
+        error spectrum; or if the criterion is neither "position" nor "velocity".
     """
     if criterion not in error_spectra.UNITS:
         usable = " or ".join(error_spectra.UNITS)
@@ -55,7 +59,8 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
     for argument, run in (("paper", paper), ("matched", matched)):
         if run.study.name != "hub":
             raise InputError(
-                f"{argument}: {run.folder} is a run of the study {run.study.name!r}; use one of hub"
+                f"{argument}: {run.folder} is a run of the study {run.study.name!r}; "
+                "use a run of the study hub"
             )
     runs = (paper, matched)
     configs = [cast("HubConfig", run.config) for run in runs]
@@ -76,12 +81,11 @@ def draw(paper: Run, matched: Run, *, criterion: str = "position") -> Figure:
         for axes in panels[1]:
             axes.set_ylim(min(lows), max(highs))
         handles: list[Any] = [
-            Patch(facecolor=style_of(name, names).color, label=style.label_of(name))
+            Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
             for name in names
         ]
         handles += panels[0, 0].plot([], [], **_LINE, label=f"{LOWER}/{UPPER} boundary")
-        columns = len(handles)
-        figure.legend(handles=handles, loc="outside upper center", ncols=columns, frameon=False)
+        add_legend(figure, handles, columns=len(handles))
         style.footnote(figure, " ".join([*notes, *_differences(configs), *_explanations(configs)]))
     return figure
 
@@ -93,14 +97,24 @@ _LINE: dict[str, Any] = {
 
 
 def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
-    """Draw one run's map with the boundary; return the sentences for the footnote."""
-    best, window = run.best_scheme(), config.measures.window
-    shown = best[(best["criterion"] == criterion) & (best["window"] == window)]
+    """Draw one run's map with the HME1/HME2 boundary; return the sentences for the footnote.
+
+    Raises
+    ------
+    InputError
+        If the run has no cell that is judged by the criterion.
+    """
+    window, tuning = config.measures.window, config.tuning_name
+    shown, names, notes = find_winners(config, run.best_scheme(), criterion, window)
     if shown.empty:
-        raise InputError(f"criterion: {run.folder} has no cell judged by {criterion} MSE")
-    names = scheme_names(config)
-    plane = Plane.of(shown, CONDITIONS)
-    draw_cells(axes, shown.to_dict("records"), names, plane, labels="best")
+        raise InputError(
+            f"criterion: the run {run.folder} has no {criterion} MSE in the window {window!r}; "
+            "use a run with results"
+        )
+    plane, rows = Plane.of(shown, CONDITIONS), run.cases()
+    boundaries = _find_boundaries(rows, criterion, window)
+    crossing = None if boundaries is None else _place_boundary(boundaries, plane)
+    draw_cells(axes, shown.to_dict("records"), names, plane, labels="best", crossing=crossing)
     records = config.grid.replicates
     axes.set_title(
         f"Best scheme by {criterion} MSE, tuning: {config.tuning_name}\n"
@@ -108,37 +122,49 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
         loc="left",
         fontsize=10,
     )
-    rows = run.cases()
     same = find_coinciding(make_cube(config, rows), CRITERIA)
-    notes = [
-        f"{config.tuning_name}: {' and '.join(group)} coincide, shown as {group[-1]}."
-        for group in same
-    ]
+    notes = [f"{tuning}: {note}" for note in notes]
+    notes += [f"{tuning}: {' and '.join(group)} coincide, shown as {group[-1]}." for group in same]
+    if boundaries is None or crossing is None:
+        return [*notes, f"{tuning}: no boundary, since the run lacks superposed rows of it."]
+    _draw_boundary(axes, crossing)
+    return notes + _explain_absence(boundaries, tuning)
+
+
+def _find_boundaries(rows: pd.DataFrame, criterion: str, window: str) -> pd.DataFrame | None:
+    """Find the boundary; None if a scheme is not in the run, or amplitudes were run one by one."""
     try:
-        boundaries = find_boundary(rows, CONDITIONS, BOUNDARY, criterion, window)
-    except InputError:  # a scheme is not in this run, or amplitudes were run one by one
-        return [
-            *notes,
-            f"{config.tuning_name}: no boundary, since the run lacks superposed rows of it.",
-        ]
-    return notes + _boundary(axes, boundaries, plane, config.tuning_name)
+        return find_boundary(rows, CONDITIONS, BOUNDARY, criterion, window)
+    except InputError:
+        return None
 
 
-def _boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane, tuning: str) -> list[str]:
+def _place_boundary(boundaries: pd.DataFrame, plane: Plane) -> Crossing:
+    """Return the boundary and its 95 % intervals in the coordinates of the map."""
     exists = boundaries[boundaries["wins"] == ""]
-    if not exists.empty:
-        column = [plane.columns.index(period) for period in exists["natural_period"]]
-        middle, low, high = (
+    columns = [plane.columns.index(period) for period in exists["natural_period"]]
+    return Crossing(
+        np.array(columns, dtype=float),
+        *(
             plane.height_of(exists[name].to_numpy(dtype=float))
             for name in ("boundary", "ci_low", "ci_high")
-        )
-        outline: dict[str, Any] = {"color": "white", "solid_capstyle": "butt", "zorder": 4}
-        axes.plot(column, middle, linewidth=5.0, **outline)
-        axes.plot(column, middle, **_LINE)
-        finite = np.isfinite(low) & np.isfinite(high)
-        for width, color in ((5.0, "white"), (1.6, "black")):
-            axes.vlines(np.array(column)[finite], low[finite], high[finite], color=color,
-                        linewidth=width, zorder=4.5)  # fmt: skip
+        ),
+    )
+
+
+def _draw_boundary(axes: Axes, boundary: Crossing) -> None:
+    column, middle = boundary.columns, boundary.heights
+    outline: dict[str, Any] = {"color": "white", "solid_capstyle": "butt", "zorder": 4}
+    axes.plot(column, middle, linewidth=5.0, **outline)
+    axes.plot(column, middle, **_LINE)
+    finite = np.isfinite(boundary.low) & np.isfinite(boundary.high)
+    ends = column[finite], boundary.low[finite], boundary.high[finite]
+    for width, color in ((5.0, "white"), (1.6, "black")):
+        axes.vlines(*ends, color=color, linewidth=width, zorder=4.5)
+
+
+def _explain_absence(boundaries: pd.DataFrame, tuning: str) -> list[str]:
+    """Write a sentence on the periods without a boundary, for each reason."""
     notes = []
     for winner in sorted(set(boundaries["wins"]) - {""}):
         without = boundaries["natural_period"][boundaries["wins"] == winner]
@@ -153,7 +179,10 @@ def _boundary(axes: Axes, boundaries: pd.DataFrame, plane: Plane, tuning: str) -
 
 
 def _differences(configs: Sequence[HubConfig]) -> list[str]:
-    """Name the keys, besides the tuning, in which the two runs differ, as footnote sentences."""
+    """Return, in a list, a sentence that names the settings in which two runs differ.
+
+    The tuning is not named. The list is empty if no other setting differs.
+    """
     one, other = configs
     keys = ("seed", "record", "spectrum", "normalise", "band", "wave_direction", "sensors", "grid")
     changed = [key for key in (*keys, "measures") if getattr(one, key) != getattr(other, key)]
@@ -171,7 +200,7 @@ def _explanations(configs: Sequence[HubConfig]) -> list[str]:
     return [
         f"Boundary: amplitude at which the mean MSE of {LOWER} and {UPPER} is equal, with its 95 %"
         " interval (bootstrap over the records); between two rows it is placed logarithmically.",
-        "Hatched: best and next best cannot be told apart.",
+        "Hatched: best and runner-up cannot be told apart.",
         error_spectra.EXPLANATION,
         "So a boundary in the maps is where the square of the amplitude times the difference of two"
         f" curves makes up for the difference of their bars{scale}.{transient}",

@@ -1,9 +1,10 @@
 """Compiled kernels: they run a scheme on many series at once, or on one series sample by sample.
 
-In the batch engine a lane is one series of numbers along one axis, and eight lanes make a group.
-All lanes share the gains, which do not depend on data. Arrays have the shape (steps, lanes), so the
-innermost loops run over neighbouring memory. Records are processed in chunks of steps that stay in
-the cache, and errors are summed during the run.
+The batch engine runs many series at once. A lane is one series of numbers along one axis, and eight
+lanes make a group. All lanes share the gains, which do not depend on data. Arrays have one row per
+step and one column per lane, so the innermost loops run over neighbouring memory. A record is
+processed in chunks of steps; a chunk's data stay in the processor's cache. Errors are summed during
+the run.
 """
 
 #: Version of the kernels' numbers. Raise it whenever a change of the kernels alters a number that a

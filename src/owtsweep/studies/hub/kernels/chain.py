@@ -1,8 +1,11 @@
-"""Runs the whole chain of a scheme over a chunk of steps: filter, smoother, predictor.
+"""Runs a chain over a chunk of steps: filter, smoother, predictor.
 
-There are two parts. `prepare` runs the filter and the smoother over a whole chunk. `finish` makes
-the estimates of some steps of the chunk: so few steps that the estimates are still in a near cache
-when their errors are summed. A chain that consists of a filter alone skips `prepare`.
+A chain is a scheme as arrays (`ChainArrays`). A chunk is a stretch of a record whose steps are
+computed together. First, `prepare` runs the filter and the smoother over a whole chunk. Then
+`finish` makes the estimates of a part of the chunk. The part is so short that its estimates are
+still in a near cache when their errors are summed. For a chain without smoother and predictor,
+`finish` alone is called. For a chain with a predictor, `kernels.sums` may make the estimates
+instead. Arguments are the structures of `kernels.layout`.
 """
 
 from __future__ import annotations
@@ -24,11 +27,11 @@ from owtsweep.vectors.lanes import ROOMY, groups, load, store
 
 @njit
 def filter_span(steps, fed, chain, memory, width, late):
-    """Run the filter over some steps of a chunk.
+    """Run the filter over some steps of a chunk (a stretch of a record, computed together).
 
-    Without an MHE, the filter takes the position fixes. With an MHE, it takes the MHE's positions,
-    which are computed here from one fix to the next. The other arguments are those of
-    `filter_steps`.
+    Without an MHE (moving horizon estimator), the filter takes the position fixes. With an MHE, the
+    filter takes the MHE's positions, which are computed here from one fix to the next.
+    `filter_steps` explains the arguments and what is stored.
     """
     k0, first, stop, shift = steps
     mhe, registers, M = chain.mhe, memory.registers, chain.filter.fix_interval
@@ -61,19 +64,24 @@ def filter_span(steps, fed, chain, memory, width, late):
 
 @njit
 def is_filter(chain):
-    """Return whether the chain is a filter alone, so that its states are the estimates."""
+    """Return whether a chain (a scheme as arrays) has neither a smoother nor a predictor.
+
+    The states of the filter are then the estimates.
+    """
     return chain.filter.window == 0 and chain.predictor.steps == 0
 
 
 @njit
 def prepare(k0, count, fed, chain, memory, whole, late):
-    """Filter and smooth the `count` steps of the chunk that begins at step k0.
+    """Filter and smooth the `count` steps of the chunk that begins at step k0 of the record.
 
-    The states are written to scratch.X; with a smoother, the smoothed state of step k - window is
-    in the place of step k. If `whole`, or without a predictor, each step has four rows, (p, v, b,
-    a): position, velocity, bias, acceleration. Otherwise each step has two rows: what the predictor
-    needs of the state. `late` is an array that later stages read; its rows, numbered as those of
-    the force, are prefetched.
+    A chunk is a stretch of a record whose steps are computed together. The states are written to
+    scratch.X in `memory`. Without a smoother, step k has its filtered state there; with a smoother,
+    step k has the smoothed state of step k - window. If `whole` is true, or there is no predictor,
+    a state has four rows: position, velocity, bias, acceleration. Otherwise a state has two rows:
+    what the state adds to the predicted position and velocity. `fed`, `chain` and `memory` are
+    `Fed`, `ChainArrays` and `Memory`. `late` is an array that is read after this call, with rows
+    numbered as those of the force; the rows of `late` are prefetched.
     """
     window, registers, scratch = chain.filter.window, memory.registers, memory.scratch
     width = WHOLE if whole or chain.predictor.steps == 0 else PREDICTED
@@ -93,15 +101,23 @@ def prepare(k0, count, fed, chain, memory, whole, late):
 
 @njit
 def steps_of(k0, first, stop, shift):
-    """Return `Steps` of these numbers, which may be literal constants in the calling kernel."""
+    """Return the `Steps` first ... stop - 1 of the chunk that begins at step k0.
+
+    The estimate of the chunk's step i belongs in row i - shift of the output. The arguments may be
+    literal constants in the calling kernel.
+    """
     return Steps(k0, first, stop, shift)
 
 
 @njit
 def finish(steps, fed, chain, memory, late):
-    """Write the estimated positions and velocities of some steps of a chunk to the output.
+    """Write the estimated positions and velocities of some steps of a chunk to memory.output.
 
-    The estimate of the chunk's step i goes to row i - shift; an innovation stays in row i.
+    A chunk is a stretch of a record whose steps are computed together. The estimate of the chunk's
+    step i goes to row i - steps.shift. If there is a smoother or a predictor, `prepare` must have
+    processed the chunk. Otherwise the filter is run here: the innovation of step i goes to row i of
+    memory.output, and rows of the array `late`, which is read after this call, are prefetched.
+    `fed`, `chain` and `memory` are `Fed`, `ChainArrays` and `Memory`.
     """
     scratch, output = memory.scratch, memory.output
     if is_filter(chain):

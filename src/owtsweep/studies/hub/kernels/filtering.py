@@ -1,4 +1,7 @@
-"""Runs the multirate Kalman filter over some steps, on one or more groups of eight lanes."""
+"""Runs the multirate Kalman filter over some steps, on one or more groups of eight lanes.
+
+A lane is one series of numbers along one axis.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,17 @@ from owtsweep.compiled import njit
 from owtsweep.estimation.windowing import schedule_row
 from owtsweep.vectors.lanes import AHEAD, element, load, prefetch, store
 
-#: Rows per state in the scratch: two that the predictor needs, all four, or none if the state is
-#: the estimate.
+#: Number of rows in which the scratch memory stores a state: two (what the predictor needs), four
+#: (the whole state), or none if the state is the estimate.
 PREDICTED, WHOLE, FINAL = 2, 4, 0
 
 
 @njit
 def row_before(k, row, rows, cycle):
-    """Return the stored row of the gains that serves step k - 1, if `row` serves step k.
+    """Return the gain schedule's row for step k - 1, given the schedule's row for step k, `row`.
 
-    There are `rows` rows, of which the last `cycle` repeat.
+    The schedule has `rows` rows, one per step. After the last row, the last `cycle` rows repeat for
+    ever.
     """
     if row == rows - cycle and k > row:
         return rows - 1
@@ -24,9 +28,9 @@ def row_before(k, row, rows, cycle):
 
 @njit
 def corrected(x0, x1, x2, x3, gains, row, column, innovation):
-    """Return the state x0 ... x3 corrected by one innovation.
+    """Return the state x0 ... x3 plus a gain times an innovation.
 
-    The gains are a column of matrix `row` of `gains`, shape (rows, 4, 2).
+    The gain (4,) is column number `column` of matrix number `row` of `gains`, shape (rows, 4, 2).
     """
     at = 8 * row + column
     return (
@@ -41,22 +45,35 @@ def corrected(x0, x1, x2, x3, gains, row, column, innovation):
 def filter_steps(steps, fed, positions, chain, memory, width, late):
     """Run Algorithm 6 of Ren et al. (2019), the Kalman filter, over some steps of a chunk.
 
-    `positions` is (rows, row, phase, interval). The current position is in row `row` of the array
-    `rows`; it came `phase` steps ago. The next one comes after interval - phase steps, and later
-    ones every `interval` steps.
-
-    Filtered states and innovations are stored in the scratch memory, after the smoother's window
-    (innovations of the position only at steps that have one). A state takes `width` rows. WHOLE
-    stores position, velocity, bias and acceleration. PREDICTED stores what these contribute to
-    position and velocity at the end of the prediction. FINAL, for a chain without smoother and
-    predictor, writes position and velocity to the output instead.
-
-    `late` is an array that later stages read; its rows, numbered as those of the force, are
-    prefetched. So is the force, unless there is a smoother, which prefetches it.
+    States, and with a smoother also innovations, are stored in the scratch memory, behind the
+    `window` states and innovations of the chunk before. Innovations of the position exist only at
+    steps at which a position is applied; they also go to memory.output, the innovation of the
+    chunk's step i to row i.
 
     Each step has to wait for the previous step. The sums are therefore ordered so that few
     operations lie between one state and the next: increments are computed first, then the state,
     and the term that is computed last is added last.
+
+    Parameters
+    ----------
+    steps
+        The `Steps` to run. A chunk is a stretch of a record whose steps are computed together.
+    fed, chain, memory
+        The measurements (`Fed`), the scheme (`ChainArrays`) and the working arrays (`Memory`).
+    positions
+        (rows, row, phase, interval). The array `rows` holds the positions that the filter takes.
+        The position that is valid at the first of the steps is in row `row` and came `phase` steps
+        ago. The next position comes after interval - phase steps, later positions every `interval`
+        steps.
+    width
+        Number of rows that a stored state takes. WHOLE stores position, velocity, bias and
+        acceleration. PREDICTED stores what the state adds to position and velocity at the end of
+        the prediction. FINAL stores no state, but writes position and velocity to memory.output; it
+        is for a chain without smoother and predictor.
+    late
+        An array that is read after this call, with rows numbered as those of the force. Its rows
+        are prefetched. The force is prefetched too, unless there is a smoother: then the smoother
+        prefetches the force.
     """
     k0, first, stop, shift = steps
     force, source = fed.force, k0 - chain.filter.input_delay - fed.base  # row of the chunk's step 0

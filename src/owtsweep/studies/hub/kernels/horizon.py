@@ -9,10 +9,11 @@ from owtsweep.vectors.lanes import element, load, store, zero
 
 @njit
 def added(n0, n1, n2, maps, at, columns, datum):
-    """Return a node's state n0, n1, n2 plus the contribution of one datum.
+    """Return n0, n1, n2 plus the contribution of one datum to the state n0, n1, n2.
 
-    The contribution is the datum times the three elements of a column of `maps`; `at` is the place
-    of the column's first element, `columns` the number of columns.
+    The state is one of the moving horizon estimator: position, velocity, bias. The contribution is
+    the datum times a column, three elements, of a matrix in `maps`. A row of the matrix has
+    `columns` elements; `at` is the flat index in `maps` of the column's first element.
     """
     return (
         n0 + element(maps, at) * datum,
@@ -23,9 +24,13 @@ def added(n0, n1, n2, maps, at, columns, datum):
 
 @njit
 def horizon_fix(q, fixes, mhe, registers):
-    """Take position fix number q: store the inputs' effects since the last fix; solve the window.
+    """Take position fix number q into the MHE's window; compute the state at the fix.
 
-    Then start new sums over the inputs. Before fix number mhe.first nothing is solved.
+    The window of the MHE (moving horizon estimator) holds the newest fixes and, between fixes, what
+    the inputs (specific force) added to position and velocity. The sums over the inputs since the
+    last fix are stored in the window and set to zero. The state (position, velocity, bias) goes to
+    registers.node. Before fix number mhe.first no state is computed. `fixes` are `Fed.fixes`, `mhe`
+    is `HorizonArrays`.
     """
     nm = mhe.horizon
     z, ip, iv, running = registers.z, registers.ip, registers.iv, registers.running
@@ -62,10 +67,11 @@ def horizon_fix(q, fixes, mhe, registers):
 
 @njit
 def tick_of(k0, i, interval):
-    """Return the row of the MHE's position that is valid at step i of a chunk.
+    """Return the row in which the MHE's position that is valid at step i of a chunk is stored.
 
-    The chunk begins at step k0. The MHE gives a position at each multiple of `interval` steps. The
-    position that is valid at the chunk's first step is in row 0.
+    The MHE (moving horizon estimator) gives a position at each multiple of `interval` steps. The
+    chunk, steps that are computed together, begins at step k0 of the record. Row 0 holds the
+    position that is valid at the chunk's first step.
     """
     return (k0 + i) // interval - k0 // interval
 
@@ -74,7 +80,10 @@ def tick_of(k0, i, interval):
 def positions_from(k0, i, interval, rows):
     """Return the MHE's positions, from step i of a chunk on, in the form that `filter_steps` takes.
 
-    The positions are in `rows`, one for every `interval` steps; the chunk begins at step k0.
+    The MHE is the moving horizon estimator. The form is (rows, row, phase, interval). `rows` is the
+    array of the chunk's positions, one for every `interval` steps. The position that is valid at
+    step i is in row `row` and came `phase` steps before step i. The chunk, steps that are computed
+    together, begins at step k0 of the record.
     """
     return (rows, tick_of(k0, i, interval), (k0 + i) % interval, interval)
 
@@ -83,10 +92,12 @@ def positions_from(k0, i, interval, rows):
 def horizon_steps(steps, fed, q, chain, memory):
     """Compute the MHE's positions at some steps of a chunk, between fix number q and the next fix.
 
-    At each multiple of T_m a position is predicted from the last node by Eq. (11d) of Ren et al.
-    (2019). The position is valid until the next multiple, and is stored in the row that `tick_of`
-    returns. Before the window is first solved, the position is the last fix. The specific force is
-    integrated as the MHE takes it: all samples, averaged or sampled (mhe.inputs).
+    The MHE is the moving horizon estimator. At each multiple of mhe.interval (T_m) a position is
+    predicted by Eq. (11d) of Ren et al. (2019) from the state at fix number q. The position is
+    valid until the next multiple, and is stored in the row of memory.scratch.positions that
+    `tick_of` returns. Before fix number mhe.first the position is the fix itself. The specific
+    force is integrated as the MHE takes it: all samples, averaged or sampled (mhe.inputs). `steps`,
+    `fed`, `chain` and `memory` are structures of `kernels.layout`.
     """
     k0, first, stop, _ = steps
     mhe, fix_interval = chain.mhe, chain.filter.fix_interval

@@ -1,4 +1,7 @@
-"""Smooths with a fixed lag, in O(1) per step, and predicts open-loop, over a chunk of steps."""
+"""Smooths with a fixed lag, in O(1) per step, and predicts without measurements.
+
+The functions work on chunks. A chunk is a stretch of a record whose steps are computed together.
+"""
 
 from __future__ import annotations
 
@@ -10,16 +13,20 @@ from owtsweep.vectors.lanes import element, load, prefetch, store, zero
 
 @njit
 def combined(y0, y1, y2, y3, C, at):
-    """Return the sum of four components y0 ... y3 times the four elements of C from `at` on."""
+    """Return c0 y0 + c1 y1 + c2 y2 + c3 y3, where c0 ... c3 are elements of the array C.
+
+    The elements have the flat indices at ... at + 3.
+    """
     a, b, c, d = element(C, at), element(C, at + 1), element(C, at + 2), element(C, at + 3)
     return a * y0 + b * y1 + c * y2 + d * y3
 
 
 @njit
 def carried_back(y0, y1, y2, y3, C, row):
-    """Return the matrix C[row] (4, 4) times y.
+    """Return the product of C[row], one of the smoother's gains (rows, 4, 4), and y = (y0 ... y3).
 
-    If y is a correction of one step's state, the result is the correction of the previous step's.
+    If y is a correction of one step's state, the product is the correction of the state one step
+    before.
     """
     return (
         combined(y0, y1, y2, y3, C, 16 * row),
@@ -31,10 +38,12 @@ def carried_back(y0, y1, y2, y3, C, row):
 
 @njit
 def given_and_taken(K, D, row, r, leaving):
-    """Return a step's correction by the specific force, for the smoother's recursion.
+    """Return how the specific force corrects one step's state in the smoother's recursion.
 
-    The correction is the gain K times the step's own innovation r, plus the gain D times the
-    innovation that leaves the smoother's window. `row` is a row of K and D.
+    The correction (four numbers) is the gain K times the step's own innovation r, plus the gain D
+    times the innovation that leaves the smoother's window (`leaving`). Both are innovations of the
+    specific force. The gains are column 1 of matrix number `row` of K and D, shape (rows, 4, 2)
+    each.
     """
     at = 8 * row + 1
     return (
@@ -47,9 +56,11 @@ def given_and_taken(K, D, row, r, leaving):
 
 @njit
 def add_smoothing(X, j, width, s0, s1, s2, s3, predictor):
-    """Add the smoothing correction s0 ... s3 to the rows of the filtered state number j in X.
+    """Add the smoothing correction s0 ... s3 to the filtered state number j in X.
 
-    A state has `width` rows: WHOLE or PREDICTED.
+    In X a state takes `width` rows, WHOLE or PREDICTED (see `filter_steps`). With PREDICTED, the
+    rows get what the correction adds to the predicted position and velocity. `predictor` is
+    `PredictorArrays`.
     """
     at = width * j
     if width == WHOLE:
@@ -66,17 +77,28 @@ def add_smoothing(X, j, width, s0, s1, s2, s3, predictor):
 def smooth_chunk(k0, count, chain, width, window_rows, force, source):
     """Replace `count` filtered states by smoothed states (Algorithm 8 of Ren et al. 2019).
 
-    The chunk begins at step k0; the states belong to the steps k0 - window to
-    k0 - window + count - 1. With the innovations i_k, the corrections e_k = K_k i_k and the
-    smoother's gains C, the smoothed state is x_{k|k} + S_k, where
-    S_k = C_k (e_{k+1} + S_{k+1} + D_{k+1} i_{k+1+window}). This recursion is stable backwards in
-    time only. Each chunk therefore starts it anew, one window after its last state; inside this
-    window the term with D is absent.
+    With the innovations i_k, the corrections e_k = K_k i_k and the smoother's gains C and D, the
+    smoothed state is x_{k|k} + S_k, where S_k = C_k (e_{k+1} + S_{k+1} + D_{k+1} i_{k+1+window}).
+    This recursion is stable backwards in time only. Each chunk (steps computed together) therefore
+    starts the recursion anew, one window after the chunk's last state; inside this window the term
+    with D is absent.
 
-    `window_rows` are the states X, of `width` rows each, the innovations r of the specific force,
-    and the innovations s of the position; see `Scratch`. Meanwhile the force of the next chunk is
-    prefetched, because the filter reads it faster than memory delivers it; `source` is the row of
-    the present chunk's first step in the force.
+    The force of the next chunk is prefetched meanwhile, because the filter reads the force faster
+    than memory delivers it.
+
+    Parameters
+    ----------
+    k0
+        First step of the chunk. The first of the states belongs to step k0 - window.
+    chain
+        The scheme, `ChainArrays`.
+    width
+        Number of rows that a state takes, WHOLE or PREDICTED (see `filter_steps`).
+    window_rows
+        The states X, the innovations r of the specific force and s of the position, as in
+        `Scratch`.
+    force, source
+        The specific force, and its row that belongs to step k0.
     """
     X, r, s = window_rows
     arrays, predictor = chain.filter, chain.predictor
@@ -111,7 +133,11 @@ def smooth_chunk(k0, count, chain, width, window_rows, force, source):
 
 @njit
 def recall(window, width, registers, scratch):
-    """Copy the `window` states and innovations that the last chunk kept to the scratch's front."""
+    """Copy the previous chunk's last `window` states and innovations to the front of the scratch.
+
+    `keep` left them in the registers. A state takes `width` rows. A chunk is a stretch of a record
+    whose steps are computed together.
+    """
     for row in range(window):
         store(scratch.r, row, load(registers.r, row))
         store(scratch.s, row, load(registers.s, row))
@@ -121,7 +147,11 @@ def recall(window, width, registers, scratch):
 
 @njit
 def keep(count, window, width, registers, scratch):
-    """Copy the newest `window` filtered states and innovations to registers for the next chunk."""
+    """Copy a chunk's last `window` filtered states and innovations to the registers, for `recall`.
+
+    A chunk is a stretch of a record whose steps are computed together. The chunk has `count` steps;
+    a state takes `width` rows.
+    """
     for row in range(window):
         store(registers.r, row, load(scratch.r, count + row))
         store(registers.s, row, load(scratch.s, count + row))
@@ -131,10 +161,12 @@ def keep(count, window, width, registers, scratch):
 
 @njit
 def begin_prediction(k0, first, force, base, predictor, scratch):
-    """Return what the inputs add to the predicted velocity and position of step `first`.
+    """Return what the inputs add to velocity and position in the prediction at a step: dv, dp.
 
-    At the start of a chunk, which begins at step k0, the sums over the inputs are computed anew.
-    Later they are those that `leave_prediction` kept.
+    dv is in m/s, dp in m. The inputs are the specific forces of the predictor's last steps. The
+    step is number `first` of a chunk (steps that are computed together); the chunk begins at the
+    record's step k0. At the chunk's first step, dv and dp are computed anew; later they are what
+    `leave_prediction` has kept in the scratch. The force of step k is in row k - base of `force`.
     """
     dv, dp = load(scratch.inputs, 0), load(scratch.inputs, 1)
     if first == 0:
@@ -151,10 +183,11 @@ def begin_prediction(k0, first, force, base, predictor, scratch):
 def predict(i, at, dv, dp, force, predictor, X):
     """Predict position and velocity at the chunk's step i (Algorithm 9 of Ren et al. 2019).
 
-    Return position, velocity, and the sums dv and dp of the next step. X holds what the states add
-    to position and velocity. What the inputs add are moving sums, dp and dv: the newest input, row
-    `at` of the force, enters and the oldest leaves. The sums are computed anew in every chunk, so
-    that rounding errors do not accumulate.
+    Return position (m), velocity (m/s), and dv and dp for the next step. X holds what the filter's
+    states add to the predicted position and velocity. dv and dp are what the inputs, the specific
+    forces of the predictor's last steps, add to velocity and position. For the next step, the
+    newest input, row `at` of the force, is included and the oldest input left out. dv and dp are
+    computed anew in every chunk (a stretch of a record), so that rounding errors do not accumulate.
     """
     n, T, half = predictor.steps, predictor.step, predictor.half
     x, w = load(X, PREDICTED * i) + dp, load(X, PREDICTED * i + 1) + dv
@@ -166,6 +199,10 @@ def predict(i, at, dv, dp, force, predictor, X):
 
 @njit
 def leave_prediction(dv, dp, scratch):
-    """Keep the sums over the inputs, with which `begin_prediction` continues within the chunk."""
+    """Keep in the scratch what the inputs add to velocity, dv (m/s), and to position, dp (m).
+
+    `begin_prediction` continues with dv and dp at a later step of the same chunk (a stretch of a
+    record). The inputs are specific forces.
+    """
     store(scratch.inputs, 0, dv)
     store(scratch.inputs, 1, dp)

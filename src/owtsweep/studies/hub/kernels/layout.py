@@ -1,4 +1,8 @@
-"""The structures of arrays that kernels take."""
+"""The structures of arrays that the batch engine's kernels take.
+
+A chain is a scheme as arrays. A lane is one series of numbers along one axis, and eight lanes make
+a group. A chunk is a stretch of a record whose steps are computed together.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ from numpy.typing import NDArray
 from owtsweep.arrays import Array, aligned
 from owtsweep.vectors import WIDTH as WIDTH  # imported from here elsewhere
 
-#: Which IMU samples the MHE takes; the same order as `hub.horizon.INPUTS`.
+#: Which IMU samples the moving horizon estimator (MHE) takes, in the order of `hub.horizon.INPUTS`.
 ALL, AVERAGED, SAMPLED = 0, 1, 2
 
 #: One array per group of eight lanes; kernels process all groups side by side.
@@ -25,14 +29,15 @@ class FilterArrays(NamedTuple):
     ----------
     A, B, h
         Transition matrix (4, 4), input column (4,), and measurement row (4,) of specific force.
-    K, applied
-        Gains of position and specific force (rows, 4, 2); whether a row has a position to apply
-        (rows,).
+    K
+        The filter's gains, shape (rows, 4, 2); the last axis is position, specific force.
+    applied
+        Whether the position is used at a step with this row of K, shape (rows,).
     C, D
         The smoother's gains (rows, 4, 4), and its gains for the innovations that leave the window
         (rows, 4, 2).
     cycle
-        After the last row of K, C and D, the last `cycle` rows repeat.
+        K, C and D have one row per step. After the last row, the last `cycle` rows repeat.
     input_delay, window, fix_interval
         Delay of the specific force, length of the smoother's window, and time between fixes, all in
         steps.
@@ -52,10 +57,11 @@ class FilterArrays(NamedTuple):
 
 
 class PredictorArrays(NamedTuple):
-    """An open-loop prediction over `steps` steps of `step` seconds, with position, velocity, bias.
+    """A prediction without measurements over `steps` steps of `step` seconds.
 
-    `half` is the change of position per step and unit input, step^2 / 2. `pv`, `pb` and `vb` say
-    what velocity and bias add to position, and bias to velocity, over all steps.
+    The states are position, velocity, bias. `half` is step^2 / 2, the change of position in one
+    step per unit of input. Over all steps, a unit of velocity adds `pv` to the position, and a unit
+    of bias adds `pb` to the position and `vb` to the velocity.
     """
 
     steps: int
@@ -74,14 +80,16 @@ class HorizonArrays(NamedTuple):
     active
         Whether the scheme has an MHE.
     maps
-        One matrix (3, columns) per fix number; the last one serves all later fixes. See
-        `estimation.mhe.window_map`.
-    horizon, interval
-        N_m, the number of links between fixes in a full window, and T_m in steps.
+        One matrix (3, columns) per number of a fix; the last matrix serves all later fixes. The
+        columns are explained in `estimation.mhe.window_map`.
+    horizon
+        N_m, the number of intervals between fixes in a full window of the MHE.
+    interval
+        T_m, the time between the MHE's positions, in steps.
     first
-        Number of the first fix at which the window can be solved.
+        Number of the first fix at which the MHE's window can be solved.
     arrival
-        Whether the window has an arrival state.
+        Whether the MHE's window has an arrival state (a prior of its oldest state).
     inputs
         Which IMU samples are taken: ALL, AVERAGED or SAMPLED.
     step
@@ -99,7 +107,7 @@ class HorizonArrays(NamedTuple):
 
 
 class ChainArrays(NamedTuple):
-    """The arrays of a whole scheme: filter, predictor, moving horizon estimator."""
+    """The arrays of a whole scheme: filter with smoother, predictor, moving horizon estimator."""
 
     filter: FilterArrays
     predictor: PredictorArrays
@@ -107,9 +115,11 @@ class ChainArrays(NamedTuple):
 
 
 class Registers(NamedTuple):
-    """The memory that each lane carries from chunk to chunk.
+    """The memory that each lane (series) carries from one chunk of steps to the next.
 
-    Each field has an array (rows, 8) for each group of eight lanes.
+    Each field has an array (rows, 8) for each group of eight lanes. Below, `window` is the length
+    of the smoother's window in steps. The MHE is the moving horizon estimator; `horizon` is the
+    number of intervals between fixes in its window, and T_m the time between its positions.
 
     Attributes
     ----------
@@ -118,19 +128,22 @@ class Registers(NamedTuple):
     r, s
         The newest innovations of specific force and of position; `window` rows each.
     X
-        The newest filtered states; 4 window rows.
+        The newest filtered states; 4 x window rows.
     z
-        The MHE's position fixes; horizon + 1 rows.
+        The position fixes in the MHE's window; horizon + 1 rows.
     ip, iv
-        Effects of the inputs on position and velocity between fixes; `horizon` rows each.
+        What the inputs (specific forces) between two fixes of the MHE's window add to position and
+        to velocity; `horizon` rows each.
     arrival
-        Past filtered states at fixes; 3 (horizon + 1) rows.
+        Filtered states at past fixes; 3 (horizon + 1) rows: position, velocity, bias of each.
     running
-        Sums over the inputs since the last fix; 4 rows.
+        What the inputs since the last fix add to position (row 0) and to velocity (row 1); the sum
+        of the IMU samples since the last multiple of T_m (row 2); the sample or average that the
+        MHE takes until the next multiple (row 3).
     node
-        State of the newest node of the MHE; 3 rows.
+        The MHE's state at the newest fix; 3 rows.
     fix
-        The position that the filter takes; 1 row.
+        The MHE's newest position, which the filter takes; 1 row.
     """
 
     x: Groups
@@ -147,9 +160,11 @@ class Registers(NamedTuple):
 
 
 class Scratch(NamedTuple):
-    """The memory that is used within a chunk only; all runs share it, so it stays in the cache.
+    """The memory that is used only within a chunk of steps.
 
-    Each field has an array (rows, 8) for each group of eight lanes.
+    All runs share this memory, so it stays in the cache. Each field has an array (rows, 8) for each
+    group of eight lanes. Below, `chunk` is the number of steps of a chunk, and `window` the length
+    of the smoother's window in steps.
 
     Attributes
     ----------
@@ -158,9 +173,10 @@ class Scratch(NamedTuple):
     X
         States, up to four rows per step; 4 (window + chunk) rows.
     inputs
-        The predictor's sums over the inputs; 2 rows.
+        What the inputs (specific forces) add to the predicted velocity and position; 2 rows.
     positions
-        The positions that the MHE gives the filter, one per multiple of T_m; `chunk` rows.
+        The positions that the moving horizon estimator gives the filter; `chunk` rows, of which as
+        many are used as there are positions.
     """
 
     r: Groups
@@ -171,7 +187,11 @@ class Scratch(NamedTuple):
 
 
 class Output(NamedTuple):
-    """A chunk's estimates; each field has an array (steps, 8) for each group of eight lanes."""
+    """The estimates of a chunk of steps: position (m), velocity (m/s), and innovation (m).
+
+    Each field has an array (steps, 8) for each group of eight lanes. The innovation is the
+    difference between the position that the filter takes and its prediction.
+    """
 
     position: Groups
     velocity: Groups
@@ -179,7 +199,7 @@ class Output(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """The memory of a running chain: registers, working memory and the chunk's estimates."""
+    """The memory of a running scheme: registers, working memory, and the newest estimates."""
 
     registers: Registers
     scratch: Scratch
@@ -187,7 +207,7 @@ class Memory(NamedTuple):
 
 
 class Fed(NamedTuple):
-    """The data that a chain runs on.
+    """The data on which a scheme is run.
 
     Attributes
     ----------
@@ -196,7 +216,7 @@ class Fed(NamedTuple):
     base
         The specific force of step k is in row k - base.
     fixes
-        Position fixes, m; an array (fixes, 8) for each group.
+        Position fixes, m; an array (fixes, 8) for each group of eight lanes.
     """
 
     force: Groups
@@ -210,10 +230,11 @@ class Truth(NamedTuple):
     Attributes
     ----------
     position, velocity
-        Displacement along the wave (m) and its rate (m/s); a tuple of one array (rows, 8) each.
-        Step k is in the same row as in `Fed`.
+        Displacement along the wave (m) at unit amplitude, and its rate (m/s). Each is a tuple of
+        one array (rows, 8). Step k is in the same row as in `Fed`.
     direction
-        The wave's direction cosines along x and y, times an amplitude; shape (2,).
+        The wave's direction cosines along x and y, times the amplitude of the motion in m (1 if
+        motion and noise are run apart); shape (2,).
     """
 
     position: Groups
@@ -222,9 +243,9 @@ class Truth(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """The steps first ... stop - 1 of a chunk; the chunk begins at the record's step k0.
+    """The steps first ... stop - 1 of a chunk, a stretch of a record that begins at step k0.
 
-    The estimates of the chunk's step i are in row i - shift of the output.
+    The estimate of the chunk's step i is in row i - shift of the output.
     """
 
     k0: int
@@ -234,9 +255,10 @@ class Steps(NamedTuple):
 
 
 def new_registers(groups: int, window: int, horizon: int) -> Registers:
-    """Make registers for some groups of lanes, all zero, as every algorithm of the paper starts.
+    """Make registers, all zero, for `groups` groups of eight lanes.
 
-    `window` is the smoother's window in steps, `horizon` the number of links in the MHE's window.
+    The algorithms of Ren et al. (2019) start from zero. `window` is the length of the smoother's
+    window in steps. `horizon` is the number of intervals between fixes in the MHE's window.
     """
     rows = (
         4, window, window, 4 * window, horizon + 1, horizon, horizon, 3 * (horizon + 1), 4, 3, 1,
@@ -248,14 +270,18 @@ def new_registers(groups: int, window: int, horizon: int) -> Registers:
 
 
 def new_scratch(groups: int, chunk: int, window: int) -> Scratch:
-    """Make working memory for chunks of `chunk` steps and a smoother's window of `window` steps."""
+    """Make working memory for `groups` groups of eight lanes, all zero.
+
+    `chunk` is the number of steps that are computed together, `window` the length of the smoother's
+    window in steps.
+    """
     steps = window + chunk
     rows = (steps, steps, 4 * steps, 2, chunk)
     return Scratch(*(_zeros(groups, n) for n in rows))
 
 
 def new_output(groups: int, chunk: int) -> Output:
-    """Make memory for the estimates of a chunk of `chunk` steps."""
+    """Make memory, all zero, for estimates of `chunk` steps in `groups` groups of eight lanes."""
     return Output(*(_zeros(groups, chunk) for _ in Output._fields))
 
 
@@ -264,13 +290,15 @@ def _zeros(groups: int, rows: int) -> Groups:
 
 
 class Weights(NamedTuple):
-    """The weights of errors in NEES and NIS, for each row of the gain schedule.
+    """The weights of squared errors in NEES and NIS, one row per row of the gain schedule.
+
+    NEES is the normalised estimation error squared, NIS the normalised innovation squared.
 
     Attributes
     ----------
     precision
-        Elements pp, pv, vv of the inverse covariance of position and velocity along an axis, shape
-        (rows, 3).
+        Elements pp, pv, vv of the inverse covariance of position p and velocity v along an axis,
+        shape (rows, 3).
     innovation
         Inverse of the innovation's variance, shape (rows,).
     fresh

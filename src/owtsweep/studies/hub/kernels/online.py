@@ -1,9 +1,10 @@
 """Runs one estimator sample by sample, with gains for the measurements that really arrived.
 
-These kernels serve all four schemes on two axes: [MHE ->] filter [-> fixed-lag smoother]
-[-> predictor], where parts in brackets may be absent. All parts but the filter are recomputed from
-their registers at every step, so rounding errors do not accumulate. Memory is constant: registers
-have one row per step, and when they are full, the newest rows are moved to the front.
+These kernels serve all four schemes on two axes: MHE (moving horizon estimator), filter, fixed-lag
+smoother, predictor, where all parts but the filter may be absent. All parts but the filter are
+recomputed from their registers at every step, so rounding errors do not accumulate. Memory is
+constant: registers have one row per step, and when they are full, the newest rows are moved to the
+front. In all kernels f, h and m are `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from owtsweep.studies.hub.kernels.window import (
     violates,
 )
 
-#: Places of (p, v, b) among the filter's four states.
+#: Indices of position, velocity and bias among the filter's four states.
 PICK = (0, 1, 3)
 
 
@@ -35,13 +36,20 @@ PICK = (0, 1, 3)
 def advance(begin, resume, samples, f, h, m, estimates):
     """Process the samples from row `begin` on and fill the rows of the estimates.
 
-    Return the number of rows when all rows are done. If the MHE violates its constraints at a row,
-    return the number of this row. The caller then solves the window with its constraints, puts the
-    answer into m.given (and m.node), and calls again from this row with `resume` set.
+    Return the number of rows when all rows are done. If the MHE (moving horizon estimator) violates
+    its constraints at a row, return the number of this row. The caller then solves the MHE's window
+    with its constraints and puts the position into m.given (at a fix, also the state into m.node).
+    Then the caller calls this function again, from this row, with `resume` set.
 
-    `samples` are the specific force (steps, 2), m/s^2 in the IMU's frame, and the position fixes
-    (steps, 2), m in NED; NaN for a missing fix. f, h and m are `FilterSettings`, `HorizonSettings`
-    and `OnlineRegisters`.
+    Parameters
+    ----------
+    samples
+        The specific force (steps, 2), m/s^2 in the IMU's frame, and the position fixes (steps, 2),
+        m in NED; NaN for a missing fix.
+    f, h, m
+        `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
+    estimates
+        The arrays to fill, `OnlineEstimates`.
     """
     force, fixes = samples
     state, covariance, innovation, variance = estimates
@@ -77,9 +85,10 @@ def advance(begin, resume, samples, f, h, m, estimates):
 
 @njit
 def take_sample(force, f, m):
-    """Store the newest sample of specific force, turned to NED, in the paper's register 1.
+    """Turn the newest sample of specific force (2,) to NED; store the result in m.force.
 
-    If the registers are full, the newest rows of all registers are first moved to the front.
+    m.force is register 1 of Ren et al. (2019). If the registers are full, the newest rows of all
+    registers are first moved to the front. `f` is `FilterSettings`, `m` is `OnlineRegisters`.
     """
     row = m.counter[ROW] + 1
     keep = f.delay + f.window + 2
@@ -99,7 +108,8 @@ def take_sample(force, f, m):
 def filter_step(fresh, f, m):
     """Run one step of the Kalman filter (Algorithm 6 of Ren et al. 2019), gain included.
 
-    `fresh` says whether there is a position. Return the variance of the position's innovation.
+    `fresh` says whether m.given holds a position of this step. `f` is `FilterSettings`, `m` is
+    `OnlineRegisters`. Return the variance of the position's innovation along an axis, m^2.
     """
     row = m.counter[ROW]
     ss = riccati_step(f, m.P, fresh, m.K, m.Pm[row], m.Pf[row], m.work)
@@ -130,8 +140,10 @@ def filter_step(fresh, f, m):
 def take_fix(fresh, fix, f, h, m):
     """Add a node to the MHE's window, with a position fix or without; solve the window.
 
-    The window is solved only if the fixes in it determine its states. Nodes are kept in the paper's
-    registers 2 and 3.
+    The MHE is the moving horizon estimator; a node is a time at which a fix may come. The window is
+    solved only if the window's fixes determine its states. Nodes are kept in registers 2 and 3 of
+    Ren et al. (2019). `fix` (2,) is used if `fresh` is true, that is, if a fix came. f, h and m are
+    `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
     """
     n = m.counter[LINKS]
     if m.counter[STEP] > 0:
@@ -179,7 +191,11 @@ def take_fix(fresh, fix, f, h, m):
 
 @njit
 def horizon_has_position(f, h, m):
-    """Return whether the MHE has a position for the filter at this step."""
+    """Return whether the MHE has a position for the filter at this step.
+
+    The MHE is the moving horizon estimator. f, h and m are `FilterSettings`, `HorizonSettings` and
+    `OnlineRegisters`.
+    """
     since = m.counter[STEP] % f.fix_interval
     if m.counter[DETERMINED]:
         return m.counter[STEP] % h.interval == 0
@@ -190,7 +206,8 @@ def horizon_has_position(f, h, m):
 def horizon_position(f, h, m):
     """Put the MHE's position, if there is one at this step, into m.given.
 
-    Return False if the window's solution breaks its constraints, else True.
+    Return False if the state of the MHE (moving horizon estimator) breaks a constraint; else True.
+    f, h and m are `FilterSettings`, `HorizonSettings` and `OnlineRegisters`.
     """
     n = m.counter[LINKS]
     since = m.counter[STEP] % f.fix_interval
@@ -224,8 +241,10 @@ def horizon_position(f, h, m):
 def after_filter(f, h, m):
     """Store the filter's state for the MHE, and integrate this step's specific force.
 
-    The state and its covariance go to the paper's register 3, at steps with a node only. The
-    specific force is integrated as the MHE takes it: all samples, averaged or sampled.
+    The MHE is the moving horizon estimator. The filter's state and covariance go to register 3 of
+    Ren et al. (2019), but only at steps at which a fix may come. The specific force is integrated
+    as the MHE takes it: all samples, averaged or sampled. f, h and m are `FilterSettings`,
+    `HorizonSettings` and `OnlineRegisters`.
     """
     n = m.counter[LINKS]
     if m.counter[STEP] % f.fix_interval == 0:
@@ -252,8 +271,9 @@ def after_filter(f, h, m):
 def smoother_gain(A, filtered, predicted, work, C):
     """Compute the smoother's gain C = P_{k|k} A' P_{k+1|k}^-1 by Gaussian elimination.
 
-    `filtered` is P_{k|k}, `predicted` is P_{k+1|k}. There is no pivoting, since covariances do not
-    need it.
+    `filtered` is P_{k|k}, `predicted` is P_{k+1|k}; all matrices are (n, n). The gain is written to
+    C. `work` is memory for at least two matrices. There is no pivoting, since covariances do not
+    need pivoting.
     """
     n = len(A)
     M, X = work[0], work[1]
@@ -285,6 +305,7 @@ def output(f, m, state, covariance):
 
     x, y, v_x, v_y are written to `state` (4,). The covariance of position and velocity along an
     axis is written to `covariance` (2, 2). Without a predictor, the filter's state is the estimate.
+    `f` is `FilterSettings`, `m` is `OnlineRegisters`.
     """
     row, k, window = m.counter[ROW], m.counter[STEP], f.window
     if not f.predicts:
@@ -322,9 +343,10 @@ def output(f, m, state, covariance):
 
 @njit
 def output_covariance(f, m, covariance):
-    """Compute the covariance (2, 2) of predicted position and velocity, equal for both axes.
+    """Write the covariance of predicted position and velocity to `covariance` (2, 2).
 
-    The formula is the one by which `hub.chain` computes the covariance for the batch engine.
+    The covariance is equal for both axes. `hub.chain` uses the same formula for the batch engine.
+    `f` is `FilterSettings`, `m` is `OnlineRegisters`.
     """
     row, window = m.counter[ROW], f.window
     if f.delay + window == 0:

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 
-#: Places of the counters: present step, present row of the registers, links in the MHE's window,
-#: whether the window's data determine its states. COUNTERS is the number of counters.
+#: Indices in `OnlineRegisters.counter`: present step, present row of the registers, number of links
+#: in the MHE's window, whether the window's data determine its states. COUNTERS is their number.
 STEP, ROW, LINKS, DETERMINED, COUNTERS = 0, 1, 2, 3, 4
 
 
@@ -22,9 +22,10 @@ class OnlineEstimates(NamedTuple):
     state
         Shape (steps, 4): x, y (m), v_x, v_y (m/s); x is north, y is east.
     covariance
-        Shape (steps, 2, 2): covariance of position and velocity along an axis, equal for both axes.
+        Covariance of position and velocity along an axis, equal for both axes; shape (steps, 2, 2).
     innovation, innovation_variance
-        Shapes (steps, 2) and (steps,); NaN at steps without an innovation.
+        Innovation of the position along x and y (m), shape (steps, 2), and its variance along each
+        axis (m^2), shape (steps,); NaN at steps without an innovation.
     """
 
     state: Array
@@ -39,7 +40,8 @@ class FilterSettings(NamedTuple):
     Attributes
     ----------
     A, B, Q
-        The filter's model, shapes (4, 4), (4,), (4, 4).
+        The filter's transition matrix (4, 4), input column (4,) and process noise covariance
+        (4, 4).
     slow, fast, r_slow, r_fast
         Measurement rows (4,) of position and specific force, and the variances of their noises.
     rule
@@ -47,14 +49,14 @@ class FilterSettings(NamedTuple):
     P0
         Covariance (4, 4) of the first state.
     fix_interval, delay, window
-        Steps between position fixes, delay of the specific force, length of the smoother's window.
+        Time between position fixes, delay of the specific force, length of the smoother's window.
     predicts
         Whether there is a predictor.
     input_A, input_B
-        The predictor's model, shapes (3, 3) and (3,).
+        The predictor's transition matrix (3, 3) and input column (3,) for one step.
     ahead, response, added
-        The predictor's transition over all its steps (3, 3), its response to the noise of each
-        input (steps, 3), and the covariance that noise on the way adds (3, 3).
+        The predictor's transition matrix over all its steps (3, 3), its response to the noise of
+        each input (steps, 3), and the covariance that noise during the prediction adds (3, 3).
     rotation, gravity
         Rotation (2, 2) from the IMU's frame to NED, and gravity (2,) in NED, m/s^2.
     """
@@ -88,8 +90,10 @@ class HorizonSettings(NamedTuple):
     ----------
     active
         Whether the scheme has an MHE.
-    interval, length
-        T_m in IMU steps, and N_m, the number of links between fixes in the window.
+    interval
+        T_m, the time between the MHE's positions, in IMU steps.
+    length
+        N_m, the number of links in the window; a link leads from one fix to the next.
     arrival
         What is known about the oldest state: 0 nothing, 1 a prior, 2 the state itself.
     inputs
@@ -103,7 +107,7 @@ class HorizonSettings(NamedTuple):
         of the oldest state while the window fills (3, 3).
     constrained, bounds
         Whether there are constraints, and the bounds (3,) of |p|, |v| and |b^b|, the bias in the
-        IMU's frame; infinite where there is none.
+        IMU's frame; a quantity without a bound has the bound infinity.
     """
 
     active: bool
@@ -121,7 +125,54 @@ class HorizonSettings(NamedTuple):
 
 
 class OnlineRegisters(NamedTuple):
-    """The registers of an online estimator; `online.registers.new_registers` shows their shapes."""
+    """The registers of an online estimator, for two axes, x and y.
+
+    The MHE is the moving horizon estimator. A node is a time at which a fix may come, and a link
+    leads from one node of the MHE's window to the next. T_m is the time between the MHE's
+    positions.
+
+    Attributes
+    ----------
+    counter
+        The counters STEP, ROW, LINKS, DETERMINED; shape (4,).
+    x, P, K
+        The filter's state (4, 2), its covariance (4, 4) and the gain of the present step (4, 2).
+    work
+        Working memory (3, 4, 4) of the filter and the smoother.
+    predicted, innovation, given
+        The predicted state (4, 2), the innovation of the position (2,), and the position that the
+        filter takes (2,), m.
+    force, X, e
+        One row per recent step: specific force in NED (rows, 2), filtered state (rows, 4, 2) and
+        the correction that it contains (rows, 4, 2).
+    C, Pm, Pf
+        One row per recent step, shape (rows, 4, 4): the smoother's gain, and the covariances of the
+        predicted and of the filtered state.
+    smoothed, coupling, no_coupling
+        Results of `estimation.windowing.covariances`, shapes (window + 1, 4, 4) and
+        (window + 1, 4, 3), and a coupling of zero (4, 3).
+    zero
+        A state of zeros (3, 2).
+    z, have
+        Position fix (m) of each node, shape (nodes, 2), and whether the fix arrived.
+    effects
+        What the specific force adds to the state from each node to the next, shape (links, 3, 2).
+    states, covariances
+        The filter's position, velocity and bias at the nodes, shape (nodes, 3, 2), and their
+        covariances (nodes, 3, 3).
+    running
+        What the specific force since the last node adds to position and velocity, shape (2, 2).
+    recent, held
+        Sum of the IMU samples since the last multiple of T_m, and the sample or average that the
+        MHE takes until the next multiple; shape (2,) each.
+    prior
+        Square root of the information about the oldest node (3, 3).
+    node, nodes
+        The MHE's state at the newest node (3, 2), and at all nodes and the present
+        (nodes + 1, 3, 2).
+    blocks
+        Factors of the window's least squares problem, shape (links, 3, 8).
+    """
 
     counter: NDArray[np.int64]
     x: Array

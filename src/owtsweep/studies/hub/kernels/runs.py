@@ -1,8 +1,10 @@
 """Runs a chain over records, chunk by chunk, and sums the errors during the run.
 
-One call processes many chunks without returning to Python. What one stage leaves for the next stays
-in the second-level cache, and so do estimates until their errors are summed. Each stage processes
-the groups of lanes side by side. Arguments are the structures of `kernels.layout`.
+A chain is a scheme as arrays; a chunk is a stretch of a record whose steps are computed together.
+One call processes many chunks without returning to Python. What one stage
+(filter, smoother, predictor, summation) leaves for the next stays in the second-level cache, and so
+do estimates until their errors are summed. Each stage processes the groups of eight lanes side by
+side. Arguments are the structures of `kernels.layout`.
 
 Each stage prefetches about as much data as memory can deliver meanwhile. The filter prefetches the
 true velocity (and, without a smoother, the force), the smoother prefetches the next chunk's force,
@@ -24,9 +26,10 @@ PIECE = 250
 
 @njit
 def estimates(k0, count, fed, chain, memory):
-    """Compute the estimates of a chunk of steps and write them to memory.output.
+    """Compute the estimates of `count` steps, from step k0 on, and write them to memory.output.
 
-    The chunk begins at step k0 and has `count` steps.
+    `count` is at most the number of steps for which `memory` was made. `fed`, `chain` and `memory`
+    are `Fed`, `ChainArrays` and `Memory`.
     """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     if not is_filter(c):
@@ -35,13 +38,32 @@ def estimates(k0, count, fed, chain, memory):
 
 
 @njit
-def superposed(stretch, fed, truth, chain, weights, memory, sums):
-    """Run eight replicates as motion and noise; add the products of their errors to `sums`.
+def _window(k0, at, end, settled):
+    """Return the step of the chunk at which the window of step `at` ends, and its row in the sums.
 
-    The groups of lanes are motion, noise of x and noise of y. `stretch` is (begin, stop, chunk,
-    settled): the steps begin ... stop - 1 are processed `chunk` steps at a time; errors from step
-    `settled` on count as settled. `sums` is a tuple of one array (36, 8), arranged as
-    `kernels.sums` says.
+    The record's steps before step `settled` are one window, its other steps another. A window ends
+    at the step `end` if not before. One call of the summation serves both windows: with the row as
+    a constant, numba would compile the summation once for each.
+    """
+    if k0 + at < settled:
+        return min(settled - k0, end), 0
+    return end, 18
+
+
+@njit
+def superposed(stretch, fed, truth, chain, weights, memory, sums):
+    """Run a scheme on eight records, motion and noise apart; add products of the errors to `sums`.
+
+    There are three groups of eight lanes: the motion, the noise of x and the noise of y. Each
+    record has one lane in each group. The other arguments are structures of `kernels.layout`.
+
+    Parameters
+    ----------
+    stretch
+        (begin, stop, chunk, settled): the steps begin ... stop - 1 are processed `chunk` steps at a
+        time; errors from step `settled` on count as settled.
+    sums
+        A tuple of one array (36, 8), with the rows that the docstring of `kernels.sums` explains.
     """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     true, w, total = borrowed(truth), borrowed(weights), borrowed(sums)
@@ -54,23 +76,22 @@ def superposed(stretch, fed, truth, chain, weights, memory, sums):
             end = min(first + PIECE, count)
             if c.predictor.steps == 0:
                 finish(Steps(k0, first, end, first), inputs, c, m, true.velocity)
-            early = min(max(settled - k0, first), end)
-            if early > first:
-                some = Steps(k0, first, early, first)
-                superposed_span(some, inputs, true, c, m, w, total, 0)
-            if early < end:
-                some = Steps(k0, early, end, first)
-                superposed_span(some, inputs, true, c, m, w, total, 18)
+            at = first
+            while at < end:
+                until, top = _window(k0, at, end, settled)
+                some = Steps(k0, at, until, first)
+                superposed_span(some, inputs, true, c, m, w, total, top)
+                at = until
         k0 += count
 
 
 @njit
 def direct(stretch, fed, truth, chain, weights, memory, sums, squared):
-    """Run eight replicates as whole series; add the squares of their errors to `sums`.
+    """Run a scheme on eight records, motion plus noise; add the squares of the errors to `sums`.
 
-    The groups of lanes are x and y. `squared` is a tuple of one array (steps, 8), filled with the
-    squared position error of each step unless the array is empty. The other arguments are those of
-    `superposed`.
+    There are two groups of eight lanes, x and y. Each record has one lane in each group. `squared`
+    is a tuple of one array: either (steps, 8), to be filled with the squared position error of each
+    step, or empty. The other arguments are those of `superposed`.
     """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     true, w = borrowed(truth), borrowed(weights)
@@ -84,20 +105,21 @@ def direct(stretch, fed, truth, chain, weights, memory, sums, squared):
             end = min(first + PIECE, count)
             if c.predictor.steps == 0:
                 finish(Steps(k0, first, end, first), inputs, c, m, true.velocity)
-            early = min(max(settled - k0, first), end)
-            if early > first:
-                direct_span(Steps(k0, first, early, first), inputs, true, c, m, w, total, 0)
-            if early < end:
-                direct_span(Steps(k0, early, end, first), inputs, true, c, m, w, total, 18)
+            at = first
+            while at < end:
+                until, top = _window(k0, at, end, settled)
+                direct_span(Steps(k0, at, until, first), inputs, true, c, m, w, total, top)
+                at = until
         k0 += count
 
 
 @njit
 def states(k0, count, fed, chain, memory, result):
-    """Filter, and smooth if the chain has a smoother, a chunk of `count` steps; write its states.
+    """Write the states of `count` steps, from step k0 on: filtered, or smoothed with a smoother.
 
-    `result` has an array (4 count, 8) for each group of lanes. Each step has four rows: position,
-    velocity, acceleration, bias.
+    The states are written to `result`, which has an array (4 count, 8) for each group of eight
+    lanes. Each step has four rows: position, velocity, acceleration, bias. With a smoother, the
+    rows of step k hold the state of step k - window.
     """
     inputs, c, m = borrowed(fed), borrowed(chain), borrowed(memory)
     target, X = borrowed(result), m.scratch.X

@@ -1,17 +1,19 @@
 """Sums of squared errors of eight replicates at once, computed during the run.
 
-`superposed_span` takes three groups of lanes: motion, noise of x, noise of y. The motion group is
-the response to the unit displacement along the wave; each axis moves by this response times the
-axis' direction cosine. The products motion x motion, motion x noise and noise x noise are summed.
-The errors at every amplitude follow from these sums. `direct_span` takes two groups, x and y, of
-whole series and sums the squares of their errors.
+A replicate is one record; each replicate has a lane, a column of the arrays. `superposed_span`
+takes three groups of lanes: motion, noise of x, noise of y. The motion group is the response to the
+unit displacement along the wave; the response of an axis is this response times the axis' direction
+cosine. The products motion x motion, motion x noise and noise x noise are summed. The errors at
+every amplitude follow from these sums. `direct_span` takes two groups, x and y, of whole series
+(motion plus noise) and sums the squares of their errors.
 
-With a predictor, estimates are made here, step by step, and never stored. Otherwise they are read
-from the output: the estimate of the chunk's step i from row i - shift.
+With a predictor, estimates are made here, step by step, and never stored. Otherwise the estimates
+are read from the output: the estimate of the chunk's step i from row i - shift (see `Steps`). A
+chunk is a stretch of a record whose steps are computed together.
 
-Sums have the shape (36, 8): 2 windows x 6 quantities x 3 products, and eight replicates. The
-quantities are x, y, vx, vy, NEES, NIS. Window 0 is the time before settling, window 1 the time
-after.
+The sums have the shape (36, 8). The rows are 2 windows x 6 quantities x 3 products; the columns are
+eight replicates. Window 0 is the time before settling, window 1 the time after. The quantities are
+x, y, vx, vy, NEES (normalised estimation error squared) and NIS (normalised innovation squared).
 """
 
 from __future__ import annotations
@@ -24,22 +26,27 @@ from owtsweep.vectors.lanes import AHEAD, element, groups, load, prefetch, round
 
 @njit
 def add(sums, row, term):
-    """Add a vector of eight lanes to a row of the sums."""
+    """Add eight numbers, `term`, to the row number `row` of the sums (36, 8)."""
     store(sums, row, load(sums, row) + term)
 
 
 @njit
 def precision_of(precision, row):
-    """Return the elements pp, pv, vv of an inverse covariance of position p and velocity v."""
+    """Return the elements pp, pv, vv of an inverse covariance of position p and velocity v.
+
+    The elements are those of the given row of `precision`, shape (rows, 3).
+    """
     at = 3 * row
     return element(precision, at), element(precision, at + 1), element(precision, at + 2)
 
 
 @njit
 def begin(k0, first, fed, predictor, scratch):
-    """Return the sums over the inputs with which the prediction of step `first` starts.
+    """Return what the inputs add to velocity and position in the prediction at a step: dv, dp.
 
-    The sums are what the inputs add to velocity and position; zeros without a predictor.
+    dv is in m/s, dp in m; without a predictor both are zero. The inputs are the specific forces of
+    the predictor's last steps. The step is number `first` of a chunk (steps that are computed
+    together); the chunk begins at the record's step k0.
     """
     if predictor.steps > 0:
         return begin_prediction(k0, first, fed.force, fed.base, predictor, scratch)
@@ -50,8 +57,10 @@ def begin(k0, first, fed, predictor, scratch):
 def estimate(i, at, row, dv, dp, force, predictor, memory):
     """Return the estimated position and velocity of the chunk's step i, then dv and dp.
 
-    dv and dp are the sums over the inputs for the next step's prediction; without a predictor they
-    are returned as they came. `at` is the step's row in the force, `row` its row in the output.
+    dv (m/s) and dp (m) are what the inputs (specific forces) add to velocity and position in a
+    prediction: the arguments in the prediction at step i, the returned values in the prediction at
+    the next step. Without a predictor dv and dp are returned unchanged. `at` is the step's row in
+    `force`, `row` is its row in memory.output.
     """
     if predictor.steps > 0:
         return predict(i, at, dv, dp, force, predictor, memory.scratch.X)
@@ -62,25 +71,30 @@ def estimate(i, at, row, dv, dp, force, predictor, memory):
 def squares(px, py, vx, vy):
     """Return the squares of the position and velocity errors of both axes, each rounded once.
 
-    Each square is used twice: in its own sum and in NEES.
+    Each square is used twice: in the sum of the quantity's own squares and in NEES (normalised
+    estimation error squared).
     """
     return rounded(px * px), rounded(py * py), rounded(vx * vx), rounded(vy * vy)
 
 
 @njit
 def weighted(pp, pv, vv, position, cross, velocity):
-    """Return NEES, given sums over both axes of squared errors and of position x velocity error.
+    """Return NEES, the normalised estimation error squared, summed over both axes.
 
-    pp, pv and vv are the elements of the inverse covariance of position and velocity.
+    `position` and `velocity` are sums over both axes of squared errors, `cross` is the sum of
+    position error times velocity error. pp, pv and vv are elements of the inverse covariance of
+    position and velocity.
     """
     return pp * position + 2.0 * pv * cross + vv * velocity
 
 
 @njit
 def add_axes(sums, top, direction, products):
-    """Add products of motion and noise to the six rows of x and y, from row `top` on.
+    """Add products of motion and noise to six rows of the sums, from row `top` on: x, then y.
 
-    `products` are motion x motion, motion x noise of x and of y, and the squares of both noises.
+    The rows of an axis are motion x motion, motion x noise and noise x noise. `products` are motion
+    x motion, motion x noise of x, motion x noise of y, and the squares of the noise of x and of y.
+    `direction` holds the direction cosines (2,) of the motion.
     """
     cx, cy = direction[0], direction[1]
     mm, mx, my, xx, yy = products
@@ -96,7 +110,10 @@ def add_axes(sums, top, direction, products):
 def superposed_innovations(steps, direction, chain, output, weights, sums, top):
     """Add products of innovations, weighted as in NIS, to three rows of the sums from `top` on.
 
-    `steps` are some steps of a chunk; steps without an innovation are skipped.
+    NIS is the normalised innovation squared. The rows are motion x motion, motion x noise and noise
+    x noise. `steps` are some steps of a record; steps without an innovation are skipped.
+    `direction` holds the direction cosines (2,) of the motion; the other arguments are structures
+    of `kernels.layout`.
     """
     cx, cy = direction[0], direction[1]
     weight, fresh = weights.innovation, weights.fresh
@@ -114,9 +131,10 @@ def superposed_innovations(steps, direction, chain, output, weights, sums, top):
 
 @njit
 def superposed_span(steps, fed, truth, chain, memory, weights, sums, top):
-    """Add products of the errors due to motion and due to noise to the sums, for steps of a chunk.
+    """Add products of the errors due to motion and due to noise to the sums, for some steps.
 
-    The 18 rows from `top` on are those of one window (before or after settling).
+    The products go to 18 rows of the sums, from row `top` on. These rows belong to one window,
+    before or after settling. The other arguments are structures of `kernels.layout`.
     """
     k0, first, stop, shift = steps
     force, base, scratch = fed.force, fed.base, memory.scratch
@@ -161,11 +179,12 @@ def superposed_span(steps, fed, truth, chain, memory, weights, sums, top):
 
 @njit
 def direct_span(steps, fed, truth, chain, memory, weights, totals, top):
-    """Add the squared errors of whole series in some steps of a chunk to the sums.
+    """Add the squared errors of whole series (motion plus noise) to the sums, for some steps.
 
-    The 18 rows from `top` on are those of one window (before or after settling), three for each
-    quantity; the squares go to the third. `totals` consists of the sums, of the array for the
-    squared position error of each step, and of whether this array is written.
+    The 18 rows of the sums from row `top` on belong to one window, before or after settling. Each
+    quantity has three of these rows; its squares go to the third. `totals` is
+    (sums, squared, keep): if `keep` is true, `squared` (steps, 8) gets the squared position error
+    of each step. The other arguments are structures of `kernels.layout`.
     """
     k0, first, stop, shift = steps
     force, base, scratch = fed.force, fed.base, memory.scratch

@@ -1,10 +1,10 @@
 """Solves the MHE's window for the fixes that arrived, by a square-root information filter.
 
-The least squares problem of Eq. (11) of Ren et al. (2019) is a chain of nodes, one node per fix.
-The problem is factorised node by node: one QR step over each link yields the block of the older
-node and a 3 x 3 factor for the newer node. If no fix is missing, the batch engine has the same
-result; it multiplies the data by the matrix of `estimation.mhe.window_map`. Both axes share the
-factors.
+The MHE is the moving horizon estimator. Its least squares problem, Eq. (11) of Ren et al. (2019),
+is a chain of nodes, one node per fix, with links between successive nodes. The problem is
+factorised node by node: one QR step over each link yields a block of factors for the older node and
+a 3 x 3 factor for the newer node. Both axes share the factors. If no fix is missing, the batch
+engine has the same result, by multiplying the data by the matrix of `estimation.mhe.window_map`.
 """
 
 from __future__ import annotations
@@ -19,9 +19,10 @@ NO_ARRIVAL, PRIOR, FIXED = 0, 1, 2
 
 @njit
 def put(target, row, column, source):
-    """Copy the matrix `source` into a larger one, at a row and column.
+    """Copy the matrix `source` into a larger matrix, `target`.
 
-    (numba takes seconds to compile an assignment of slices.)
+    The first element of `source` goes to the given row and column of `target`. (numba takes seconds
+    to compile an assignment of slices.)
     """
     for i in range(source.shape[0]):
         for j in range(source.shape[1]):
@@ -30,7 +31,10 @@ def put(target, row, column, source):
 
 @njit
 def take(target, source, row, column):
-    """Fill `target` with a part of a larger matrix, from a row and column on."""
+    """Fill the matrix `target` with a part of a larger matrix, `source`.
+
+    The part's first element is at the given row and column of `source`.
+    """
     for i in range(target.shape[0]):
         for j in range(target.shape[1]):
             target[i, j] = source[row + i, column + j]
@@ -38,7 +42,7 @@ def take(target, source, row, column):
 
 @njit
 def square_root_information(P, U):
-    """Fill U (3, 3) so that U' U = P^-1: with the inverse of the Cholesky factor of P (3, 3)."""
+    """Fill U (3, 3) with the inverse of the Cholesky factor of P (3, 3), so that U' U = P^-1."""
     L = np.zeros((3, 3))
     for i in range(3):
         for j in range(i + 1):
@@ -56,7 +60,10 @@ def square_root_information(P, U):
 
 @njit
 def triangularise(M, columns):
-    """Make the first `columns` columns of M triangular by Householder reflections, in place."""
+    """Make the first `columns` columns of M zero below the diagonal, by Householder reflections.
+
+    M, shape (rows, width), is changed in place.
+    """
     rows, width = M.shape
     for c in range(min(columns, rows - 1)):
         norm = 0.0
@@ -85,13 +92,23 @@ def triangularise(M, columns):
 def solve_window(n, h, m, x0, prior, kind, first):
     """Solve a window of n links; write the newest node's state to m.nodes[n].
 
-    A state is (3, 2): position, velocity and bias of both axes. The older nodes are left as
-    factors in m.blocks, from which `older_nodes` computes them. The data must determine the states.
+    A link leads from one node to the next. A state is (3, 2): position, velocity and bias of both
+    axes. For the older nodes only factors are left in m.blocks, from which `older_nodes` computes
+    their states. The data must determine the states.
 
-    `h` are the weights (`HorizonSettings`). `m` are the fixes, the effects of the inputs, and
-    memory for factors and nodes (`OnlineRegisters`). `kind` says what is known about the oldest
-    node: NO_ARRIVAL, PRIOR or FIXED. x0 (3, 2) is the arrival state; `prior` (3, 3) is the square
-    root of its information matrix. Fixes of nodes before number `first` are left out.
+    Parameters
+    ----------
+    h
+        The weights of the least squares problem, `HorizonSettings`.
+    m
+        The fixes, the effects of the inputs, and memory for factors and nodes: `OnlineRegisters`.
+    x0, prior
+        The arrival state (3, 2), and the square root (3, 3) of its information matrix.
+    kind
+        What is known about the oldest node: NO_ARRIVAL (nothing), PRIOR (x0 with uncertainty) or
+        FIXED (its state is x0).
+    first
+        The fixes of nodes before number `first` are left out.
     """
     A, U, inverse_sigma = h.transition, h.link, h.inverse_sigma
     z, have, effects, blocks, nodes = m.z, m.have, m.effects, m.blocks, m.nodes
@@ -161,7 +178,9 @@ def solve_window(n, h, m, x0, prior, kind, first):
 def older_nodes(n, blocks, nodes):
     """Compute the states of the nodes n - 1 ... 0 from the state of node n, by back substitution.
 
-    `blocks` are the factors that `solve_window` leaves; the states are written to `nodes`.
+    A node is a time at which a fix may come. `blocks` are the factors that `solve_window` leaves,
+    shape (n or more, 3, 8). `nodes`, shape (n + 1 or more, 3, 2), holds the state of node n and
+    gets the other states.
     """
     for node in range(n - 1, -1, -1):
         block = blocks[node]
@@ -177,11 +196,12 @@ def older_nodes(n, blocks, nodes):
 
 @njit
 def violates(x, bounds, rotation, gravity):
-    """Return whether a node's state breaks a constraint on either axis.
+    """Return whether a node's state x breaks a constraint on either axis.
 
     The state x (3, 2) is position, velocity and x4 of both axes, where x4 = -R b^b + g contains the
     bias b^b (Eq. 6 of Ren et al. 2019). The bounds (3,) apply to the magnitudes of position and
-    velocity in NED and of the bias in the IMU's frame.
+    velocity in NED and of the bias in the IMU's frame. `rotation` is R (2, 2), `gravity` is g (2,)
+    in NED, m/s^2.
     """
     for axis in range(2):
         bias = 0.0  # b^b = R' (g - x4), Eq. (6)

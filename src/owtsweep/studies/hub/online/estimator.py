@@ -1,4 +1,4 @@
-"""Runs a scheme as on board: one compiled call per sample, gains for the fixes that arrived."""
+"""Runs a scheme as on board: one compiled call per IMU sample, gains for the fixes that arrived."""
 
 from __future__ import annotations
 
@@ -30,17 +30,29 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.horizon import Horizon
 
 OFF_GRID = (
-    "position: a fix came at step {step}, and HME2 takes fixes only at multiples of {interval} "
-    "IMU steps, where its window has nodes; move it to the next of them, or leave it out"
+    "position: a fix came at step {step}, but HME2 takes fixes only at multiples of {interval} "
+    "IMU steps; give the fix at the next multiple, or leave the fix out"
 )
 _EYE = np.eye(2)
 
 
 class OnlineEstimator:
-    """A running scheme: `update` takes one IMU sample, `run` takes many.
+    """A running scheme: `update` takes one IMU sample, `run` takes many samples.
 
     Any position fix may be missing. EKF, MKF and HME1 take fixes at any step, HME2 only at
     multiples of the fix interval. A fix reports a past position, as old as the delay of the GNSS.
+
+    Parameters
+    ----------
+    sensors
+        The properties of the IMU and the GNSS.
+    settings, horizon
+        Settings for the kernels: of filter, smoother and predictor, and of the moving horizon
+        estimator (MHE).
+    mhe
+        The moving horizon estimator; None for a scheme without one.
+    solver
+        Name of the solver for the MHE's windows that break a constraint.
     """
 
     def __init__(
@@ -73,16 +85,24 @@ class OnlineEstimator:
             Specific force in the IMU's frame, m/s^2, shape (2,).
         position
             The fix in NED, m, shape (2,): a past position, as old as the delay of the GNSS. None
-            (or NaN) if there is no fix.
+            (or two NaN) if there is no fix.
+
+        Returns
+        -------
+        Estimate
+            Position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and the
+            innovation of the position; None in place of an innovation if the filter took no
+            position at this step.
 
         Raises
         ------
         ValueError
             If a sample is not two finite numbers, or a fix comes at a step at which HME2 cannot
-            take it. The estimator is left unchanged.
+            take fixes. The estimator is left unchanged.
         ArithmeticError
-            If no solver meets the MHE's constraints. The sample is then only partly processed, so
-            every later call raises this error too: start a new estimator.
+            If the solver cannot meet the constraints of the moving horizon estimator. The sample is
+            then only partly processed, so every later call raises this error too: start a new
+            estimator.
         """
         _check_pair("specific_force", specific_force)  # NumPy would use one number for both
         if position is not None:
@@ -100,7 +120,7 @@ class OnlineEstimator:
         return Estimate(out.state[0, :2], out.state[0, 2:], covariance, innovation)
 
     def run(self, specific_force: Array, positions: Array) -> OnlineEstimates:
-        """Take many IMU samples at once, as `update` would take them one by one.
+        """Take many IMU samples at once; the result is as if `update` took sample after sample.
 
         Parameters
         ----------
@@ -108,10 +128,21 @@ class OnlineEstimator:
             Specific force (m/s^2, IMU's frame) and position fixes (m, NED), shape (steps, 2) each.
             Both components of a position are NaN at steps without a fix.
 
+        Returns
+        -------
+        OnlineEstimates
+            Arrays with one row per step.
+
         Raises
         ------
-        ValueError, ArithmeticError
-            As for `update`; ValueError also if the shapes are wrong.
+        ValueError
+            If the shapes are wrong, a number is infinite, a specific force is NaN, only one
+            component of a fix is NaN, or a fix comes at a step at which HME2 cannot take fixes. The
+            estimator is left unchanged.
+        ArithmeticError
+            If the solver cannot meet the constraints of the moving horizon estimator. Some samples
+            are then processed already, so every later call raises this error too: start a new
+            estimator.
         """
         from owtsweep.studies.hub.kernels.online import advance
 
@@ -136,7 +167,11 @@ class OnlineEstimator:
             resume = True
 
     def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
-        """Take many samples at once, as `run` does; return what `owtsweep.evaluation` needs."""
+        """Take many IMU samples at once, as `run` does; return the estimates as a `Trajectory`.
+
+        `Trajectory` is what the functions of `owtsweep.evaluation` take. `specific_force` (m/s^2)
+        and `positions` (m) have the shape (steps, 2) each. The errors are those of `run`.
+        """
         out = self.run(specific_force, positions)
         return Trajectory(
             out.state,
@@ -151,17 +186,22 @@ class OnlineEstimator:
         if force.ndim != 2 or force.shape[1] != 2 or force.shape != positions.shape:
             raise ValueError(
                 f"specific_force, positions: their shapes are {force.shape} and "
-                f"{positions.shape}; give (steps, 2) twice"
+                f"{positions.shape}; give both the shape (steps, 2)"
             )
         first = int(self._registers.counter[STEP])
         if not np.isfinite(force).all():
             step = first + int(np.argmax(~np.isfinite(force).all(axis=1)))
-            raise ValueError(f"specific_force: it is not finite at step {step}")
+            raise ValueError(
+                f"specific_force: it is not finite at step {step}; give two finite numbers"
+            )
         there = positions == positions  # not NaN
         if not there.any():
             return
         if not np.array_equal(there[:, 0], there[:, 1]) or np.isinf(positions).any():
-            raise ValueError("position: give both components as finite numbers, or none at all")
+            raise ValueError(
+                "position: a fix has a component that is missing or infinite; give both components "
+                "as finite numbers, or leave the fix out"
+            )
         if self._horizon.active:
             at = first + np.flatnonzero(there[:, 0])
             off = at[at % self._sensors.fix_interval != 0]
@@ -171,10 +211,12 @@ class OnlineEstimator:
     def _solve_with_constraints(self) -> None:
         """Solve the MHE's present window with its constraints; put the result into the registers.
 
+        The MHE is the moving horizon estimator.
+
         Raises
         ------
         ArithmeticError
-            If no solver meets the constraints.
+            If the solver cannot meet the constraints.
         """
         from owtsweep.studies.hub import window
 
@@ -217,20 +259,25 @@ def online_chain(
     mhe: Horizon | None = None,
     solver: str = "qrqp",
 ) -> OnlineEstimator:
-    """Make a new online estimator: [MHE ->] filter [-> smoother -> predictor].
+    """Make a new online estimator from settings: [MHE ->] filter [-> smoother -> predictor].
+
+    Parts in brackets may be absent.
 
     Parameters
     ----------
+    tuning
+        The filter's tuning.
     window
         Length N_s of the smoother's window, in steps.
     delay
-        Number of steps by which the specific force is delayed (the paper's register 1). The
-        predictor predicts over these steps and the window. None means that there is no predictor:
-        the filter takes the specific force without delay, and its state is the estimate.
+        Number of steps by which the specific force is delayed in register 1 of Ren et al. (2019).
+        The predictor predicts over these steps and the smoother's window. None means that there is
+        no predictor: the filter takes the specific force without delay, and the filter's state is
+        the estimate.
     mhe
         The moving horizon estimator; None for a scheme without one.
     solver
-        Solver for windows with constraints.
+        Name of the solver for the MHE's windows that break a constraint.
     """
     axis = axis_filter(tuning, sensors)
     predict = None if delay is None else input_model(tuning, sensors)
@@ -240,4 +287,4 @@ def online_chain(
 
 def _check_pair(name: str, value: Array) -> None:
     if np.shape(value) != (2,):
-        raise ValueError(f"{name}: {value!r} is not two numbers, x and y")
+        raise ValueError(f"{name}: {value!r} is not two numbers; give x and y")

@@ -1,4 +1,4 @@
-"""Makes the settings that the online kernels take, and the registers of a new estimator."""
+"""Makes the settings and the registers (memory) of the online kernels for a new estimator."""
 
 from __future__ import annotations
 
@@ -26,8 +26,16 @@ def filter_settings(
 ) -> FilterSettings:
     """Make the settings of filter, smoother and predictor for the online kernels.
 
-    `delay` and `window` are the delay of the specific force and the smoother's window, in steps.
-    `predict` is the predictor's model; without it (None) the filtered state is the estimate.
+    Parameters
+    ----------
+    axis
+        The filter's model and variances for one axis.
+    rule
+        How a step without a position fix is treated, one of `estimation.gains.RULES`.
+    delay, window
+        Delay of the specific force, and length of the smoother's window, in steps.
+    predict
+        The predictor's model; None if the filtered state is the estimate.
     """
     steps = delay + window
     ahead: Array = np.eye(3)
@@ -62,9 +70,9 @@ def filter_settings(
 
 
 def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
-    """Make the moving horizon estimator's settings for the online kernels.
+    """Make the settings of the moving horizon estimator (MHE) for the online kernels.
 
-    `mhe` is None for a scheme without such an estimator; the settings are then not active.
+    `mhe` is None for a scheme without an MHE; the settings then say so (`active` is false).
     """
     eye = np.eye(3)
     if mhe is None:
@@ -87,9 +95,11 @@ def horizon_settings(mhe: Horizon | None, sensors: Sensors) -> HorizonSettings:
 
 
 def new_registers(f: FilterSettings, h: HorizonSettings) -> OnlineRegisters:
-    """Make the registers of a new online estimator. The paper's algorithms start from zero.
+    """Make the registers of a new online estimator: zeros, except the filter's covariance, f.P0.
 
-    So all registers are zero, except the filter's covariance P, which is f.P0.
+    f are the settings of filter, smoother and predictor; h are those of the moving horizon
+    estimator. The algorithms of Ren et al. (2019) start from zero. The counter ROW is not zero: it
+    starts behind the rows that stand for the time before the first step.
     """
     keep = f.delay + f.window + 2
     rows = 3 * keep + 64

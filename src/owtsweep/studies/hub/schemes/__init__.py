@@ -1,4 +1,4 @@
-"""Turns entries of the key `schemes` into schemes: the four of the hub study, or a user's."""
+"""Turns entries of the keys `schemes` and `baselines` into schemes: ours, or a user's."""
 
 from __future__ import annotations
 
@@ -20,30 +20,36 @@ REGISTERED = {
     "HME1": "delayed MKF, online smoother, predictor",
     "HME2": "HME1 fed by a moving horizon estimator",
 }
+#: Name -> description of the baselines. They are schemes too, with modules of their own.
+BASELINES = {
+    "NONE": "no estimator: zero position, zero velocity",
+    "HOLD": "the last fix, zero velocity",
+    "DELTA": "the last fix, moved on with the velocity of the last two fixes",
+}
 
 #: Attributes and methods that a scheme may have besides name, linear and start.
 OPTIONAL = ("under", "kernel", "stream", "sections", "constrained")
 
 
 def resolve(entry: Any) -> Scheme:
-    """Return the scheme that an entry of the key `schemes` stands for.
+    """Return the scheme for which an entry of the key `schemes` stands.
 
     Parameters
     ----------
     entry
-        A registered name; a mapping `{_target_: package.Class, ...}` whose other keys are the
+        A name in `REGISTERED`; a mapping `{_target_: package.Class, ...}` whose other keys are the
         arguments of the class; or a `StoredScheme`, which stands for a user's scheme in a stored
         run and is returned as it is.
 
     Raises
     ------
     InputError
-        If the name is unknown, or the class cannot be imported or instantiated, or the scheme
-        lacks its name, `linear` or `start`.
+        If the name is unknown, the class cannot be imported or instantiated, the scheme lacks
+        `name`, `linear` or `start`, or the entry is none of these three.
     """
     if isinstance(entry, str):
-        if entry not in REGISTERED:
-            names = ", ".join(REGISTERED)
+        if entry not in REGISTERED and entry not in BASELINES:
+            names = ", ".join([*REGISTERED, *BASELINES])
             raise InputError(
                 f"schemes: there is no scheme {entry!r}; use {names} or {{_target_: package.Class}}"
             )
@@ -58,16 +64,30 @@ def resolve(entry: Any) -> Scheme:
     )
 
 
-def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
-    """Return all schemes of a run, in the order of `entries` (entries of the key `schemes`).
+def list_entries(config: Any) -> list[Any]:
+    """Return the entries of all schemes that a configuration runs: `schemes`, then baselines."""
+    return [*config.schemes, *list_baselines(config)]
 
-    If `tuning` is given, `under` is applied to each scheme first. `tuning` is the study's
-    configuration.
+
+def list_baselines(config: Any) -> list[str]:
+    """Return the names of the baselines of a configuration.
+
+    A baseline that the key `schemes` names too is a scheme like the others, and not listed.
+    """
+    return [name for name in config.baselines if name not in config.schemes]
+
+
+def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
+    """Return all schemes of a run, in the order of `entries` (the value of the key `schemes`).
+
+    `tuning` is the study's configuration. If it is given, each scheme is replaced by the variant
+    that the configuration asks for (see `under`).
 
     Raises
     ------
     InputError
-        If `resolve` refuses an entry, the list is empty, or two schemes have the same name.
+        If the list is empty, an entry stands for no scheme, `under` fails, or two schemes have the
+        same name.
     """
     if not entries:
         raise InputError("schemes: the list is empty; use e.g. schemes=[MKF,HME1]")
@@ -75,16 +95,16 @@ def resolve_all(entries: Sequence[Any], tuning: Any = None) -> list[Scheme]:
     names = [scheme.name for scheme in schemes]
     for name in names:
         if names.count(name) > 1:
-            raise InputError(f"schemes: {name!r} stands there twice; names must differ")
+            raise InputError(f"schemes: {name!r} stands there twice; use each name once")
     return schemes
 
 
 def under(scheme: Scheme, tuning: Any) -> Scheme:
-    """Return the variant of a scheme that a tuning asks for.
+    """Return the variant of a scheme for which a tuning (the study's configuration) asks.
 
     A scheme whose properties depend on the tuning has a method `under(tuning)`, which returns the
     variant. HME2, for example, is not linear if the tuning has constraints. A scheme without this
-    method is returned as it is; so is every scheme if `tuning` is None.
+    method is returned as it is. If `tuning` is None, every scheme is returned as it is.
 
     Raises
     ------
@@ -107,8 +127,8 @@ def _blame(target: str, advice: str) -> Iterator[None]:
     ------
     InputError
         Instead of any exception inside the context, except KeyboardInterrupt, which is not changed.
-        The message names the scheme by `target` and ends with `advice`, unless the exception was
-        an InputError; then the message gives the text of that InputError.
+        The message names the scheme by `target` and ends with `advice`. But if the exception was an
+        InputError, the message ends with the text of that InputError.
     """
     try:
         yield
@@ -133,7 +153,7 @@ def _instantiate(entry: Mapping[str, Any]) -> Scheme:
         f"schemes: _target_: {target!r} names no class; use {{_target_: package.Class}}",
     )
     arguments = {str(key): value for key, value in entry.items() if key != "_target_"}
-    advice = "it must be importable from here (PYTHONPATH) and take the given arguments"
+    advice = "the class must be importable (see PYTHONPATH) and take the given arguments"
     with _blame(target, advice):
         made = getattr(import_module(module_name), class_name)
         require(
@@ -154,8 +174,8 @@ def check_scheme(scheme: Any, target: str) -> None:
     Raises
     ------
     InputError
-        If one of the three is missing, or `check_name` refuses the name. The message calls the
-        scheme `target` and lists all that is missing.
+        If one of the three is missing, or the name cannot be shown in tables and figures. The
+        message calls the scheme `target` and lists all that is missing.
     """
     lacks = []
     if not (isinstance(getattr(scheme, "name", None), str) and scheme.name):

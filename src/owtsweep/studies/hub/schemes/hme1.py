@@ -1,6 +1,7 @@
-"""HME1: register 1, multirate Kalman filter, online smoother, predictor.
+"""HME1: a scheme of register 1, multirate Kalman filter, online smoother and predictor.
 
-Source: Algorithm 1 of Ren et al. (2019).
+Register 1 delays the samples of the IMU by the delay of the GNSS. Source: Algorithm 1 of Ren et al.
+(2019).
 """
 
 from __future__ import annotations
@@ -26,10 +27,22 @@ from owtsweep.studies.hub.schemes.uncertainty import predicted_covariance
 class DelayedChain:
     """The part that HME1 and HME2 have in common: register 1, filter, smoother and predictor.
 
-    HME1 and HME2 differ only in the position that they give to the filter. As long as every
-    position fix arrives at the step at which it is due, covariances come from the precomputed
-    schedule. Once a fix is missing or arrives at another step, `on_schedule` is False, and
-    covariances are computed from the filter's own past covariances.
+    Register 1 delays the samples of the IMU. HME1 and HME2 differ only in the position that they
+    give to the filter. As long as every position fix arrives at the step at which the fix is due,
+    the covariances of estimates are taken from `gains`. Once a fix is missing or arrives at another
+    step, `on_schedule` is False, and the covariances are computed from the filter's own past
+    covariances.
+
+    Parameters
+    ----------
+    tuning
+        The tuning of the filter.
+    window
+        Length of the smoother's window in IMU steps.
+    sensors
+        The properties of the sensors.
+    gains
+        The scheme in its form for the batch engine, with precomputed covariances.
     """
 
     def __init__(self, tuning: FilterTuning, window: int, sensors: Sensors, gains: Chain) -> None:
@@ -68,14 +81,15 @@ class DelayedChain:
         delayed
             The IMU sample of N_d steps ago, as `push` returns it. N_d is the delay of the GNSS.
         fix
-            The position of N_d steps ago, in NED, in m, shape (2,); None if there is none.
+            The position of N_d steps ago, in NED, in m, shape (2,); None if no position is given to
+            the filter at this step.
 
         Returns
         -------
         Estimate
             The estimate of the present motion.
         FilterStep
-            The filter's results, which are those of N_d steps ago.
+            The filter's results, which are for N_d steps ago.
         """
         step = self.filter.step(delayed, fix)
         smoothed = self.smoother.update(step.x, step.P, step.x_predicted, step.P_predicted)
@@ -108,7 +122,10 @@ class HME1Estimator:
         self.chain = DelayedChain(tuning.hme1, tuning.hme.smoother_window, sensors, gains)
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample, and a position fix or None; return the estimate of the present."""
+        """Take an IMU sample, and a position fix or None; return the estimate of the present.
+
+        `specific_force` is in the IMU's frame, m/s^2, shape (2,); `position` is in NED, m, (2,).
+        """
         if (position is not None) != (self.chain.count % self.sensors.fix_interval == 0):
             self.chain.on_schedule = False
         delayed = self.chain.push(specific_force)
@@ -116,7 +133,10 @@ class HME1Estimator:
 
 
 class HME1:
-    """The scheme HME1 (hub motion estimator 1), tuned by `hme1` and `hme.smoother_window`."""
+    """The scheme HME1 (hub motion estimator 1 of Ren et al. 2019).
+
+    Its tuning is the configuration's section `hme1` and key `hme.smoother_window`.
+    """
 
     name = "HME1"
     linear = True
@@ -134,7 +154,7 @@ class HME1:
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """Return the scheme as a `Chain` for the batch engine, for records of `steps` IMU steps."""
+        """Return the scheme in its form for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.hme1, sensors),
             sensors,

@@ -27,11 +27,23 @@ from owtsweep.studies.hub.schemes.multirate import FilterStep
 class MovingHorizonEstimator:
     """The moving horizon estimator (MHE) of HME2 on two axes, with its registers 2 and 3.
 
-    Register 2 stores position fixes and inputs; register 3 stores states of the filter. The window
-    has a node at each step at which a position fix is due. If the fix is missing, the node has no
-    measurement. Source: Algorithms 4 and 5 and Eq. (11) of Ren et al. (2019). The paper prints that
-    both parts of register 2 are built from register 1. Here both are built from the past of
-    register 2, which must be what the paper means.
+    Register 2 stores position fixes and inputs; register 3 stores states of the filter. The MHE
+    estimates the states at the nodes of a window. There is a node at each step at which a position
+    fix is due. If the fix is missing, the node has no measurement. Source: Algorithms 4 and 5 and
+    Eq. (11) of Ren et al. (2019). The paper prints that both parts of register 2 are built from
+    register 1. This class builds both parts from the past of register 2, which must be what the
+    paper means.
+
+    Parameters
+    ----------
+    mhe
+        The settings of the MHE.
+    sensors
+        The properties of the sensors.
+    gains
+        HME2 in its form for the batch engine, with precomputed covariances of the filter.
+    solver
+        The solver that CasADi uses: "qrqp" or "ipopt".
     """
 
     def __init__(self, mhe: Horizon, sensors: Sensors, gains: Chain, solver: str) -> None:
@@ -47,10 +59,10 @@ class MovingHorizonEstimator:
         self.fix_number = -1
 
     def take_fix(self, fix: Array | None) -> None:
-        """Store the next node's position fix in register 2.
+        """Begin the next node of the window, and store the node's position fix in register 2.
 
-        Must be called at each step at which a fix is due. `fix` is a position in NED, in m, shape
-        (2,), or None if the fix is missing.
+        This method must be called at each step at which a fix is due. `fix` is a position in NED,
+        in m, shape (2,), or None if the fix is missing.
         """
         self.fix_number += 1
         if self.fix_number > 0:
@@ -59,16 +71,20 @@ class MovingHorizonEstimator:
         self.fixes.append(fix)
 
     def determined(self) -> bool:
-        """Return whether the window has enough position fixes to determine its states.
+        """Return whether the window has enough position fixes to determine the window's states.
 
-        One fix is enough if the MHE has an arrival term; otherwise three are. If the arrival state
-        is the filter's, it already includes the window's oldest fix, so that fix does not count.
+        One fix is enough if the MHE has an arrival term (a prior of the window's oldest state);
+        otherwise three fixes are enough. If this prior is a past state of the filter, it already
+        includes the window's oldest fix, so the oldest fix does not count.
         """
         used = list(self.fixes)[1 if self.mhe.uses_filter(self.fix_number) else 0 :]
         return sum(fix is not None for fix in used) >= (1 if self.mhe.arrival else 3)
 
     def take_input(self, step: int, force: Array) -> None:
-        """Store the specific force of step number `step` in register 2 (NED, m/s^2, shape (2,))."""
+        """Store the specific force of step number `step` in register 2.
+
+        `force` is in NED, in m/s^2, shape (2,).
+        """
         self.recent.append(force)
         if step % self.mhe.interval == 0:
             averaged = np.sum(self.recent, axis=0) / self.mhe.interval
@@ -77,14 +93,18 @@ class MovingHorizonEstimator:
         self.inputs.append(force if self.mhe.inputs == "all" else self.held)
 
     def take_state(self, filtered: FilterStep) -> None:
-        """Store the filter's state at the newest node in register 3."""
+        """Store the filter's results for the step of the newest node in register 3.
+
+        Register 3 holds past states of the filter, from which windows start.
+        """
         self.states[self.fix_number] = filtered
         self.states.pop(self.fix_number - self.mhe.length - 1, None)
 
     def position(self, since_fix: int) -> Array:
-        """Solve the window; return the position `since_fix` steps after the newest node.
+        """Solve the window; return the position `since_fix` IMU steps after the newest node.
 
-        This is the position at the delayed time at which the filter runs: in NED, in m, shape (2,).
+        The position is in NED, in m, shape (2,). It is the position at the delayed time at which
+        the filter runs.
         """
         filled = self.mhe.uses_filter(self.fix_number)
         effects = [*self.effects] + ([self._effect()] if since_fix else [])
@@ -111,7 +131,10 @@ class MovingHorizonEstimator:
         return np.asarray(nodes[:2, -1])
 
     def _effect(self) -> Array:
-        """Compute how far the inputs since the last node have moved the state, shape (6,)."""
+        """Compute how much the inputs since the newest node have changed the state, shape (6,).
+
+        The state is x, y, v_x, v_y, b_x, b_y: position, velocity and bias.
+        """
         inputs = np.array(self.inputs).reshape(-1, 2)
         axes = [predict(self.model, np.zeros(3), inputs[:, [i]]) for i in range(2)]
         return np.array(axes).T.ravel()
@@ -131,10 +154,12 @@ class HME2Estimator:
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
         """Take an IMU sample, and a position fix or None; return the estimate of the present.
 
+        `specific_force` is in the IMU's frame, m/s^2, shape (2,); `position` is in NED, m, (2,).
+
         Raises
         ------
         ValueError
-            If a fix comes at a step at which no fix is due: the MHE has no node at that step.
+            If a fix comes at a step at which no fix is due. The MHE could not use such a fix.
         """
         since_fix = self.step % self.sensors.fix_interval
         if position is not None and since_fix:
@@ -160,15 +185,19 @@ class HME2Estimator:
 def choose_window(tuning: Any) -> int:
     """Return the length of HME2's smoother window, in IMU steps.
 
-    This is `hme.mhe.smoother_window` of the tuning. If that key is null, it is
-    `hme.smoother_window`, which HME1 uses.
+    `tuning` is the study's configuration. The length is the value of its key
+    `hme.mhe.smoother_window`. If this value is null, the length is the value of
+    `hme.smoother_window`, which HME1 uses too.
     """
     window = tuning.hme.mhe.smoother_window
     return int(tuning.hme.smoother_window if window is None else window)
 
 
 class HME2:
-    """The scheme HME2 (hub motion estimator 2), tuned by `hme2` and `hme`."""
+    """The scheme HME2 (hub motion estimator 2 of Ren et al. 2019).
+
+    Its tuning is the configuration's sections `hme2` and `hme`.
+    """
 
     name = "HME2"
     linear = True
@@ -190,12 +219,12 @@ class HME2:
         )
 
     def under(self, tuning: Any) -> HME2 | ConstrainedHME2:
-        """Return `ConstrainedHME2` if the tuning sets constraints; otherwise the scheme itself."""
+        """Return the scheme for a tuning: `ConstrainedHME2` if it sets constraints, else `self`."""
         return ConstrainedHME2() if np.any(np.isfinite(tuning.hme.mhe.bounds)) else self
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """Return the scheme as a `Chain` for the batch engine, for records of `steps` IMU steps."""
+        """Return the scheme in its form for the batch engine, for records of `steps` IMU steps."""
         return chain(
             axis_filter(tuning.hme2, sensors),
             sensors,
@@ -223,8 +252,8 @@ class ConstrainedHME2:
     def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
         """Return a new compiled estimator that runs step by step.
 
-        Each window is solved without constraints first. Only if this solution breaks a constraint,
-        the window is solved again by CasADi.
+        Each window of the MHE is solved without constraints first. If this solution breaks a
+        constraint, the window is solved again, with constraints, by CasADi.
         """
         return SCHEME.stream(sensors, tuning)
 

@@ -1,8 +1,8 @@
 """MKF: the multirate Kalman filter alone (Algorithm 6 and section 5.3 of Ren et al. 2019).
 
-The filter combines delayed position fixes with the undelayed IMU, without register 1, smoother or
-predictor. The filter's output is compared with the present motion. So the GNSS delay makes the
-output lag.
+The filter combines delayed position fixes with the undelayed IMU. There is no register that delays
+the IMU, no smoother and no predictor. The estimate is compared with the present motion. So the
+delay of the GNSS makes the estimate lag.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
 
 
 class FilterEstimator:
-    """A multirate Kalman filter whose filtered state is the estimate."""
+    """A multirate Kalman filter alone, as an estimator that runs step by step."""
 
     def __init__(self, tuning: FilterTuning, sensors: Sensors) -> None:
         self.filter = MultirateKalmanFilter(
@@ -28,7 +28,10 @@ class FilterEstimator:
         )
 
     def update(self, specific_force: Array, position: Array | None = None) -> Estimate:
-        """Take an IMU sample, and a position fix or None; return the filtered state."""
+        """Take an IMU sample, and a position fix or None; return the filtered state.
+
+        `specific_force` is in the IMU's frame, m/s^2, shape (2,); `position` is in NED, m, (2,).
+        """
         step = self.filter.step(specific_force, position)
         return Estimate(step.x[:2], step.x[2:4], step.P[:4, :4], step.innovation)
 
@@ -55,7 +58,7 @@ class FilterScheme:
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:
-        """Return the scheme as a `Chain` for the batch engine, for records of `steps` IMU steps."""
+        """Return the scheme in its form for the batch engine, for records of `steps` IMU steps."""
         chosen = self._choose(tuning)
         return chain(axis_filter(chosen, sensors), sensors, rule=chosen.update_rule, steps=steps)
 

@@ -33,7 +33,7 @@ class FilterStep(NamedTuple):
 
 
 class MultirateKalmanFilter:
-    """The multirate Kalman filter on one of the paper's two models, Sigma_1 or Sigma_2.
+    """The multirate Kalman filter on the model Sigma_1 or Sigma_2 of Ren et al. (2019).
 
     The states are x, y, v_x, v_y, a_x, a_y, b_x, b_y: position, velocity, acceleration and bias.
     In Sigma_1 the IMU is a measurement; yaw enters through the measurement matrix. In Sigma_2 the
@@ -62,7 +62,7 @@ class MultirateKalmanFilter:
         self.held_fix: Array = np.zeros(2)
 
     def step(self, force: Array, fix: Array | None) -> FilterStep:
-        """Predict, then correct with this step's measurements; return the results of both.
+        """Predict one IMU step, then correct with the step's measurements; return both results.
 
         `force` is the specific force in the IMU's frame, in m/s^2, shape (2,). `fix` is the
         position in NED, in m, shape (2,), or None if no position fix has arrived.
@@ -88,9 +88,10 @@ class MultirateKalmanFilter:
         )
 
     def _correct(self, force: Array, fix: Array | None) -> None:
-        """Correct the state by filterpy (Joseph form), with the IMU sample and the fix.
+        """Correct the state by filterpy (Joseph form), with the IMU sample and the position fix.
 
-        If `fix` is None, only the IMU sample corrects; if the IMU is an input, only the fix does.
+        If `fix` is None, only the IMU sample corrects. If the model takes the IMU as an input, only
+        the fix corrects.
         """
         parts = []
         if fix is not None:
@@ -105,9 +106,10 @@ class MultirateKalmanFilter:
     def _masked(self, force: Array) -> None:
         """Correct at a step without a fix, by Algorithm 6, lines 5 to 10, of Ren et al. (2019).
 
-        The update rule says which part of the gain K is set to zero: the columns of the position
-        fix (`mask_columns`), or the rows of the position (the other rule, `mask_rows`). The
-        corrected covariance is (I - K H) P as the paper prints it; H is the measurement matrix.
+        `force` is the IMU sample, in m/s^2, shape (2,). The update rule says which part of the gain
+        K is set to zero. With `mask_columns`, the columns of the position fix are zero. With
+        `mask_rows`, the rows of the estimated position are zero. The corrected covariance is
+        (I - K H) P as the paper prints it; H is the measurement matrix.
         """
         kf = self.kf
         H = np.vstack([self.position_rows, self.force_rows])

@@ -1,7 +1,8 @@
-"""Stand-ins for users' schemes when a stored run is read; they never run a scheme's code.
+"""Stand-ins for users' schemes, for reading a stored run without running the schemes' code.
 
-A run folder may be another person's. Reading the folder must not execute the code that it names.
-So nothing is imported for an entry `{_target_: package.Class}` of a stored configuration.
+A run folder may be another person's. Reading a run must not execute the code that the run's
+configuration names. So nothing is imported for an entry `{_target_: package.Class}` of a stored
+configuration.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from owtsweep.studies.hub.contract import Scheme
 class StoredScheme(dict[str, Any]):
     """The stand-in for a user's scheme in a stored run: it has a name, but cannot start.
 
-    The stand-in is a dict that equals the scheme's entry of the key `schemes`, so that the
-    configuration keeps its text.
+    The stand-in is a dict that equals the scheme's entry in the key `schemes`. So writing the
+    configuration gives the text of the stored config.yaml.
 
     Attributes
     ----------
@@ -68,8 +69,8 @@ def check_name(name: Any) -> None:
     Raises
     ------
     InputError
-        If the name is no text, is empty, is longer than `LONGEST_NAME`, or holds a character that
-        cannot be printed.
+        If the name is not a text, is empty, has more than `LONGEST_NAME` characters, or contains a
+        character that cannot be printed.
     """
     require(
         isinstance(name, str) and 0 < len(name) <= LONGEST_NAME and name.isprintable(),
@@ -79,9 +80,10 @@ def check_name(name: Any) -> None:
 
 
 def describe(schemes: Sequence[Scheme]) -> list[dict[str, Any]]:
-    """Return what plan.json stores of a run's schemes: one mapping per scheme, in their order.
+    """Return what plan.json stores of a run's schemes: one mapping per scheme, in the same order.
 
-    Each mapping holds `name`, `linear`, and `kernel`: whether the scheme has a kernel.
+    Each mapping holds the scheme's `name`, whether the scheme is `linear`, and under `kernel`
+    whether the scheme has a kernel for the batch engine.
     """
     return [
         {"name": scheme.name, "linear": scheme.linear, "kernel": hasattr(scheme, "kernel")}
@@ -90,22 +92,25 @@ def describe(schemes: Sequence[Scheme]) -> list[dict[str, Any]]:
 
 
 def stand_in(entries: Any, described: Any) -> Any:
-    """Return the entries of a stored key `schemes`, with each mapping made a `StoredScheme`.
+    """Replace users' schemes in the key `schemes` of a stored run by stand-ins that run no code.
 
-    An entry that is a name is kept.
+    Return the list of entries with a `StoredScheme` in place of each mapping. An entry that is a
+    name is kept.
 
     Parameters
     ----------
     entries
         The value of the key `schemes` in config.yaml. If it is no list, it is returned as it is.
     described
-        The list that `describe` made of these entries. None if the run is so old that it has no
-        stored plan; then each stand-in has the name of the scheme's class and counts as linear.
+        The list that `describe` made of these entries, from the run's plan.json. None if the run is
+        so old that it has no plan.json; then each stand-in has the name of the scheme's class and
+        counts as linear.
 
     Raises
     ------
     InputError
-        If `described` is no list with a name and `linear` for each of these entries.
+        If `described` is no list of one mapping per entry, or does not give a valid name and a bool
+        `linear` for an entry that is a mapping.
     """
     if not isinstance(entries, list):
         return entries
@@ -115,7 +120,7 @@ def stand_in(entries: Any, described: Any) -> Any:
         isinstance(described, list)
         and len(described) == len(entries)
         and all(isinstance(facts, Mapping) for facts in described),
-        "schemes: plan.json describes other schemes than config.yaml names",
+        "schemes: plan.json describes other schemes than config.yaml names; run the sweep again",
     )
     return [
         _stand_in(entry, facts) if isinstance(entry, Mapping) else entry
@@ -127,7 +132,8 @@ def _stand_in(entry: Mapping[str, Any], facts: Mapping[str, Any]) -> StoredSchem
     name, linear = facts.get("name"), facts.get("linear")
     require(
         isinstance(name, str) and name != "" and isinstance(linear, bool),
-        "schemes: plan.json gives a scheme without a name, or does not say whether it is linear",
+        "schemes: plan.json lacks the name of a scheme, or whether the scheme is linear; run the "
+        "sweep again",
     )
     check_name(name)
     kind = StoredKernelScheme if facts.get("kernel") is True else StoredScheme

@@ -1,8 +1,9 @@
 """Computes the covariance of a smoothed and predicted estimate from the filter's covariances.
 
-As long as gains follow their schedule, `hub.chain` provides this covariance in advance. Once a
-position fix is missing, the covariance is computed here from the filter's past. The compiled form
-shares no code with this file, so that each can test the other.
+As long as every position fix arrives when it is due, the filter's gains are known in advance, and
+`hub.chain` provides this covariance. Once a fix is missing, this module computes the covariance
+from the filter's past. The compiled estimator shares no code with this module, so that each of the
+two can test the other.
 """
 
 from __future__ import annotations
@@ -20,11 +21,12 @@ def predicted_covariance(
 ) -> Array:
     """Compute the covariance of a predicted position and velocity along one axis, shape (2, 2).
 
-    The prediction starts from the smoothed state of a window's oldest step s and covers `steps`
-    steps. The window's last step is k. The smoothed state's error is correlated with the noise of
-    the window's inputs. For the input i steps after s, this correlation is L_i P_{s+i|k}. Here
-    P_{s+i|k} is a smoothed covariance, and L_i = C_s ... C_{s+i-1} is a product of the smoother's
-    gains C. The error is not correlated with the noise of inputs after the window.
+    The prediction starts from the smoothed state of the oldest step s of the smoother's window and
+    covers `steps` steps. The window's last step is k. The smoothed state's error is correlated with
+    the noise of the inputs in the window. For the input i steps after s, this correlation is
+    L_i P_{s+i|k}, where P_{s+i|k} is a smoothed covariance and L_i = C_s ... C_{s+i-1} is a product
+    of the smoother's gains C. The smoothed state's error is not correlated with the noise of inputs
+    after the window.
 
     Parameters
     ----------

@@ -79,7 +79,7 @@ def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int
     """
     entries = [entry for entry in config.schemes if resolve(entry).name in schemes]
     grid = changed(config.grid, amplitude=amplitudes(config).tolist(), replicates=replicates)
-    part = changed(config, engine="batch", grid=grid, schemes=entries)
+    part = changed(config, engine="batch", grid=grid, schemes=entries, baselines=[])
     rows = []
     for _, group in groupby(blocks.plan(part), attrgetter("group")):
         rows += [table for _, table in blocks.run(part, list(group))]

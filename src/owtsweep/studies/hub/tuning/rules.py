@@ -158,7 +158,7 @@ def _warn(facts: Facts, bias_walk: float) -> None:
         if not low <= value <= high:
             logger.warning(
                 "%s: %g lies beyond %g to %g, for which the rules of tuning=matched were made; "
-                "`python -m owtsweep tune` finds numbers for these sensors",
+                "`owtsweep tune` finds numbers for these sensors",
                 key, value, low, high,
             )  # fmt: skip
 

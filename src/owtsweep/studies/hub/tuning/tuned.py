@@ -101,7 +101,7 @@ class TunedSchemes:
         config, each = self.before, self.before.tune.trials
         sensors = config.sensors
         return [
-            f"Made by `python -m owtsweep tune`, version {__version__}, from {config.tuning_name}.",
+            f"Made by `owtsweep tune`, version {__version__}, from {config.tuning_name}.",
             f"GNSS: {sensors.gnss.sigma:g} m, {sensors.gnss.rate:g} Hz, delay "
             f"{sensors.gnss.delay:g} s; IMU: {sensors.imu.sigma:g} m/s^2, {sensors.imu.rate:g} Hz.",
             f"Truth: {describe_truth(config)}; amplitudes {_range(config)}.",
@@ -132,10 +132,10 @@ class TunedSchemes:
         table.add_column("95 %", justify="right")
         table.add_column("tuned / bound", justify="right")
         for name, gain in gains.items():
-            reach = f"{100 * gain.low:+.1f} to {100 * gain.high:+.1f} %"
+            reach = f"{100 * gain.low:+z.1f} to {100 * gain.high:+z.1f} %"
             table.add_row(
                 Text(name), f"{gain.before:.3g}", f"{gain.after:.3g}",
-                f"{100 * gain.change:+.1f} %", reach, f"{gain.after / bound:.2f}",
+                f"{100 * gain.change:+z.1f} %", reach, f"{gain.after / bound:.2f}",
             )  # fmt: skip
         told = (
             f"Bound: {bound:.3g} {unit}, the least error of an estimator that assumes nothing "

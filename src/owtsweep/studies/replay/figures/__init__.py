@@ -1,4 +1,4 @@
-"""The figures of a replay; matplotlib is imported when the first one is drawn."""
+"""The figures of a replay; matplotlib is imported only when a figure is drawn."""
 
 from __future__ import annotations
 
@@ -20,17 +20,31 @@ HISTORIES = (
 
 
 def overview(config: ReplayConfig) -> str:
-    """Return the name of the main figure: the position zoomed in, or the map over many records."""
+    """Return the name of the main figure.
+
+    With a single record, this figure shows the position over some seconds; with several records, it
+    is a map of the best schemes.
+    """
     return "position_zoom" if len(config.grid.files) == 1 else "best_scheme_by_record"
 
 
 def drawings(
     config: ReplayConfig, tables: Mapping[str, pd.DataFrame], metadata: Mapping[str, str]
 ) -> dict[str, Drawing]:
-    """List the figures of a run: name -> function that draws and saves the figure.
+    """Return the figures of a run: name -> function that draws and saves the figure.
 
-    For one record they are time histories, the spectrum and the place in the map. For several
-    records there is one figure, the map over records.
+    With a single record, the figures are quantities over time, the spectrum, and the record's place
+    in the map of expected errors. With several records, there is one figure: a map of the best
+    schemes.
+
+    Parameters
+    ----------
+    config
+        The configuration of the replay.
+    tables
+        The run's tables by name.
+    metadata
+        Name -> text to store inside each file of a figure.
     """
     if len(config.grid.files) == 1:
         figures = _figures_of_one(config, tables)

@@ -1,4 +1,4 @@
-"""Draw truth, fixes, estimates and errors over time, as figures 9-14 of Ren et al. (2019)."""
+"""Draw truth, fixes, estimates and errors over time, like figures 9-14 of Ren et al. (2019)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from owtsweep.errors import InputError
 from owtsweep.figures import time_histories
-from owtsweep.figures.lines import POINTS, decimate
+from owtsweep.figures.lines import POINTS, decimate, leaves
 from owtsweep.figures.palette import style_of
 from owtsweep.figures.time_histories import UNITS, Band, Curve, Level, Panel
 from owtsweep.studies.replay.config import ReplayConfig
@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+#: The panel of innovations shows those up to this many standard deviations.
+INNOVATIONS = 6.0
+
+
 def draw(
     config: ReplayConfig,
     session: Session,
@@ -32,23 +36,25 @@ def draw(
     zoom: bool,
     advised: str | None,
 ) -> Figure:
-    """Draw one quantity over time: a panel for x, one for y, and one for the errors of x below.
+    """Draw a quantity over time: a panel for x, a panel for y, and a panel for the errors of x.
 
-    Without a truth, the lowest panel shows the innovations of x if the quantity is the position;
-    for other quantities there is no third panel.
+    If the true quantity is unknown, there is no panel of errors. For the position, a panel of the
+    innovations of x takes its place.
 
     Parameters
     ----------
     config, session
         The configuration, and the data of the record.
     states
-        Function that returns the filters' acceleration and bias; called only to draw one of these.
+        Function that returns the filters' acceleration and bias. It is called only if `quantity` is
+        "acceleration" or "bias".
     quantity
         "position", "velocity", "acceleration" or "bias".
     zoom
         Whether to show only some seconds around the largest motion after settling.
     advised
-        The scheme whose ±1.96 standard deviations are drawn as a band; None for none.
+        The scheme that the advice recommends: its lines are drawn on top, and its ±1.96 standard
+        deviations as a band; None for none.
 
     Raises
     ------
@@ -57,41 +63,49 @@ def draw(
     """
     shown = collect_traces(session, states, quantity, zoom=zoom)
     if not shown.lines:
-        hint = "" if quantity in ("position", "velocity") else "; kernels give one with every fix"
-        raise InputError(f"there is no estimate of {quantity} here{hint}")
-    panels = [_make_values_panel(session, quantity, axis, shown) for axis in range(2)]
+        hint = ""
+        if quantity not in ("position", "velocity"):
+            hint = "; only schemes with kernels do, and only if no position fix is missing"
+        raise InputError(f"no scheme estimates the {quantity} of this record{hint}")
+    panels = [_make_values_panel(session, quantity, axis, shown, advised) for axis in range(2)]
     if shown.truth is not None:
         panels.append(_make_errors_panel(session, quantity, shown, advised))
     elif quantity == "position":
         panels.append(_make_innovations_panel(session, shown))
     return time_histories.draw(
         panels,
-        title=f"{time_histories.describe(quantity)}{_name_part(session, shown, zoom=zoom)}: "
+        title=f"{time_histories.describe(quantity)}{_name_part(session, shown, zoom=zoom)}\n"
         f"{name_file(session.record.file)}, tuning: {config.tuning}",
-        footnote=_explain(session, quantity, shown),
+        footnote=_explain(session, quantity, shown, advised),
         time_label="time on the file's clock (s)",
         shared=True,
     )
 
 
 def _name_part(session: Session, shown: Traces, *, zoom: bool) -> str:
-    """Describe the part of the record that a figure shows; "" for the whole record."""
-    if zoom:
-        return ", zoomed in"
+    """Describe, for a title, the part of the record that a figure shows; "" for all of it."""
     length = session.record.steps * session.record.step
     part = shown.view[1] - shown.view[0]
-    return f", the first {part:.3g} s of {_format_duration(length)}" if part < 0.99 * length else ""
+    if part >= 0.99 * length:
+        return ""
+    seen = f"{part:.3g} s of {_format_duration(length)}"
+    return f", {seen} around the largest motion after the start" if zoom else f", the first {seen}"
 
 
 def _format_duration(seconds: float) -> str:
-    for unit, size in (("h", 3600.0), ("min", 60.0)):
-        if seconds >= 2.0 * size:
+    for unit, size, least in (("h", 3600.0, 2.0), ("min", 60.0, 10.0)):
+        if seconds >= least * size:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds:.3g} s"
 
 
-def _make_values_panel(session: Session, quantity: str, axis: int, shown: Traces) -> Panel:
-    """Make the panel of x (axis 0) or y (axis 1): truth, measurements and estimates."""
+def _make_values_panel(
+    session: Session, quantity: str, axis: int, shown: Traces, advised: str | None
+) -> Panel:
+    """Make the panel of a quantity's x (axis 0) or y (axis 1): truth, measurements and estimates.
+
+    `shown` holds the lines of the figure; those of the scheme `advised` are drawn on top.
+    """
     marks: list[Curve] = []
     if shown.imu is not None:
         marks.append(time_histories.show_measurement(shown.imu[axis]))
@@ -99,7 +113,7 @@ def _make_values_panel(session: Session, quantity: str, axis: int, shown: Traces
         label = session.record.truth if quantity != "bias" else "simulated bias"
         marks.append(time_histories.show_truth(shown.truth[axis], label))
     marks += [
-        time_histories.show_estimate(name, session.names, pair[axis])
+        time_histories.show_estimate(name, session.names, pair[axis], on_top=name == advised)
         for name, pair in shown.lines.items()
     ]
     if shown.fixes is not None:
@@ -108,15 +122,24 @@ def _make_values_panel(session: Session, quantity: str, axis: int, shown: Traces
         marks.append(time_histories.show_fixes(time, fixes[:, axis], label=label, size=6))
     limits: tuple[float | None, float | None] = (None, None)
     if shown.limits is not None:  # the large values at the start would hide the rest
-        low, high = shown.limits[axis]
-        limits = (low - 0.3 * (high - low), high + 0.3 * (high - low))
+        limits = _widen(*shown.limits[axis])
     return Panel(f"{'xy'[axis]} {quantity} ({UNITS[quantity]})", marks, shown.view, limits)
+
+
+def _widen(low: float, high: float) -> tuple[float, float]:
+    """Return the limits of an axis for values from `low` to `high`."""
+    margin = 0.3 * (high - low)
+    return low - margin, high + margin
 
 
 def _make_errors_panel(
     session: Session, quantity: str, shown: Traces, advised: str | None
 ) -> Panel:
-    """Make the panel of errors of x, with a band of the advised scheme's standard deviations."""
+    """Make the panel of errors of x, with a band of the advised scheme's ±1.96 standard deviations.
+
+    `shown` holds the lines of the figure. There is no band if `advised` is None or the scheme
+    states no standard deviations.
+    """
     marks: list[Band | Curve | Level] = []
     note = ""
     if advised is not None and advised in shown.deviations:
@@ -126,19 +149,23 @@ def _make_errors_panel(
             high = np.interp(at, time, QUANTILE * deviation)
             marks.append(Band(at, low, high, style_of(advised, session.names).color))
             note = f"shaded: ±1.96 standard deviations that {advised} states"
-    marks += [
-        time_histories.show_scheme(name, session.names, line, linewidth=1.1)
-        for name, line in shown.errors.items()
-    ]
+    for name, line in shown.errors.items():
+        zorder = time_histories.ON_TOP if name == advised else 2.5
+        look = {"linewidth": 1.1, "zorder": zorder}
+        marks.append(time_histories.show_scheme(name, session.names, line, **look))
     reach = 1.2 * shown.bound
+    notes = [note] if note else []
+    if any(leaves(line, -reach, reach) for line in shown.errors.values()):
+        notes.append(f"not shown: errors beyond ±{reach:.2g} {UNITS[quantity]} at the start")
     label = f"error of x ({UNITS[quantity]})"
-    return Panel(label, [*marks, Level(0.0)], shown.view, (-reach, reach), note)
+    return Panel(label, [*marks, Level(0.0)], shown.view, (-reach, reach), "; ".join(notes))
 
 
 def _make_innovations_panel(session: Session, shown: Traces) -> Panel:
-    """Make the panel of the innovations of x, for a record without a truth.
+    """Make the panel of the innovations of x, for a record whose true position is unknown.
 
-    Each innovation is divided by the standard deviation that the scheme states.
+    Each innovation is divided by the standard deviation that the scheme states for it. `shown`
+    holds the innovations.
     """
     marks: list[Curve | Level] = []
     for name, (time, scaled) in shown.innovations.items():
@@ -148,11 +175,15 @@ def _make_innovations_panel(session: Session, shown: Traces) -> Panel:
     marks += [Level(bound, bound=True) for bound in (-QUANTILE, QUANTILE)]
     label = "innovation of x\n(standard deviations)"
     note = "dotted: 95 % lie inside if the filter knows its noise"
-    return Panel(label, marks, shown.view, (-6.0, 6.0), note)
+    if any(np.any(np.abs(scaled) > INNOVATIONS) for _, scaled in shown.innovations.values()):
+        note += f"; not shown: innovations beyond ±{INNOVATIONS:g}"
+    return Panel(label, marks, shown.view, (-INNOVATIONS, INNOVATIONS), note)
 
 
-def _explain(session: Session, quantity: str, shown: Traces) -> str:
+def _explain(session: Session, quantity: str, shown: Traces, advised: str | None) -> str:
     sentences = []
+    if advised in shown.lines and len(shown.lines) > 1:
+        sentences.append(f"Drawn on top: {advised}, the best scheme by the advice.")
     left = [name for name in session.names if name not in shown.lines]
     if quantity in ("position", "velocity") and left:
         sentences.append(f"{' and '.join(left)}: the same line as one that is drawn.")
@@ -170,10 +201,21 @@ def _explain(session: Session, quantity: str, shown: Traces) -> str:
             x, y = session.record.origin
             sentences.append(f"The mean position ({x:.3g}, {y:.3g}) m is taken off.")
     if quantity in ("acceleration", "bias"):
-        sentences.append("Each value of the filter stands at the moment that it is about.")
+        sentences.append(
+            "Estimates are drawn at the time to which they refer, not when the filter gives them."
+        )
     if quantity == "bias" and session.record.steps > POINTS:
         every = 2.0 * session.record.steps / POINTS * session.record.step
         sentences.append(f"Drawn are the least and the greatest value of every {every:.3g} s.")
+    if shown.limits is not None and any(
+        leaves(pair[axis], *_widen(*shown.limits[axis]))
+        for pair in shown.lines.values()
+        for axis in range(2)
+    ):
+        sentences.append(
+            "Panels of x and y are scaled to the values after the first fifth of the record;"
+            " before, lines leave them."
+        )
     if quantity == "bias" and shown.truth is None:
         sentences.append("It holds whatever the IMU reports besides motion: leaks of gravity too.")
     sentences += [f"{name} is left out: {why}." for name, why in session.failed.items()]

@@ -1,116 +1,139 @@
-"""Draw the place of a record in the map of the best scheme by expected MSE."""
+"""Draw the place of a record in the map of the best scheme by expected mean squared error."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import style
-from owtsweep.figures.palette import style_of
+from owtsweep.results.conditions import Condition
+from owtsweep.statistics.contest import agree, contest, group_coinciding
 from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.words import name_file
-from owtsweep.studies.replay.place import compute_rms_in_band, expect_map, find_place
+from owtsweep.studies.replay.measures import QUANTILE
+from owtsweep.studies.replay.place import (
+    compute_rms_error,
+    compute_rms_in_band,
+    expect_map,
+    find_place,
+)
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from owtsweep.figures.smooth_map import Field
+
 PERIODS, AMPLITUDES = 48, 160
+ACROSS = Condition("natural_period", "natural period", "s")
+UPWARDS = Condition("amplitude", "amplitude: largest displacement", "m", scale="log")
 
 
 def draw(config: ReplayConfig, record: Any) -> Figure:
-    """Draw the map of the best scheme by expected settled MSE, and mark the record's place.
+    """Draw a map of the best scheme by expected settled MSE, and mark the place of a record in it.
 
-    The horizontal axis is the natural period (s), the vertical axis the amplitude (m). `record` is
-    the record's row of records.csv.
+    The horizontal axis is the natural period (s), the vertical axis the largest displacement (m).
+    `record` is the record's row of records.csv.
 
     Raises
     ------
     InputError
-        If the record has no fitted natural period inside the band.
+        If the record has no fitted spectrum with a peak inside the band, or if no errors can be
+        computed for one of the schemes.
     """
-    from matplotlib.colors import ListedColormap
-    from matplotlib.patches import Patch
+    from owtsweep.figures import smooth_map
 
     shape, band = find_place(config, record), config.fit_band
     if shape is None:
-        raise InputError("the record's spectrum has no peak inside band, so it has no place there")
+        raise InputError(
+            "no spectrum with a peak inside the band could be fitted to the record, so the "
+            "record has no place in the map"
+        )
     period, amplitude = 1.0 / shape.peak_frequency, float(record["peak"])
-    low = max(min([*config.grid.natural_period, 0.9 * period]), 1.0 / band[1])
-    high = min(max([*config.grid.natural_period, 1.1 * period]), 1.0 / band[0])
-    periods = np.linspace(low, high, PERIODS)
-    small = min([*config.grid.amplitude, 0.7 * amplitude])
-    large = max([*config.grid.amplitude, 1.5 * amplitude])
-    amplitudes = np.geomspace(small, large, AMPLITUDES)
-    expected = expect_map(config, record, periods, amplitudes)
-    labels = _label_distinct(expected)
-    names = list(labels)
-    values = np.array([expected[name] for name in names])
-    order = np.sort(values, axis=0)
-    best = np.argmin(values, axis=0)
-    ratio = float(record["peak"]) / compute_rms_in_band(record)
+    ends = (
+        QUANTILE * float(record["natural_period_error"]),
+        QUANTILE * compute_rms_error(config, record, shape),
+    )
+    names, field = _make_field(config, record, (period, amplitude))
+    ratio = amplitude / compute_rms_in_band(record)
+    alike = group_coinciding(names, lambda i, j: bool(np.all(agree(*field.values[[i, j]]))))
     with style.context():
-        figure = style.new_figure(7.2, 5.6)
-        axes = figure.add_subplot()
-        colors = ListedColormap([style_of(name, names).color for name in names])
-        axes.pcolormesh(
-            periods, amplitudes, best.T, cmap=colors, vmin=-0.5, vmax=len(names) - 0.5,
-            shading="nearest", rasterized=True,
-        )  # fmt: skip
-        handles = [
-            Patch(facecolor=style_of(names[i], names).color, label=labels[names[i]])
-            for i in np.unique(best)
-        ]
-        if len(names) > 1:
-            margin = order[1] / order[0] - 1.0
-            axes.contourf(
-                periods, amplitudes, margin.T, levels=[0.0, LEAST_MARGIN], colors="none",
-                hatches=["////"],
-            )  # fmt: skip
-            label = f"next best within {100 * LEAST_MARGIN:g} %"
-            handles.append(Patch(facecolor="0.8", edgecolor="black", hatch="////", label=label))
-        axes.plot(
-            period, amplitude, marker="*", markersize=20, color="white", markeredgecolor="black",
-            markeredgewidth=1.4,
-        )  # fmt: skip
-        axes.annotate(
-            f"this record\n{period:.2f} s, {amplitude:.2g} m", (period, amplitude),
-            (-14, 12) if period > 0.5 * (low + high) else (14, 12),
-            ha="right" if period > 0.5 * (low + high) else "left",
-            textcoords="offset points", fontsize=9,
-            bbox={"boxstyle": "round", "facecolor": "white", "alpha": 0.85, "linewidth": 0},
-        )  # fmt: skip
-        axes.set_yscale("log")
-        axes.grid(visible=False)
-        axes.set_xlabel("natural period (s)")
-        axes.set_ylabel("amplitude: largest displacement (m)")
-        axes.set_title(
-            f"Place of {name_file(str(record['file']))} in the map of the best scheme\n"
+        figure = smooth_map.draw(
+            field,
+            names,
+            title=f"Place of {name_file(str(record['file']))} in the map of the best scheme\n"
             f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}",
-            loc="left",
+            origin="Bars of the star: 95 % intervals. That of the period comes from the fit of Eq."
+            " (1), that of the amplitude from how far the rms of records of this length scatters in"
+            " one sea state. The map: motions of the spectrum translated (bandwidth"
+            f" {config.spectrum.bandwidth:g} s⁻²) in"
+            f" band [{band[0]:g}, {band[1]:g}] Hz, with this record's ratio of the largest to the"
+            f" rms displacement in the band, {ratio:.2f}.",
+            coinciding=alike,
         )
-        figure.legend(handles=handles, loc="outside upper center", ncols=3, frameon=False)
-        style.footnote(
-            figure,
-            f"Motions of the spectrum translated (bandwidth {config.spectrum.bandwidth:g} s⁻²) in "
-            f"band [{band[0]:g}, {band[1]:g}] Hz, with this record's ratio of the "
-            f"largest to the rms displacement in the band, {ratio:.2f}.",
-        )
+        _mark(figure.axes[0], (period, amplitude), ends)
     return figure
 
 
-def _label_distinct(expected: Mapping[str, Array]) -> dict[str, str]:
-    """Label the schemes for the legend; of schemes with equal values, only the last is kept.
+def _make_field(
+    config: ReplayConfig, record: Any, place: tuple[float, float]
+) -> tuple[list[str], Field]:
+    """Make the schemes' names and the data of the map, which holds the grid and the place.
 
-    The label of the last one names all of them, e.g. "HME1 = HME2".
+    `place` is natural period (s) and amplitude (m) of the record.
     """
-    labels = {}
-    for name, values in expected.items():
-        same = [other for other in expected if np.allclose(expected[other], values, rtol=1e-9)]
-        if name == same[-1]:
-            labels[name] = " = ".join(same)
-    return labels
+    from owtsweep.figures.smooth_map import Field
+
+    (period, amplitude), band, grid = place, config.fit_band, config.grid
+    low = max(min([*grid.natural_period, 0.9 * period]), 1.0 / band[1])
+    high = min(max([*grid.natural_period, 1.1 * period]), 1.0 / band[0])
+    periods = np.linspace(low, high, PERIODS)
+    small, large = min([*grid.amplitude, 0.7 * amplitude]), max([*grid.amplitude, 1.5 * amplitude])
+    amplitudes = np.geomspace(small, large, AMPLITUDES)
+    expected = expect_map(config, record, periods, amplitudes)
+    values = np.array(list(expected.values()))
+    judged, shape = contest(values.reshape(len(values), -1, 1)), values.shape[1:]
+    excess = (judged.difference / judged.mse_best).reshape(shape)
+    return list(expected), Field(
+        across=ACROSS,
+        upwards=UPWARDS,
+        columns=periods,
+        lines=amplitudes,
+        values=values,
+        best=judged.best.reshape(shape),
+        excess=100.0 * excess,
+        distinguishable=~(excess < LEAST_MARGIN),
+        resolution=LEAST_MARGIN,
+        baseline=np.full(shape, -1),  # a replay has no baselines beside its schemes
+        lead=np.full(shape, -np.inf),
+    )
+
+
+def _mark(axes: Axes, place: tuple[float, float], ends: tuple[float, float]) -> None:
+    """Mark the record's place by a star with bars.
+
+    `place` is natural period (s) and amplitude (m). `ends` is half the bar of the period (s), and
+    half that of the logarithm of the amplitude; NaN for no bar.
+    """
+    period, amplitude = place
+    bars: dict[str, Any] = {
+        "xerr": [[ends[0]], [ends[0]]],
+        "yerr": [[amplitude - amplitude / np.exp(ends[1])], [amplitude * np.expm1(ends[1])]],
+        "linestyle": "none",
+    }
+    for width, color in ((4.5, "white"), (1.8, "black")):
+        axes.errorbar(period, amplitude, ecolor=color, elinewidth=width, zorder=6, **bars)
+    axes.plot(
+        period, amplitude, marker="*", markersize=14, color="white", markeredgecolor="black",
+        markeredgewidth=1.3, zorder=7,
+    )  # fmt: skip
+    right = period > 0.5 * sum(axes.get_xlim())
+    axes.annotate(
+        f"this record\n{period:.2f} s, {amplitude:.2g} m", (period, amplitude),
+        (-14 if right else 14, 12), ha="right" if right else "left",
+        textcoords="offset points", fontsize=9, zorder=7,
+        bbox={"boxstyle": "round", "facecolor": "white", "alpha": 0.85, "linewidth": 0},
+    )  # fmt: skip

@@ -1,4 +1,4 @@
-"""Draw the best scheme of many records as a map over two of the records' properties."""
+"""Draw the best scheme of many records as a map over two properties of the records."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import itertools
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.errors import InputError
-from owtsweep.figures import style
-from owtsweep.figures.palette import style_of
+from owtsweep.figures import margin, style
+from owtsweep.figures.palette import style_of, text_color_on
+from owtsweep.studies.replay.advice import LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.words import as_plain
 from owtsweep.studies.replay.seastates import find_axes, read_sea_states
@@ -16,39 +17,43 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-HATCH = "////"
-
 #: If a column of the table has at most this many different values, they are the ticks of the axis.
 MOST_TICKS = 12
 
 
 def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> Figure:
-    """Draw one mark per record, with the best scheme, the runner-up and the margin between them.
+    """Draw one mark per record, which names the best scheme, the runner-up and the margin.
 
-    A mark is hatched if the margin does not matter. The axes are the first two columns of numbers
-    of `replay.table`. Without a table they are the fitted natural period (s) and the largest
-    displacement (m). With a single column of numbers, the vertical axis is the largest
-    displacement.
+    The margin tells by how much the runner-up's error is larger. A mark is hatched if the margin
+    does not matter. The axes are the first two columns of numbers in `replay.table`. If the table
+    has only one column of numbers, the vertical axis is the largest displacement (m). Without a
+    table, the axes are the fitted natural period (s) and the largest displacement.
 
     Parameters
     ----------
     config
         The configuration of the replay.
     records, advised
-        The tables records.csv and advice.csv of the run.
+        The run's tables records.csv and advice.csv.
 
     Raises
     ------
     InputError
-        If no record has both coordinates.
+        If no record has values on both axes.
     """
     from matplotlib.patches import Patch
+
+    from owtsweep.figures.best_scheme_map import HATCH
+    from owtsweep.figures.shades import Shades, add_legend
 
     table, (first, second) = _choose_coordinates(config, records)
     measured = advised[advised["source"] != "map"]
     shown = table.merge(measured, on="file").dropna(subset=[first, second])
     if shown.empty:
-        raise InputError("no record has both coordinates of the map; give replay.table=FILE.csv")
+        raise InputError(
+            "no record has values on both axes of the map; give replay.table=FILE.csv with two "
+            "columns of numbers"
+        )
     names = sorted(set(shown["best"]) | set(shown["runner_up"].dropna()) - {""})
     with style.context():
         figure = style.new_figure(8.0, 6.0)
@@ -72,23 +77,31 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             loc="left",
         )
         best = sorted(set(shown["best"]))
-        handles = [Patch(facecolor=style_of(name, names).color, label=name) for name in best]
+        handles: list[Any] = [
+            Shades(facecolor=style_of(name, names).color, label=style.label_of(name))
+            for name in best
+        ]
         if not all(shown["matters"]):
             handles.append(
-                Patch(facecolor="0.6", edgecolor="white", hatch=HATCH, label="does not matter")
+                Patch(facecolor="0.9", edgecolor="0.5", hatch=HATCH, label="does not matter")
             )
-        figure.legend(
-            handles=handles, loc="outside upper center", ncols=len(handles), frameon=False
-        )
+        add_legend(figure, handles, columns=len(handles))
         style.footnote(
             figure,
-            "Second line: the next best scheme and by how much its error is larger. Hatched: by "
-            "less than 5 %, or the paired interval (95 %) holds zero.",
+            f"Second line: the runner-up, and by how much its MSE is larger."
+            f" Hatched: it is larger by less than {100.0 * LEAST_MARGIN:g} %, or the paired"
+            " interval (95 %) of the difference holds zero.",
         )
     return figure
 
 
-_LABELS = {"natural_period": "fitted natural period (s)", "peak": "amplitude (m)"}
+#: Column of the map -> label of its axis. Other columns of a user's table keep their names.
+_LABELS = {
+    "natural_period": "fitted natural period (s)",
+    "peak": "amplitude: largest displacement (m)",
+    "Hs": "significant wave height Hs (m)",
+    "Tp": "peak period of the waves Tp (s)",
+}
 
 
 def _choose_coordinates(
@@ -101,14 +114,22 @@ def _choose_coordinates(
             return states, (names[0], names[1])
         return records, (names[0], "peak")
     if "natural_period" not in records:
-        raise InputError("no record has a fitted period; give replay.table=FILE.csv")
+        raise InputError(
+            "no record has a fitted natural period, an axis of the map; give replay.table=FILE.csv"
+        )
     return records, ("natural_period", "peak")
 
 
 def _measure_cell(values: pd.Series[Any]) -> float:
-    """Return the width of a mark: the least distance between different values of a coordinate.
+    """Return the width of the marks along one axis of the map, in the unit of the axis.
 
-    It is at least a twelfth of the range of the values; for a single value, a fifth of this value.
+    The width is the least distance between different values, but at least a twelfth of the range of
+    the values. If all values are equal, it is a fifth of their magnitude, but at least 0.001.
+
+    Parameters
+    ----------
+    values
+        The records' values on this axis.
     """
     coordinates = sorted({float(value) for value in values})
     if len(coordinates) < 2:
@@ -124,20 +145,21 @@ def _mark(
     size: tuple[float, float],
     schemes: list[str],
 ) -> None:
+    from matplotlib.colors import to_rgba
     from matplotlib.patches import Rectangle
 
+    from owtsweep.figures.best_scheme_map import HATCH, HATCH_OPACITY
+
     x, y = float(line[names[0]]), float(line[names[1]])
-    look = style_of(line["best"], schemes)
+    fill = margin.fill_cell(style_of(line["best"], schemes), 1.0 + line["margin"])
+    color = text_color_on(fill)
     corner = (x - size[0] / 2.0, y - size[1] / 2.0)
-    axes.add_patch(Rectangle(corner, *size, facecolor=look.color, edgecolor="white"))
+    axes.add_patch(Rectangle(corner, *size, facecolor=fill, edgecolor="white"))
     if not line["matters"]:
-        axes.add_patch(
-            Rectangle(corner, *size, facecolor="none", edgecolor=(1, 1, 1, 0.6), hatch=HATCH)
-        )
+        edge = to_rgba(color, HATCH_OPACITY)
+        axes.add_patch(Rectangle(corner, *size, facecolor="none", edgecolor=edge, hatch=HATCH))
     text = line["best"]
     if line["margin"] == line["margin"]:
         text += f"\n{line['runner_up']} +{100.0 * line['margin']:.0f} %"
-    box = (
-        {"facecolor": look.color, "edgecolor": "none", "pad": 1.0} if not line["matters"] else None
-    )
-    axes.text(x, y, text, ha="center", va="center", color=look.text_color, fontsize=9, bbox=box)
+    box = {"facecolor": fill, "edgecolor": "none", "pad": 1.0} if not line["matters"] else None
+    axes.text(x, y, text, ha="center", va="center", color=color, fontsize=9, bbox=box)

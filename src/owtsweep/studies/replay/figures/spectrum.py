@@ -1,4 +1,4 @@
-"""Draw a record's spectrum and the fit of Eq. (1) of Ren et al. (2019)."""
+"""Draw the spectrum of a record's displacement, and the spectrum of Ren et al. (2019), Eq. (1)."""
 
 from __future__ import annotations
 
@@ -24,19 +24,21 @@ SMOOTHED, SHARE = 7, 500
 
 
 def draw(config: ReplayConfig, record: Any) -> Figure:
-    """Draw the periodogram of the horizontal displacement, a running mean, and the fit of Eq. (1).
+    """Draw the periodogram of a record's displacement, its running mean, and a fitted spectrum.
+
+    The fitted spectrum is Eq. (1) of Ren et al. (2019); it is left out if it could not be fitted.
 
     Parameters
     ----------
     config
-        The configuration of the replay of one record.
+        The configuration of a replay of one record.
     record
         The record's row of records.csv.
 
     Raises
     ------
     InputError
-        If the record does not move, or has no line about the band.
+        If the record does not move, or if its periodogram has no frequency in or near the band.
     """
     summary = summarise_motion(config, config.grid.files[0])
     if not summary.size["peak"] > 0.0:
@@ -45,7 +47,10 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
     low, high = config.fit_band
     shown = (frequency >= low / 2.0) & (frequency <= BEYOND * high)
     if not np.any(shown):
-        raise InputError(f"the record has no line of its spectrum about [{low:g}, {high:g}] Hz")
+        raise InputError(
+            f"the record's periodogram has no frequency in or near the band [{low:g}, {high:g}] "
+            "Hz; use a longer record"
+        )
     with style.context():
         figure = style.new_figure(9.0, 4.8)
         axes = figure.add_subplot()

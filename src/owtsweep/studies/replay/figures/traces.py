@@ -1,4 +1,4 @@
-"""Collect the lines of a figure that shows a record over time."""
+"""Collect the lines of the figures that show a record over time."""
 
 from __future__ import annotations
 
@@ -17,29 +17,34 @@ from owtsweep.studies.replay.states import FilterStates
 
 @dataclass(frozen=True)
 class Traces:
-    """The contents of a figure of one quantity.
+    """The contents of a figure that shows one quantity over time.
 
     Attributes
     ----------
     view
         First and last time shown, in s.
-    lines, errors
-        Scheme -> lines of its estimates of x and y; scheme -> line of its error of x. Schemes whose
-        estimates equal those of a later scheme are left out.
+    lines
+        Scheme -> the lines of its estimates of x and y. Schemes whose estimates equal those of a
+        later scheme are left out.
+    errors
+        Scheme -> the line of its errors of x, for the schemes in `lines`; empty if the truth is
+        unknown.
     bound
-        Largest absolute error of x after the first fifth of the record; it sets the range of the
-        axis of errors.
+        Largest absolute error of x after the first fifth of the record. It sets the range of the
+        vertical axis of the panel of errors.
     truth, imu
-        Lines of x and y of the truth and of the IMU's measurements; None if not shown.
+        Lines of x and y of the true quantity and of the IMU's measurements; None if not shown.
     fixes
-        Times of arrival of the position fixes, shape (n,), and their values, shape (n, 2); None if
-        not shown.
-    deviations, innovations
-        Scheme -> times and standard deviations of x; scheme -> times and innovations of x, divided
-        by the standard deviations that the scheme states.
+        Times of arrival of the position fixes, shape (n,), and the fixes, shape (n, 2); None if not
+        shown.
+    deviations
+        Scheme -> times, and standard deviations of x that the scheme states.
+    innovations
+        Scheme -> times, and innovations of x divided by the standard deviations that the scheme
+        states for them.
     limits
-        Ranges of the vertical axes, shape (2, 2): rows x and y, columns lower and upper end. None
-        if the ranges follow from the lines.
+        Ranges of the vertical axes of the panels of x and y, shape (2, 2): rows x and y, columns
+        lower and upper end. None if the ranges follow from the lines.
     """
 
     view: tuple[float, float]
@@ -57,10 +62,20 @@ class Traces:
 def collect_traces(
     session: Session, states: Callable[[], FilterStates], quantity: str, *, zoom: bool
 ) -> Traces:
-    """Collect the lines of "position", "velocity", "acceleration" or "bias".
+    """Collect the lines of a figure that shows one quantity over time.
 
-    `zoom` applies to position and velocity. The acceleration is always zoomed in, the bias never.
-    `states` returns the filters' acceleration and bias.
+    Parameters
+    ----------
+    session
+        The data of the record.
+    states
+        Function that returns the filters' acceleration and bias. It is called only if `quantity` is
+        "acceleration" or "bias".
+    quantity
+        "position", "velocity", "acceleration" or "bias".
+    zoom
+        Whether to show only some seconds around the largest motion. This applies to position and
+        velocity; the acceleration is always zoomed in, the bias never.
     """
     if quantity == "bias":
         return _trace_bias(session, states())
@@ -134,7 +149,10 @@ def _trace_acceleration(session: Session, states: FilterStates) -> Traces:
 
 
 def _take_force(session: Session, window: slice) -> Array:
-    """Return the specific force in NED in a window of steps, shape (n, 2) in m/s^2."""
+    """Return the measured specific force in NED coordinates, shape (n, 2) in m/s^2.
+
+    `window` is the slice of the steps to return.
+    """
     parts, begin = [], 0
     for piece in rotate_force(session.signals, session.sensors):
         parts.append(piece[max(window.start - begin, 0) : max(window.stop - begin, 0)])

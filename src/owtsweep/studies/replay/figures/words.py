@@ -11,14 +11,14 @@ LONGEST = 80
 
 
 def as_plain(text: str) -> str:
-    """Return a text without characters that cannot be printed, and with each `$` escaped.
+    """Return a text in a form that matplotlib draws as it is, without reading a part as a formula.
 
-    So matplotlib does not read any part of the text as a formula.
+    Characters that cannot be printed are replaced by escape sequences, and each `$` is escaped.
     """
     return printable(text).replace("$", r"\$")
 
 
 def name_file(path: str) -> str:
-    """Return the name of a file for a title; a name longer than `LONGEST` characters is cut."""
+    """Return the name of the file at `path` for a title, cut to `LONGEST` characters."""
     name = Path(path).name
     return as_plain(name if len(name) <= LONGEST else f"{name[:LONGEST]}...")

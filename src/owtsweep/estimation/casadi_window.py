@@ -1,0 +1,284 @@
+"""The optimisation problem of a window of the moving horizon estimator, solved by CasADi.
+
+`estimation.mhe` says how Eq. (11) of Ren et al. (2019) is read.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+
+#: How far beyond a constraint a solution may lie, as a fraction of the allowed range. The
+#: tolerance of daqp is 1e-12 of the scaled states; rounding leaves about 1e-9 where weights differ
+#: by decades.
+FEASIBILITY = 1e-8
+
+
+class CasadiWindow:
+    """The optimisation problem of moving horizon estimation, solved by CasADi.
+
+    The problem is Eq. (11) of Ren et al. (2019) for one window, a sequence of position fixes with
+    the inputs between them. A node is a time at which a state is estimated: the time of a fix, or
+    the present. Only this class can solve a window with constraints. Without constraints,
+    `window_map` solves the problem in closed form, and the class serves to test that function. The
+    hub study solves two axes at once: the states are x, y, v_x, v_y, b_x, b_y (position, velocity
+    and bias of the accelerometer).
+
+    Parameters
+    ----------
+    intervals
+        Number of intervals between neighbouring fixes, i.e. the number of fixes minus one.
+    states, outputs
+        Number of components of a state, and of a fix.
+    last_node
+        Whether there is a node at the present time, t_f after the last fix.
+    arrival
+        Whether the cost has a term for the difference between the state at the oldest fix and the
+        arrival state, a state that is assumed there.
+    fixed_arrival
+        Whether the state at the oldest fix must equal the arrival state.
+    use_first_fix
+        Whether the oldest fix is used; false if the arrival state already includes this fix.
+    solver
+        "qrqp" (an active-set QP solver; equal to the closed form up to rounding) or "ipopt".
+    constraints
+        Number of constraints on the state of each node. With `fixed_arrival`, the oldest node has
+        no constraints.
+
+    Raises
+    ------
+    ValueError
+        If `solver` is neither "qrqp" nor "ipopt".
+    """
+
+    def __init__(
+        self,
+        intervals: int,
+        *,
+        states: int,
+        outputs: int,
+        last_node: bool,
+        arrival: bool,
+        fixed_arrival: bool = False,
+        use_first_fix: bool = True,
+        solver: str = "qrqp",
+        constraints: int = 0,
+    ) -> None:
+        import casadi as ca
+
+        nodes = intervals + 1
+        X = ca.MX.sym("X", states, nodes + int(last_node))
+        z = ca.MX.sym("z", outputs, nodes)
+        inputs = ca.MX.sym("inputs", states, intervals + int(last_node))
+        A = ca.MX.sym("A", states, states)
+        A_f = ca.MX.sym("A_f", states, states)
+        link = ca.MX.sym("link", states, states)  # square roots of information
+        fix = ca.MX.sym("fix", nodes)
+        x0 = ca.MX.sym("x0", states)
+        prior = ca.MX.sym("prior", states, states)
+        scale = ca.MX.sym("scale", states)
+        rows = ca.MX.sym("rows", constraints, states)
+
+        def state(i: int) -> ca.MX:
+            return scale * X[:, i]
+
+        cost = ca.MX(0)
+        for i in range(nodes):  # (11c)
+            if i > 0 or use_first_fix:
+                cost += ca.sumsqr(fix[i] * (z[:, i] - state(i)[:outputs]))
+        for i in range(intervals):  # (11b)
+            cost += ca.sumsqr(ca.mtimes(link, state(i + 1) - ca.mtimes(A, state(i)) - inputs[:, i]))
+        if last_node:  # (11d), t_f after the last fix and without a fix of its own (11i)
+            predicted = ca.mtimes(A_f, state(intervals)) + inputs[:, intervals]
+            cost += ca.sumsqr(ca.mtimes(link, state(nodes) - predicted))
+        if arrival:
+            cost += ca.sumsqr(ca.mtimes(prior, state(0) - x0))
+        parameters = ca.vertcat(
+            *(ca.vec(p) for p in (z, inputs, A, A_f, link, fix, x0, prior, scale, rows))
+        )
+        problem = {"x": ca.vec(X), "p": parameters, "f": 0.5 * cost}
+        free = range(int(fixed_arrival), nodes + int(last_node))
+        limited = [ca.mtimes(rows, state(i)) for i in free] if constraints else []
+        if fixed_arrival:
+            limited.insert(0, state(0) - x0)
+        if limited:
+            problem["g"] = ca.vertcat(*limited)
+        self._equal = states if fixed_arrival else 0
+        self._limited = len(free) if constraints else 0
+        if solver == "qrqp":
+            options = {"print_iter": False, "print_header": False, "print_time": False}
+            solve = ca.qpsol("mhe", "qrqp", problem, {**options, "error_on_fail": False})
+        elif solver == "ipopt":
+            quiet: dict[str, Any] = {"print_level": 0, "sb": "yes", "tol": 1e-12}
+            solve = ca.nlpsol("mhe", "ipopt", problem, {"ipopt": quiet, "print_time": 0})
+        else:
+            raise ValueError(f"solver is {solver!r}, neither 'qrqp' nor 'ipopt'")
+        self._solvers = [solve]
+        if constraints:
+            # qrqp sometimes reports success far outside the constraints; daqp, a dual active-set
+            # method, then finds the solution
+            exact: dict[str, Any] = {"daqp": {"primal_tol": 1e-12}, "error_on_fail": False}
+            self._solvers.append(ca.qpsol("mhe", "daqp", problem, exact))
+        self._gradient = ca.Function(
+            "gradient", [problem["x"], parameters], [ca.gradient(problem["f"], problem["x"])]
+        )
+        if constraints:
+            force = ca.MX.sym("force", problem["g"].shape[0])
+            pull = ca.jtimes(problem["g"], problem["x"], force, True)
+            self._pull = ca.Function("pull", [problem["x"], parameters, force], [pull])
+        self._shape = (states, nodes + int(last_node))
+
+    def solve(
+        self,
+        scale: Array,
+        z: Array,
+        inputs: Array,
+        *,
+        A: Array,
+        A_f: Array,
+        link: Array,
+        fix: float | Array,
+        x0: Array,
+        prior: Array,
+        rows: Array,
+        lower: Array,
+        upper: Array,
+    ) -> Array:
+        """Solve the window; return the states of all nodes, shape (states, nodes).
+
+        A node is the time of a fix, or the present. The solution is refined once: the problem is
+        solved again for the residuals of the first solution. Without refinement, the errors reach
+        1e-10 of the states if the weights differ by many decades.
+
+        Parameters
+        ----------
+        scale
+            Typical sizes of the states, shape (states,), by which the solver's variables are
+            scaled.
+        z
+            Position fixes, oldest first, shape (outputs, fixes).
+        inputs
+            Effects of the inputs on the state from node to node, shape (states, nodes - 1).
+        A
+            Transition matrix (states, states) from one fix to the next.
+        A_f
+            Transition matrix (states, states) over the time t_f from the last fix to the present.
+        link
+            Square root U of an information matrix, U' U = Q^-1, for the covariance Q of the process
+            noise from one node to the next; shape (states, states).
+        fix
+            Inverse standard deviation of a fix: one number, or one number per fix, zero for a
+            missing fix.
+        x0
+            Arrival state, the state assumed at the oldest fix; shape (states,).
+        prior
+            Square root U of an information matrix, U' U = P^-1, for the covariance P of the arrival
+            state; shape (states, states).
+        rows, lower, upper
+            The constraints lower <= rows x <= upper on the state x of each node, except the oldest
+            node if its state is fixed. Shapes (constraints, states), (constraints,) and
+            (constraints,).
+
+        Raises
+        ------
+        ArithmeticError
+            If the solution does not meet the conditions of optimality: the gradient of the
+            Lagrangian is not small, a constraint is violated, or a constraint that is not active
+            has a multiplier. (The solvers' own reports of success are not reliable.)
+        """
+        nodes = z.shape[1]
+        fix = np.broadcast_to(fix, nodes)
+        limits = np.repeat(np.stack([lower, upper])[:, None], self._limited, axis=1)
+        data = (A, A_f, link, fix)
+        states = self._minimum(limits, scale, rows, z, inputs, *data, x0, prior)
+        predicted = A @ states[:, :-1]
+        predicted[:, nodes - 1 :] = A_f @ states[:, nodes - 1 : -1]
+        left = (z - states[: len(z), :nodes], inputs - (states[:, 1:] - predicted))
+        if self._limited:
+            limits = limits - (rows @ states[:, -self._limited :]).T
+        return states + self._minimum(limits, scale, rows, *left, *data, x0 - states[:, 0], prior)
+
+    def _minimum(self, limits: Array, scale: Array, rows: Array, *parameters: Array) -> Array:
+        """Solve the problem once; return the states of all nodes, shape (states, nodes).
+
+        The solvers are tried in turn until the answer of one is a minimum within the limits.
+
+        Parameters
+        ----------
+        limits
+            Limits of the constraints, shape (2, constrained nodes, constraints): lower limits, then
+            upper limits.
+        scale
+            Typical sizes of the states, shape (states,).
+        rows
+            Matrix (constraints, states); rows times a state lies within the limits.
+        *parameters
+            The other parameters of the problem, in the order in which the problem was built.
+
+        Raises
+        ------
+        ArithmeticError
+            If no solver's answer is a minimum.
+        """
+        packed = np.concatenate([np.asarray(p, dtype=float).ravel("F") for p in parameters])
+        p = np.concatenate([packed, scale, rows.ravel("F")])
+        equal = np.zeros(self._equal)
+        low, high = (np.concatenate([equal, limit.ravel()]) for limit in limits)
+        for solve in self._solvers:
+            solution = solve(x0=0.0, p=p, lbg=low, ubg=high)
+            answer, force = (np.asarray(solution[name]).ravel() for name in ("x", "lam_g"))
+            states = answer.reshape(self._shape, order="F") * scale[:, None]
+            fault = self._slope_left(answer, p, force)
+            if not fault and self._limited:
+                fault = self._broken_limit(states, rows, limits, force[self._equal :])
+            if not fault:
+                return np.asarray(states)
+        raise ArithmeticError(f"the MHE's solver stopped {fault}")
+
+    def _slope_left(self, answer: Array, p: Array, force: Array) -> str:
+        """Return a description of the fault if the gradient of the Lagrangian is not small.
+
+        Return "" if the gradient is small. `answer` holds the scaled states, `p` the parameters of
+        the problem, and `force` the multipliers of the constraints.
+        """
+        slope = np.asarray(self._gradient(answer, p)).ravel()
+        start = np.asarray(self._gradient(np.zeros_like(answer), p)).ravel()
+        if self._limited:
+            pull = np.asarray(self._pull(answer, p, force)).ravel()
+            slope = slope + pull
+            start = np.append(start, pull)  # active constraints set the scale
+        slope = slope[self._equal :]
+        if not np.max(np.abs(slope)) <= 1e-6 * (1.0 + np.max(np.abs(start))):
+            return f"at a gradient of {max(abs(slope)):.2g}"
+        return ""
+
+    def _broken_limit(self, states: Array, rows: Array, limits: Array, force: Array) -> str:
+        """Return a description of the fault if the limits of the constraints are not respected.
+
+        A fault is a violated limit, or a limit that is not reached but has a multiplier. Return ""
+        if there is no fault.
+
+        Parameters
+        ----------
+        states
+            States of all nodes, shape (states, nodes).
+        rows
+            Matrix (constraints, states); rows times a state should lie within the limits.
+        limits
+            Limits, shape (2, constrained nodes, constraints): lower limits, then upper limits.
+        force
+            Multipliers of the constraints, shape (constrained nodes * constraints,).
+        """
+        value = (rows @ states[:, -self._limited :]).T
+        width = limits[1] - limits[0]
+        below, above = (value - limits[0]) / width, (limits[1] - value) / width
+        if not min(np.min(below), np.min(above)) >= -FEASIBILITY:
+            return "at a state that breaks a constraint"
+        force = force.reshape(width.shape)
+        idle = 1e-6 * (1.0 + np.max(np.abs(force)))
+        if np.any((force > idle) & (above > 1e-6)) or np.any((force < -idle) & (below > 1e-6)):
+            return "where no constraint holds it"
+        return ""

@@ -1,0 +1,70 @@
+"""Shade a scheme's colour by its margin: how many times as large the runner-up's MSE is.
+
+A pale fill says that best and runner-up are nearly equally good; a full one, that the choice
+matters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.figures.palette import SchemeStyle, channels_of, mix_with_white
+
+#: The fill is the scheme's full colour where the runner-up's MSE is this many times the best one's,
+#: or more.
+FULL = 8.0
+#: Share of the scheme's colour in the fill of a tie; the rest is white.
+PALEST = 0.3
+#: What the legend of a map says about the shades.
+EXPLANATION = (
+    f"Pale: the runner-up's MSE is equal. Full colour: it is {FULL:g} times as large, or more."
+)
+
+
+def share_of_color(ratio: Any) -> Array:
+    """Return the share of the scheme's colour in the fill, from `PALEST` to 1; the rest is white.
+
+    The share grows with the logarithm of `ratio`: the runner-up's MSE over the best scheme's, a
+    number or an array. It is 1 where there is no runner-up (NaN).
+    """
+    ratio = np.asarray(ratio, dtype=float)
+    strength = np.log(np.clip(ratio, 1.0, FULL)) / np.log(FULL)
+    return np.where(np.isnan(ratio), 1.0, PALEST + (1.0 - PALEST) * strength)
+
+
+def ratio_of(row: Mapping[Any, Any]) -> float:
+    """Return the runner-up's MSE over the best scheme's in a row of best_scheme.csv.
+
+    The ratio is NaN without a runner-up, or if the best scheme's MSE is not positive.
+    """
+    best = float(row["mse_best"])
+    return float(row["mse_runner_up"]) / best if best > 0.0 else float("nan")
+
+
+def fill_cell(look: SchemeStyle, ratio: float) -> str:
+    """Return the fill, as "#RRGGBB", of a cell whose best scheme has this look.
+
+    `ratio` is the runner-up's MSE over the best scheme's; NaN without a runner-up.
+    """
+    return mix_with_white(look.color, float(share_of_color(ratio)))
+
+
+def fill_regions(best: NDArray[np.integer[Any]], ratio: Array, colors: Sequence[str]) -> Array:
+    """Return the fills of a fine map: red, green and blue from 0 to 1, shape (lines, columns, 3).
+
+    Parameters
+    ----------
+    best
+        Index in `colors` of the best scheme, shape (columns, lines).
+    ratio
+        The runner-up's MSE over the best scheme's, shape (columns, lines); NaN without a runner-up.
+    colors
+        The colours of the schemes as "#RRGGBB".
+    """
+    full = np.array([channels_of(color) for color in colors])[best.T]
+    return np.asarray(1.0 - share_of_color(ratio).T[..., np.newaxis] * (1.0 - full))

@@ -1,0 +1,59 @@
+"""The legend's entry of a scheme on a map whose fill shows the margin: a strip of shades."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerBase
+from matplotlib.patches import Patch, Rectangle
+
+from owtsweep.figures.margin import EXPLANATION, PALEST
+from owtsweep.figures.palette import mix_with_white
+
+#: Number of shades in the strip.
+COUNT = 4
+
+
+class Shades(Patch):
+    """The handle of a scheme's entry; its face has the scheme's full colour."""
+
+
+class _Strip(HandlerBase):
+    """Draws a `Shades` as rectangles side by side, the palest shade on the left."""
+
+    def create_artists(
+        self,
+        legend: Any,
+        orig_handle: Any,
+        xdescent: float,
+        ydescent: float,
+        width: float,
+        height: float,
+        fontsize: float,
+        trans: Any,
+    ) -> list[Rectangle]:
+        from matplotlib.colors import to_hex
+
+        color, step = to_hex(orig_handle.get_facecolor()), width / COUNT
+        return [
+            Rectangle(
+                (number * step - xdescent, -ydescent), step, height, linewidth=0.0,
+                facecolor=mix_with_white(color, share), transform=trans,
+            )
+            for number, share in enumerate(np.linspace(PALEST, 1.0, COUNT))
+        ]  # fmt: skip
+
+
+#: For the argument `handler_map` of `Figure.legend`.
+HANDLERS = {Shades: _Strip()}
+
+
+def add_legend(figure: Figure, handles: Sequence[Any], columns: int) -> None:
+    """Put the legend of a map above its title; the legend's own title explains the shades."""
+    figure.legend(
+        handles=handles, handler_map=HANDLERS, ncols=columns, loc="outside upper center",
+        frameon=False, title=EXPLANATION, title_fontsize=9,
+    )  # fmt: skip

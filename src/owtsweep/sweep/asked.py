@@ -1,0 +1,228 @@
+"""Keeps the answers to different questions apart in one run folder.
+
+A question is what a sweep was asked: the whole configuration, with grid and schemes. Its
+configuration, plan, tables and figures are kept in `asked/<hash>/`. The root of the run folder
+shows the question that was asked last, so that scripts find its files at fixed places. The shards
+of all questions are shared, in `cases/`.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from owtsweep.config import Config, typed
+from owtsweep.config.stored import read_stored
+from owtsweep.errors import InputError
+from owtsweep.io.files import write_all
+from owtsweep.io.reading import read_text
+from owtsweep.sweep.keys import HASH_BYTES, question_hash
+
+FOLDER = "asked"
+CONFIG = "config.yaml"
+#: What is made of a question's cases and lies in the root of the run folder, besides the tables.
+MADE = ("figures", "fidelity", "report.md", "estimates.parquet", "estimates", "records")
+#: Most bytes of a configuration.
+MOST_BYTES = 10_000_000
+_HASH = re.compile(r"[0-9a-f]{10}")
+
+
+@dataclass(frozen=True)
+class Question:
+    """A question that a run folder has answered, or began to answer.
+
+    Attributes
+    ----------
+    hash
+        The name of the question's folder below `asked`.
+    config
+        The stored configuration as plain data, which is not checked; {} if it cannot be read.
+    trouble
+        Why the configuration cannot be read, in one line; "" if it can.
+    """
+
+    hash: str
+    config: Mapping[str, Any]
+    trouble: str = ""
+
+
+def question_folder(run: Path, question: str) -> Path:
+    """Return the folder of a question in a run folder; the folder may not exist."""
+    return run / FOLDER / question
+
+
+def find_home(folder: Path) -> Path | None:
+    """Return the run folder if `folder` is that of a question, `<run>/asked/<hash>`; else None."""
+    whole = Path(os.path.abspath(folder))
+    is_question = whole.parent.name == FOLDER and _HASH.fullmatch(whole.name) is not None
+    return whole.parents[1] if is_question else None
+
+
+def name_question(model: type[Config], plain: Mapping[str, Any], text: str) -> str:
+    """Return the hash of the question of a stored configuration, 10 hexadecimal digits.
+
+    Parameters
+    ----------
+    model
+        The class of the study's configurations. No code that the configuration names is imported.
+    plain, text
+        The configuration as plain data, and the text of its file.
+    """
+    try:
+        return question_hash(typed(model, plain))
+    except InputError:  # keys of another study, or of another version
+        return blake2b(text.encode(), digest_size=HASH_BYTES).hexdigest()
+
+
+def list_questions(run: Path) -> Iterator[Question]:
+    """Yield the questions of a run folder, sorted by hash; their files may be another person's."""
+    for path in sorted((run / FOLDER).glob("*/config.yaml")):
+        if _HASH.fullmatch(path.parent.name):
+            try:
+                yield Question(path.parent.name, read_stored(path)[0])
+            except InputError as error:
+                yield Question(path.parent.name, {}, str(error))
+
+
+def is_shown(run: Path, question: str) -> bool:
+    """Return whether the root of a run folder shows this question, the one that was asked last."""
+    own = question_folder(run, question) / CONFIG
+    try:
+        return read_text(own, MOST_BYTES) == read_text(run / CONFIG, MOST_BYTES)
+    except InputError:
+        return False
+
+
+def write_both(run: Path, question: str, contents: Mapping[str, bytes | str]) -> None:
+    """Write files, name -> content, into a question's folder, and into the root if shown there.
+
+    If the files do not all fit on the disk, none of them is changed.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses a file.
+    """
+    folders = [run] * is_shown(run, question) + [question_folder(run, question)]
+    write_all({folder / name: text for folder in folders for name, text in contents.items()})
+
+
+def copy_figures(run: Path, question: str, files: list[Path]) -> None:
+    """Copy figures that were drawn in the root into the folder of their question.
+
+    If the question has no folder (the run is older than such folders), copy nothing.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses a file.
+    """
+    own = question_folder(run, question)
+    if question and own.is_dir():
+        (own / "figures").mkdir(exist_ok=True)
+        write_all({own / "figures" / path.name: path.read_bytes() for path in files})
+
+
+def show(
+    run: Path,
+    model: type[Config],
+    question: str,
+    texts: Mapping[str, str],
+    *,
+    cleared: bool = False,
+) -> None:
+    """Make a question the one that the root of the run folder shows.
+
+    What the root holds of another question moves into the folder of that question: tables,
+    figures, reports and estimates.
+
+    Parameters
+    ----------
+    run
+        The run folder, which exists.
+    model
+        The class of the study's configurations.
+    question
+        The hash of the question.
+    texts
+        File name -> content: the configuration and the plan of the question.
+    cleared
+        Whether `clear` has just been called, so that nothing is left to move.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses a file.
+    """
+    own = question_folder(run, question)
+    own.mkdir(parents=True, exist_ok=True)
+    # First, because a full disk must be noticed before anything is moved.
+    write_all({own / name: text for name, text in texts.items()})
+    if os.path.lexists(run / CONFIG) and not cleared:
+        try:
+            plain, text = read_stored(run / CONFIG)
+            before = name_question(model, plain, text)
+        except InputError:  # unreadable, so nobody can say to which question the tables belong
+            before = blake2b(b"unreadable", digest_size=HASH_BYTES).hexdigest()
+        if before != question:
+            _move_made(run, question_folder(run, before))
+    write_all({run / name: text for name, text in texts.items()})
+
+
+def clear(run: Path) -> None:
+    """Delete the folders of all questions, and what the root holds of a question."""
+    for path in [*_list_made(run), *(run / FOLDER).glob("*")]:
+        if path.parent.name == FOLDER and not _HASH.fullmatch(path.name):
+            continue  # not of this program
+        _delete(path)
+
+
+def _list_made(run: Path, *, every_table: bool = False) -> list[Path]:
+    """Return the paths in the root of a run folder that were made of a question's cases.
+
+    A CSV file is a table if a question has a table of this name, or with `every_table` in any case.
+    Other CSV files are the user's own.
+    """
+    tables = {path.name for path in (run / FOLDER).glob("*/*.csv")}
+    made = [path for path in run.glob("*.csv") if every_table or path.name in tables]
+    return made + [run / name for name in MADE if os.path.lexists(run / name)]
+
+
+def _move_made(run: Path, target: Path) -> None:
+    """Move what the root holds of a question into the question's folder, `target`."""
+    # A folder of before does not say which CSV files are tables.
+    made = _list_made(run, every_table=not target.is_dir())
+    if not made:
+        return
+    target.mkdir(parents=True, exist_ok=True)
+    for name in (CONFIG, "plan.json", "manifest.json"):
+        if (run / name).is_file() and not os.path.lexists(target / name):
+            shutil.copyfile(run / name, target / name)
+    for path in made:
+        if path.is_dir() and not path.is_symlink() and (target / path.name).is_dir():
+            # Files that only the question's folder has are kept: other figures, say.
+            for inner in list(path.iterdir()):
+                _move(inner, target / path.name / inner.name)
+            path.rmdir()
+        else:
+            _move(path, target / path.name)
+
+
+def _move(path: Path, target: Path) -> None:
+    if os.path.lexists(target):
+        _delete(target)
+    path.rename(target)
+
+
+def _delete(path: Path) -> None:
+    """Delete a file, a link (not what it names), or a folder with its content."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
