@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks import STUDY
 from benchmarks.timing import REPEATS, seconds
 from owtsweep.studies import compose
-from owtsweep.studies.hub import batch
+from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import FORCE, POSITION
@@ -88,7 +88,7 @@ def batched(job: Job) -> Callable[[], np.ndarray]:
 
     The function returns the states x, y, v_x, v_y, a_x, ... at every step, shape (steps, 8).
     """
-    return lambda: batch.states(job.chain, job.force, job.fixes).reshape(job.steps, 8)
+    return lambda: estimates.states(job.chain, job.force, job.fixes).reshape(job.steps, 8)
 
 
 def _numpy(job: Job) -> Callable[[], np.ndarray]:

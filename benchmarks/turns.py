@@ -22,7 +22,7 @@ from benchmarks import STUDY
 from benchmarks.timing import Time, timed
 from owtsweep.freed_memory import keep_freed_memory
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.hub import blocks, chain
+from owtsweep.studies.hub import blocks, chain, planning
 from owtsweep.sweep.run import sweep
 
 #: A study's overrides, and how often a round computes it.
@@ -76,7 +76,7 @@ def _whole(overrides: Sequence[str]) -> float:
 def compute(config: Any, threads: int) -> None:
     """Compute all groups of a study's plan on some threads, and discard the results."""
     groups: dict[str, list[Any]] = {}
-    for block in blocks.plan(config):
+    for block in planning.plan(config):
         groups.setdefault(block.group, []).append(block)
 
     def work(group: list[Any]) -> None:

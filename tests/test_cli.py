@@ -227,7 +227,7 @@ def test_an_edited_scheme_is_a_new_scheme(monkeypatch):
     import inspect
 
     from owtsweep.studies import compose
-    from owtsweep.studies.hub.blocks import plan
+    from owtsweep.studies.hub.planning import plan
 
     config = compose([*SMALL, "schemes=[{_target_:user_schemes.HoldLastFix}]"])
     before = plan(config)[0].content

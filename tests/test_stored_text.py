@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 import owtsweep
-from owtsweep.cli.multirun import FAILED, JobOutcome, _read_outcome
-from owtsweep.cli.program import main
+from owtsweep.cli.job_outcome import JobOutcome, read_outcome
+from owtsweep.cli.program import FAILED, main
 from owtsweep.errors import InputError
 from owtsweep.sweep.provenance import read_earlier_seconds, was_running
 
@@ -129,12 +129,12 @@ def test_a_record_names_folders_beside_it_only(multirun, folder, capsys):
 @pytest.mark.parametrize("kind", OTHERS)
 def test_an_outcome_that_cannot_be_read_is_a_failure(tmp_path, kind):
     OTHERS[kind](tmp_path / "run.json")
-    outcome = _read_outcome(tmp_path / "run.json")
+    outcome = read_outcome(tmp_path / "run.json")
     assert (outcome.folder, outcome.code) == ("run", FAILED)
     assert outcome.reason.isprintable()
     written = {"folder": "r", "overrides": ["a=1"], "code": 1, "reason": "\x1b"}
     (tmp_path / "r.json").write_text(json.dumps(written))
-    assert _read_outcome(tmp_path / "r.json") == JobOutcome("r", ["a=1"], 1, r"\x1b")
+    assert read_outcome(tmp_path / "r.json") == JobOutcome("r", ["a=1"], 1, r"\x1b")
 
 
 @pytest.mark.parametrize("name", ["a\0b", "x" * 300, "x/" * 5000, "/dev/null", "\ud800", "no\x1b"])

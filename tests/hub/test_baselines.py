@@ -15,7 +15,7 @@ from tools import SMALL, configure, measured, ned, rows_of
 import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
-from owtsweep.studies.hub import HubStudy, batch, blocks, winners
+from owtsweep.studies.hub import HubStudy, batch, estimates, planning, winners
 from owtsweep.studies.hub.expected import cache, drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
 from owtsweep.studies.hub.figures import maps_by_tuning, mse_over_amplitude
@@ -66,7 +66,7 @@ def test_both_forms_are_the_definition(name: str, changes: tuple[str, ...]) -> N
     exact = defined(name, data.fixes, steps, sensors)
     stepwise = run_estimator(scheme.start(sensors, config), *data, sensors.fix_interval)
     chain = scheme.kernel(sensors, config, steps)  # type: ignore[attr-defined]
-    compiled = np.hstack(batch.trajectories(chain, sensors, *ned(data, sensors))[:2])
+    compiled = np.hstack(estimates.trajectories(chain, sensors, *ned(data, sensors))[:2])
     scale = np.maximum(np.max(np.abs(exact), axis=0), 1e-300)
     assert np.all(np.abs(stepwise.state - exact) <= 1e-12 * scale)
     assert np.all(np.abs(compiled - exact) <= 1e-9 * scale)
@@ -160,7 +160,7 @@ def test_records_scatter_around_the_expectation(
 
 def keys_of(config) -> dict[str, str]:
     study = HubStudy()
-    return {block_key(study, block): block.label for block in blocks.plan(config)}
+    return {block_key(study, block): block.label for block in planning.plan(config)}
 
 
 def test_one_shard_serves_all_tunings_and_no_hash_changes() -> None:
@@ -174,7 +174,7 @@ def test_one_shard_serves_all_tunings_and_no_hash_changes() -> None:
 
 def test_a_baseline_that_schemes_name_is_a_scheme() -> None:
     config = configure("schemes=[MKF,HOLD]", ALL)
-    labels = [block.label.split(",")[0] for block in blocks.plan(config)]
+    labels = [block.label.split(",")[0] for block in planning.plan(config)]
     assert labels == ["MKF", "HOLD", "NONE", "DELTA"]
     expected = configure("schemes=[MKF,HOLD]", ALL, "engine=expected")
     assert [block.group for block in expected_engine.plan(expected)] == labels

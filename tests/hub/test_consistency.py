@@ -17,7 +17,7 @@ from tools import Array
 
 from owtsweep.streams import stream
 from owtsweep.studies import compose
-from owtsweep.studies.hub import batch, measures
+from owtsweep.studies.hub import estimates, measures
 from owtsweep.studies.hub.batch import Lanes, sum_errors
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
@@ -68,7 +68,7 @@ def sampled_nees(chain: Chain, config: HubConfig, records: Records, amplitude: f
     direction = np.tile(records.direction, len(records.replicates))
     x4 = true_x4(config, records)
     unsmoothed = replace(chain, filter=chain.filter._replace(window=0))
-    states = batch.states(unsmoothed, force, fixes)
+    states = estimates.states(unsmoothed, force, fixes)
     nees = []
     for k0 in range(0, records.steps - SPACING, SPACING):
         k = k0 + SPACING - 1

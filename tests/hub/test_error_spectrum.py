@@ -8,7 +8,7 @@ from tools import configure
 
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import spectrum
-from owtsweep.studies.hub import batch, settled
+from owtsweep.studies.hub import batch, estimates, settled
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
@@ -41,7 +41,7 @@ def simulated(
     fix_time = time[:: sensors.fix_interval] - sensors.delay * sensors.step
     phases = np.array([0.0, np.pi / 2])
     truth = np.cos(omega * time[:, None] - phases)
-    position, velocity, _ = batch.trajectories(
+    position, velocity, _ = estimates.trajectories(
         chain, sensors, -(omega**2) * truth, np.cos(omega * fix_time[:, None] - phases)
     )
     rate = -omega * np.sin(omega * time[:, None] - phases)

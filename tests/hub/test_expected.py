@@ -14,7 +14,7 @@ from owtsweep.errors import InputError
 from owtsweep.motion.spectra import spectrum
 from owtsweep.motion.synthesis import displacement, lines, synthesise
 from owtsweep.streams import stream
-from owtsweep.studies.hub import HubStudy, batch
+from owtsweep.studies.hub import HubStudy, batch, estimates
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
@@ -58,7 +58,7 @@ def test_noise_is_that_of_the_dense_covariance(name: str, tuning: str) -> None:
     fixes = fix_count(steps, sensors.fix_interval)
     force = np.hstack([np.zeros((steps, fixes)), np.eye(steps)])
     positions = np.hstack([np.eye(fixes), np.zeros((fixes, steps))])
-    answer = batch.trajectories(chain, sensors, force, positions)[:2]
+    answer = estimates.trajectories(chain, sensors, force, positions)[:2]
     found = curves_of(name, config)
     for measure in range(2):
         for window, first in enumerate((0, settled)):
@@ -85,7 +85,7 @@ def test_one_line_simulated(name: str) -> None:
     phases = np.array([0.3, 0.3 + np.pi / 2])  # the mean over two in quadrature is that over all
     truth = np.cos(omega * time[:, None] + phases)
     rate = -omega * np.sin(omega * time[:, None] + phases)
-    position, velocity, _ = batch.trajectories(
+    position, velocity, _ = estimates.trajectories(
         chain, sensors, -(omega**2) * truth, np.cos(omega * late[:, None] + phases)
     )
     found = curves_of(name, config).at(np.array([0.2345]))[..., 0]
@@ -119,7 +119,7 @@ def test_sinusoids_made_while_the_chain_runs_are_those_made_before(
     late = time[:: sensors.fix_interval] - sensors.delay * sensors.step
     truth = np.stack([np.cos(omega * time), np.sin(omega * time)], axis=1)
     fixes = np.stack([np.cos(omega * late), np.sin(omega * late)], axis=1)
-    position = batch.trajectories(chain, sensors, -(omega**2) * truth, fixes)[0]
+    position = estimates.trajectories(chain, sensors, -(omega**2) * truth, fixes)[0]
     monkeypatch.setattr(probing, "TOLERANCE", -1.0)  # run to the end
     probe = inputs.motion(np.array([0.3]), sensors)
     found = probing.Workspace(chain, sensors, steps, settled).energies(probe)[0, :, 0]

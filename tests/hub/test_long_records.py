@@ -8,7 +8,7 @@ from functools import cached_property
 import pytest
 
 from owtsweep.studies import compose
-from owtsweep.studies.hub import blocks, feed, records
+from owtsweep.studies.hub import blocks, feed, planning, records
 
 pytestmark = pytest.mark.usefixtures("kernels")
 
@@ -21,7 +21,7 @@ SMALL = [
 
 def _rows(overrides):
     config = compose([*SMALL, *overrides])
-    return [table for _, table in blocks.run(config, blocks.plan(config))]
+    return [table for _, table in blocks.run(config, planning.plan(config))]
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import pytest
 from tools import Key, configure, rows_of, run_batch, whole_series
 
 from owtsweep.evaluation.trajectory import Trajectory
-from owtsweep.studies.hub import blocks, measures
+from owtsweep.studies.hub import blocks, measures, planning
 from owtsweep.studies.hub.batch import Sums
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
@@ -133,7 +133,7 @@ def test_an_estimator_without_covariance_has_no_nees() -> None:
 @pytest.mark.usefixtures("kernels")
 def test_a_record_that_is_not_finite_fails_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     config = configure("schemes=[HME1]", "grid.replicates=3")
-    ((_, whole),) = blocks.run(config, blocks.plan(config))
+    ((_, whole),) = blocks.run(config, planning.plan(config))
     original = blocks.sum_errors
 
     def spoilt(*arguments: Any, **options: Any) -> list[Sums]:
@@ -142,7 +142,7 @@ def test_a_record_that_is_not_finite_fails_alone(monkeypatch: pytest.MonkeyPatch
         return [sums]
 
     monkeypatch.setattr(blocks, "sum_errors", spoilt)
-    ((_, rows),) = blocks.run(config, blocks.plan(config))
+    ((_, rows),) = blocks.run(config, planning.plan(config))
     assert rows["replicate"].is_monotonic_increasing
     failed = rows["replicate"] == 1
     assert rows.loc[failed, ["status", "reason"]].to_numpy().tolist() == [

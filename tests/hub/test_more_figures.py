@@ -16,7 +16,7 @@ from owtsweep.errors import InputError
 from owtsweep.estimation.predictor import predict
 from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
-from owtsweep.studies.hub import batch
+from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra, time_histories, two_maps
 from owtsweep.studies.hub.histories import Histories, natural_period_of, simulate_histories
@@ -88,8 +88,8 @@ def test_states_are_what_the_estimates_come_from(name: str, tuning: str) -> None
     data, sensors = measured(config)
     force, fixes = ned(data, sensors)
     chain = resolve(name).kernel(sensors, config)
-    states = batch.states(chain, force, fixes)
-    position, velocity, _ = batch.trajectories(chain, sensors, force, fixes)
+    states = estimates.states(chain, force, fixes)
+    position, velocity, _ = estimates.trajectories(chain, sensors, force, fixes)
     if chain.filter.window == 0:
         expected = filtered_states(chain, force, fixes).reshape(states.shape)
         assert_same(states.reshape(len(force), -1), expected.reshape(len(force), -1), "", 1e-12)

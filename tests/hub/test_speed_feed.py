@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tools import configure
 
-from owtsweep.studies.hub import batch, blocks, feed
+from owtsweep.studies.hub import batch, blocks, feed, planning
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
 from user_schemes import Saturated
@@ -63,7 +63,7 @@ def test_kept_noise_is_drawn_noise(yaw: float) -> None:
 def test_amplitudes_are_free_but_for_what_is_not_linear() -> None:
     def plan(amplitudes: int, *changes: str) -> list:
         listed = ",".join(f"{0.1 + 0.01 * i:g}" for i in range(amplitudes))
-        return blocks.plan(configure(f"grid.amplitude=[{listed}]", *changes))
+        return planning.plan(configure(f"grid.amplitude=[{listed}]", *changes))
 
     few, many = plan(10), plan(1000)
     assert [block.content for block in few] == [block.content for block in many]
@@ -81,7 +81,7 @@ def test_a_scheme_without_a_chain_keeps_no_other_from_its_rows(
     config = configure("schemes=[MKF,HME1,HME2]")
     broken = resolve("HME1")
     monkeypatch.setattr(type(broken), "kernel", lambda *_: 1 / 0)
-    results = blocks.run(config, blocks.plan(config))
+    results = blocks.run(config, planning.plan(config))
     block, rows = next(results)
     assert block.content["scheme"] == "MKF"
     assert (rows["status"] == "ok").all()

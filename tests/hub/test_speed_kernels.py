@@ -11,7 +11,7 @@ import pytest
 from tools import Array, assert_same, configure
 
 from owtsweep.compiled import njit
-from owtsweep.studies.hub import batch
+from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.chain import Chain, chain_for_runs
 from owtsweep.studies.hub.feed import Lanes
@@ -185,7 +185,7 @@ def test_kernels_are_the_algorithms(name: str, tuning: str, changes: tuple[str, 
     assert records.steps > batch.CHUNK
     chain = resolve(name).kernel(records.sensors, config, records.steps)  # type: ignore
     force, fixes = Lanes(records).at(AMPLITUDE)
-    found = batch.trajectories(chain, records.sensors, force, fixes)
+    found = estimates.trajectories(chain, records.sensors, force, fixes)
     expected = plain(chain, force, fixes)
     for what, ours, theirs in zip(("position", "velocity"), found, expected, strict=False):
         assert_same(ours, theirs, what)
@@ -202,7 +202,7 @@ def test_chunks_that_are_shorter_than_the_smoothers_window(steps: int) -> None:
     chain = chain_for_runs(resolve("HME1"), records.sensors, config, records.steps)
     assert chain.filter.window == 40
     force, fixes = Lanes(records).at(AMPLITUDE)
-    found = batch.trajectories(chain, records.sensors, force[:steps], fixes)
+    found = estimates.trajectories(chain, records.sensors, force[:steps], fixes)
     expected = plain(chain, force[:steps], fixes)
     for what, ours, theirs in zip(("position", "velocity"), found, expected, strict=False):
         assert_same(ours, theirs, what)

@@ -13,7 +13,7 @@ from tools import SMALL, Key, configure, rows_of, whole_series
 
 from owtsweep.errors import InputError
 from owtsweep.studies import compose, get_study
-from owtsweep.studies.hub import blocks
+from owtsweep.studies.hub import blocks, planning
 from owtsweep.studies.hub.records import make_records
 from owtsweep.sweep.run import sweep
 
@@ -53,7 +53,7 @@ def test_a_failing_case_gives_its_reason_and_the_rest_goes_on(fault: str, reason
         f"schemes=[{{_target_: failing_scheme.Failing, fault: {fault}}},MKF]", "record.duration=12"
     )
     done = {
-        block.content["scheme"]: rows for block, rows in blocks.run(config, blocks.plan(config))
+        block.content["scheme"]: rows for block, rows in blocks.run(config, planning.plan(config))
     }
     assert (done["MKF"]["status"] == "ok").all()
     assert (done["Failing"]["status"] == "failed").all()
@@ -77,7 +77,7 @@ BROKEN = (
 @pytest.mark.parametrize("target", BROKEN)
 def test_a_broken_class_is_refused_in_one_line(target: str) -> None:
     with pytest.raises(InputError, match=r"^schemes: ") as caught:
-        blocks.plan(configure(f"schemes=[MKF,{{_target_: {target}}}]"))
+        planning.plan(configure(f"schemes=[MKF,{{_target_: {target}}}]"))
     assert str(caught.value).isprintable()
 
 
@@ -99,7 +99,7 @@ def test_a_scheme_that_breaks_off_takes_nothing_else_down(name, where, how) -> N
         f"schemes=[MKF,{{_target_: hostile_schemes.{name}, where: {where}, how: {how}}},EKF]",
         "record.duration=12", "grid.replicates=2",
     )  # fmt: skip
-    left, done = blocks.plan(config), {}
+    left, done = planning.plan(config), {}
     while left:  # as a worker does: the block that was due fails, and those after it are run
         try:
             for block, rows in blocks.run(config, left):
@@ -118,7 +118,7 @@ def test_a_scheme_that_breaks_off_takes_nothing_else_down(name, where, how) -> N
 
 
 def test_its_source_is_part_of_its_blocks() -> None:
-    ours, theirs = blocks.plan(configure(SCHEMES))
+    ours, theirs = planning.plan(configure(SCHEMES))
     assert "source" not in ours.content
     assert len(theirs.content["source"]) == 16
     assert theirs.content["entry"] == {"_target_": "hold_last_fix.HoldLastFix"}

@@ -12,7 +12,7 @@ from omegaconf import OmegaConf
 
 from owtsweep.config import as_mapping
 from owtsweep.studies import compose, from_mapping
-from owtsweep.studies.hub import batch, blocks
+from owtsweep.studies.hub import blocks, estimates, planning
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Scheme, Sensors
@@ -95,7 +95,7 @@ def run_batch(scheme: Scheme, config: HubConfig, data: Measurements, sensors: Se
     """The batch engine on one series, with what its filter holds inside."""
     chain: Chain = scheme.kernel(sensors, config, len(data.specific_force))  # type: ignore
     force, fixes = ned(data, sensors)
-    position, velocity, innovation = batch.trajectories(chain, sensors, force, fixes)
+    position, velocity, innovation = estimates.trajectories(chain, sensors, force, fixes)
     gains = chain.gains
     row = gains.row(np.arange(len(force)))
     fresh = gains.fresh[row]
@@ -133,7 +133,7 @@ def run_reference(scheme: Scheme, config: HubConfig, data: Measurements, sensors
 def filtered_states(chain: Chain, force: Array, fixes: Array) -> Array:
     """The filter's states over a record, (steps, 4 x lanes), without a smoother."""
     unsmoothed = replace(chain, filter=chain.filter._replace(window=0))
-    return batch.states(unsmoothed, force, fixes).reshape(len(force), -1)
+    return estimates.states(unsmoothed, force, fixes).reshape(len(force), -1)
 
 
 def assert_same(actual: Array, expected: Array, what: str, tolerance: float = 1e-9) -> None:
@@ -157,7 +157,7 @@ class Key(NamedTuple):
 def rows_of(config: HubConfig) -> dict[Key, dict[str, Any]]:
     """All rows of a study; none may have failed."""
     table = {}
-    plan = blocks.plan(config)
+    plan = planning.plan(config)
     for group in dict.fromkeys(block.group for block in plan):
         for _, rows in blocks.run(config, [block for block in plan if block.group == group]):
             for row in rows.to_dict("records"):

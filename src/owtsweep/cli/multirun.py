@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import json
 import logging
 import math
 import os
@@ -13,11 +12,12 @@ import shutil
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from owtsweep.cli.dry_run import foretell
+from owtsweep.cli.job_outcome import OUTCOMES, JobOutcome, read_outcome, write_outcome
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here, raise_interrupt
 from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, changed, dump_with_units
@@ -25,9 +25,8 @@ from owtsweep.config.composition import compose_hydra, quote_home, require_reada
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.tuning_files import names_file
 from owtsweep.config.tunings import GROUP
-from owtsweep.errors import InputError, as_text, printable, require
-from owtsweep.io.files import check_writable, write_atomically
-from owtsweep.io.reading import read_json
+from owtsweep.errors import InputError, as_text, require
+from owtsweep.io.files import check_writable
 from owtsweep.studies import compose, locate
 from owtsweep.studies.composing import Located
 from owtsweep.sweep.keys import run_folder
@@ -36,11 +35,7 @@ from owtsweep.sweep.provenance import read_manifest
 
 logger = logging.getLogger(__name__)
 
-#: The folder, inside the folder of a multirun, that holds the outcomes of its runs.
-OUTCOMES = ".outcomes"
 NOT_FINISHED = "not finished"
-#: Most bytes of the file of an outcome.
-MOST_BYTES = 10_000_000
 #: Most runs of a multirun: the configurations of all are made and checked before the first run.
 MOST_RUNS = 10_000
 
@@ -153,34 +148,7 @@ class Job:
             refused = isinstance(error, InputError)
             code, reason = (BAD_INPUT, str(error)) if refused else (FAILED, as_text(error))
             logger.debug("run %s", name, exc_info=True)
-        outcome = JobOutcome(name, task, code, reason)
-        file = Path(self.folder) / OUTCOMES / f"{name}.json"
-        write_atomically(file, json.dumps(asdict(outcome)))
-
-
-@dataclass(frozen=True)
-class JobOutcome:
-    """The outcome of one run of a multirun, stored as a small file in the multirun folder.
-
-    Runs may be computed in other processes or on other machines (joblib, submitit), so the
-    outcomes are passed in files, not in memory.
-
-    Attributes
-    ----------
-    folder
-        Name of the run folder inside the multirun folder.
-    overrides
-        The overrides of this run, without the override of the key `results`.
-    code
-        The exit code that this run would have had outside a multirun.
-    reason
-        One line that says why `code` is not 0; "" if `code` is 0.
-    """
-
-    folder: str
-    overrides: list[str]
-    code: int
-    reason: str
+        write_outcome(Path(self.folder), JobOutcome(name, task, code, reason))
 
 
 def _describe_failures(run_folder: Path) -> str:
@@ -193,26 +161,6 @@ def _describe_failures(run_folder: Path) -> str:
     except (ValueError, KeyError, TypeError):
         return "some cases failed"
     return f"{failed} case{'s' * (failed != 1)} failed"
-
-
-def _read_outcome(file: Path) -> JobOutcome:
-    """Return the outcome that a file holds.
-
-    If the file cannot be read or holds no outcome, return an outcome with exit code 1 and the
-    fault of the file as the reason.
-    """
-    try:
-        match read_json(file, MOST_BYTES):
-            case {
-                "folder": str(name),
-                "overrides": list(words),
-                "code": int(code),
-                "reason": str(reason),
-            } if name == file.stem and all(isinstance(word, str) for word in words):
-                return JobOutcome(name, words, code, printable(reason))
-        raise InputError(f"{file}: this is no outcome of a run")
-    except InputError as error:
-        return JobOutcome(file.stem, [], FAILED, str(error))
 
 
 def _tell(
@@ -235,7 +183,7 @@ def _tell(
     by_run = {run.folder: JobOutcome(run.folder, run.overrides, FAILED, silent) for run in planned}
     # `planned` is empty for other sweepers than Hydra's basic one; their runs are found here.
     for file in sorted((folder / OUTCOMES).glob("*.json")):
-        outcome = _read_outcome(file)
+        outcome = read_outcome(file)
         by_run[outcome.folder] = outcome
     outcomes = list(by_run.values())
     bad = [outcome for outcome in outcomes if outcome.code]

@@ -13,7 +13,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.results.conditions import Condition, Grid, Value, order_values, require_usable
 from owtsweep.results.status import OK
-from owtsweep.results.superposition import PRODUCTS, superpose
+from owtsweep.results.superposition import PRODUCTS, superpose_all
 from owtsweep.results.unable import list_unable, without_unable
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ class Cube:
         result: Array | None = None
         if self.products is not None:
             products = self.products[:, *here][:, measures]
-            result = _superposed(products, self.levels[-1])
+            result = superpose_all(products, self.levels[-1])
         if self.direct is not None:
             direct = self.direct[here][:, measures]
             result = direct if result is None else np.where(np.isfinite(direct), direct, result)
@@ -273,22 +273,6 @@ def _there(column: Any) -> NDArray[np.bool_]:
     """Return a mask of the values in a column that are neither missing nor infinite."""
     there: NDArray[np.bool_] = column.notna().to_numpy()
     return there & np.isfinite(column.to_numpy()) if column.dtype.kind == "f" else there
-
-
-def _superposed(products: Array, amplitudes: Sequence[Any]) -> Array:
-    """Compute the mean square errors at all amplitudes from the products of superposed rows.
-
-    `products` holds the products motion, cross and noise, shape (3, measure, window, replicate).
-    The axes of the result are amplitude, measure, window, replicate. The longer of the axes
-    amplitude and replicate is innermost in memory, where loops and sums are fastest.
-    """
-    N = np.asarray(amplitudes)
-    if len(N) <= products.shape[-1]:
-        motion, cross, noise = products[:, np.newaxis]
-        N = N[:, np.newaxis, np.newaxis, np.newaxis]
-        return np.asarray(superpose(motion, cross, noise, N))
-    motion, cross, noise = products.transpose(0, 3, 1, 2)[..., np.newaxis]
-    return np.asarray(superpose(motion, cross, noise, N)).transpose(3, 1, 2, 0)
 
 
 def _arrange(

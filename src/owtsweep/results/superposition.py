@@ -6,6 +6,7 @@ the error due to noise. The mean square of this error is therefore a parabola in
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,22 @@ def superpose(motion: Any, cross: Any, noise: Any, amplitude: Any) -> Any:
         N: a number, or an array that can be broadcast against the other arguments.
     """
     return amplitude**2 * motion + 2.0 * amplitude * cross + noise
+
+
+def superpose_all(products: Array, amplitudes: Sequence[Any]) -> Array:
+    """Compute the mean square errors at all amplitudes from the products of superposed rows.
+
+    `products` holds the products motion, cross and noise, shape (3, measure, window, replicate).
+    The axes of the result are amplitude, measure, window, replicate. The longer of the axes
+    amplitude and replicate is innermost in memory, where loops and sums are fastest.
+    """
+    N = np.asarray(amplitudes)
+    if len(N) <= products.shape[-1]:
+        motion, cross, noise = products[:, np.newaxis]
+        N = N[:, np.newaxis, np.newaxis, np.newaxis]
+        return np.asarray(superpose(motion, cross, noise, N))
+    motion, cross, noise = products.transpose(0, 3, 1, 2)[..., np.newaxis]
+    return np.asarray(superpose(motion, cross, noise, N)).transpose(3, 1, 2, 0)
 
 
 def find_crossing(products: Array) -> Array:

@@ -6,15 +6,14 @@ x or y. A group is eight lanes, which kernels run at once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from owtsweep.arrays import Array, aligned
+from owtsweep.arrays import Array
 from owtsweep.studies.hub.chain import Chain
-from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.feed import Feed, Span
 from owtsweep.studies.hub.feed import Lanes as Lanes  # imported from here elsewhere
 from owtsweep.studies.hub.fix_lines import sum_line_errors
@@ -31,7 +30,6 @@ from owtsweep.studies.hub.kernels.layout import (
     new_registers,
     new_scratch,
 )
-from owtsweep.studies.hub.one_pass import OnePassSeries
 from owtsweep.studies.hub.records import Records
 
 #: Number of steps that kernels process at once, a chunk: so few that the buffers of eight lanes fit
@@ -261,156 +259,9 @@ def chunk_of(chain: Chain) -> tuple[int, int]:
     return chunk, chunk + lead_of(chain)
 
 
-class Estimates(NamedTuple):
-    """The estimates of successive steps: position, velocity and innovation, (steps, lanes) each.
-
-    A lane is one series along one axis. The units are m, m/s and m.
-    """
-
-    position: Array
-    velocity: Array
-    innovation: Array
-
-
-def trajectories(
-    chain: Chain, sensors: Sensors, force: Array, fixes: Array
-) -> tuple[Array, Array, Array]:
-    """Run a chain over whole records; return its estimates at each step.
-
-    A chain is a scheme in the form of arrays for kernels. A lane is one series along one axis.
-
-    Parameters
-    ----------
-    sensors
-        Not used.
-    force, fixes
-        Specific force in NED, m/s^2, shape (steps, lanes), and position fixes in NED, m, shape
-        (fixes, lanes).
-
-    Returns
-    -------
-    tuple of array
-        Estimated position (m) and velocity (m/s), and the filter's innovation (m), shape
-        (steps, lanes) each.
-    """
-    result = (np.empty(force.shape), np.empty(force.shape), np.empty(force.shape))
-    for k0, n, output in chunks(chain, force, fixes):
-        for out, source in zip(result, output, strict=True):
-            out[k0 : k0 + n] = source[:n]
-    return result
-
-
-def chunks(
-    chain: Chain, force: Array | OnePassSeries, fixes: Array
-) -> Iterator[tuple[int, int, Estimates]]:
-    """Run a chain over series; yield the estimates of successive chunks of steps.
-
-    A chain is a scheme in the form of arrays for kernels. `force` is specific force in NED, m/s^2,
-    shape (steps, lanes); `fixes` are position fixes in NED, m, shape (fixes, lanes). A lane is one
-    series along one axis.
-
-    Yields
-    ------
-    tuple
-        The chunk's first step, its number of steps n, and the estimates, of which the first n rows
-        are valid. The next chunk overwrites the estimates.
-    """
-    from owtsweep.studies.hub.kernels import runs
-
-    width = force.shape[1]
-    flat = Estimates(*(np.zeros((chunk_of(chain)[0], width)) for _ in Estimates._fields))
-    for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
-        runs.estimates(k0, n, fed, arrays_of(chain), memory)
-        for out, source in zip(flat, memory.output, strict=True):
-            out[:, lanes] = source[0][:, : lanes.stop - lanes.start]
-        if lanes.stop == width:
-            yield k0, n, flat
-
-
-def states(chain: Chain, force: Array, fixes: Array) -> Array:
-    """Compute the states of a chain's filter, smoothed if the chain has a smoother.
-
-    A chain is a scheme in the form of arrays for kernels. `force` is specific force in NED, m/s^2,
-    shape (steps, lanes); `fixes` are position fixes in NED, m, shape (fixes, lanes). A lane is one
-    series along one axis.
-
-    Returns
-    -------
-    Array
-        Shape (steps, 4, lanes): position (m), velocity (m/s), acceleration and b (m/s^2). Here b
-        is the state x4 = -R b^b + g of Eq. (6) of Ren et al. (2019): bias and gravity. Row k is the
-        state of step k - D - W, where D is the chain's input delay and W its smoother's lag, both
-        in steps. The first W rows are zero.
-    """
-    result = np.empty((force.shape[0], 4, force.shape[1]))
-    for k0, n, some in state_chunks(chain, force, fixes):
-        result[k0 : k0 + n] = some[:n]
-    return result
-
-
-def state_chunks(
-    chain: Chain, force: Array | OnePassSeries, fixes: Array
-) -> Iterator[tuple[int, int, Array]]:
-    """Compute the rows that `states` returns, but yield them in chunks of successive rows.
-
-    Parameters are those of `states`; `force` may be made during the run.
-
-    Yields
-    ------
-    tuple
-        The number of the chunk's first row, its number of rows n, and the states, shape
-        (rows, 4, lanes), of which the first n rows are valid. The next chunk overwrites the states.
-    """
-    from owtsweep.studies.hub.kernels import runs
-
-    width, chunk = force.shape[1], chunk_of(chain)[0]
-    eight, flat = np.empty((chunk, 4, WIDTH)), np.empty((chunk, 4, width))
-    rows = (eight.reshape(-1, WIDTH),)
-    for k0, n, lanes, fed, memory in _one_by_one(chain, force, fixes):
-        runs.states(k0, n, fed, arrays_of(chain), memory, rows)
-        flat[:, :, lanes] = eight[:, :, : lanes.stop - lanes.start]
-        if lanes.stop == width:
-            yield k0, n, flat
-
-
-def _one_by_one(
-    chain: Chain, force: Array | OnePassSeries, fixes: Array
-) -> Iterator[tuple[int, int, slice, Fed, Memory]]:
-    """Cut series into pieces that kernels process at once: a chunk of steps, and eight lanes.
-
-    A lane is one series along one axis. For each piece, yield its first step, its number of steps,
-    the indices of its lanes, and the inputs and the memory for the kernels. The pieces of one chunk
-    follow each other.
-    """
-    (steps, width), chunk, lead = force.shape, chunk_of(chain)[0], lead_of(chain)
-    positions = _in_groups(fixes, 0, len(fixes))
-    shared = shared_memory([chain], 1)
-    window, horizon = chain.filter.window, chain.mhe.horizon
-    memories = [Memory(new_registers(1, window, horizon), *shared) for _ in positions]
-    for k0 in range(0, steps, chunk):
-        n = min(chunk, steps - k0)
-        for g, rows in enumerate(_in_groups(force, k0 - lead, k0 + n)):
-            lanes = slice(g * WIDTH, min((g + 1) * WIDTH, width))
-            yield k0, n, lanes, Fed((rows,), k0 - lead, (positions[g],)), memories[g]
-
-
 def lead_of(chain: Chain) -> int:
     """Return how many samples of the specific force kernels need from before their first step.
 
     The predictor and the input delay of the chain (a scheme's arrays) reach back so far.
     """
     return max(chain.predictor.steps, chain.filter.input_delay + 1)
-
-
-def _in_groups(values: Array | OnePassSeries, first: int, stop: int) -> Array:
-    """Return rows `first` to `stop` - 1 of values (rows, lanes), regrouped: (groups, rows, 8).
-
-    Each group has eight of the lanes (columns). Zeros stand for rows before row 0, and for the
-    lanes that the last group lacks.
-    """
-    result = aligned(-(-values.shape[1] // WIDTH), stop - first, WIDTH)
-    given = values[max(first, 0) : stop]
-    for g, rows in enumerate(result):
-        some = given[:, g * WIDTH : (g + 1) * WIDTH]
-        rows[max(-first, 0) :, : some.shape[1]] = some
-    return result

@@ -1,6 +1,6 @@
 """Refuses settings that cannot work together, before a run. Each message says what would work.
 
-Types and bounds of single keys are declared in `owtsweep.studies.hub.config`.
+Types and bounds of single keys are declared in `owtsweep.studies.hub.config` and `sections`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from owtsweep.studies.hub.sizes import (
 )
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import HubConfig, Mhe
+    from owtsweep.studies.hub.config import HubConfig
+    from owtsweep.studies.hub.sections import Mhe
 
 #: Longest record that fits a machine's memory: 1e8 steps take gigabytes.
 MOST_STEPS = 100_000_000

@@ -11,7 +11,7 @@ from owtsweep.figures.drawings import save_figure
 from owtsweep.results.best_scheme import find_best_schemes
 from owtsweep.results.summary import summarise
 from owtsweep.results.winners import tell_winners
-from owtsweep.studies.hub import baseline_names, blocks, criteria, figures, prediction
+from owtsweep.studies.hub import baseline_names, blocks, criteria, figures, planning, prediction
 from owtsweep.studies.hub.conditions import CONDITIONS, make_cube
 from owtsweep.studies.hub.expected import answers, drawing, engine
 from owtsweep.studies.hub.origin import describe_draws, describe_truth
@@ -93,7 +93,7 @@ class RecordsEngine(_Engine):
     """
 
     samples = True
-    plan = staticmethod(blocks.plan)
+    plan = staticmethod(planning.plan)
     run = staticmethod(blocks.run)
     drawings = staticmethod(figures.drawings)
 
@@ -118,7 +118,7 @@ class RecordsEngine(_Engine):
         from owtsweep.studies.hub.compiling import compile_kernels
 
         schemes = [s for s in resolve_all(config.schemes, config) if blocks.uses_kernels(config, s)]
-        superposed = {blocks.superposes(config, scheme) for scheme in schemes}
+        superposed = {planning.superposes(config, scheme) for scheme in schemes}
         for evaluation in sorted("superposed" if each else "direct" for each in superposed):
             compile_kernels(evaluation, vectors=config.compute.vectors, cores=workers)
 

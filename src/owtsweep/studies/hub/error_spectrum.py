@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.studies.hub import batch
+from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.settled import KEPT_CYCLES, cycle_of, limit, longest, settled
@@ -145,7 +145,7 @@ def _error_phasors(
     force = _lanes(-(omega**2) * wave)
 
     answer = np.empty((2, total - steps, len(frequency)), dtype=complex)
-    for k0, n, memory in batch.chunks(chain, force, _lanes(fixes)):
+    for k0, n, memory in estimates.chunks(chain, force, _lanes(fixes)):
         skip = max(steps - k0, 0)
         if skip >= n:
             continue

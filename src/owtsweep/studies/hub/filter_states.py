@@ -1,6 +1,7 @@
 """Explains a filter's states: how late the states are, and which acceleration and bias they hold.
 
-`batch.states` and `batch.state_chunks` return the states position, velocity, acceleration and b.
+`estimates.states` and `estimates.state_chunks` return the states position, velocity, acceleration
+and b.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.studies.hub import batch
+from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.contract import Sensors
@@ -159,8 +159,8 @@ def _shift_by_one(sums: Array) -> Array:
 
 
 def _estimate(chain: Chain, sensors: Sensors, force: Array, fixes: Array) -> SchemeHistory:
-    position, velocity, _ = batch.trajectories(chain, sensors, force, fixes)
-    state = batch.states(chain, force, fixes)
+    position, velocity, _ = estimates.trajectories(chain, sensors, force, fixes)
+    state = estimates.states(chain, force, fixes)
     lag = lag_of(chain)
     state[:lag] = np.nan  # these times lie before the record
     return SchemeHistory(

@@ -10,10 +10,10 @@ from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise
 from owtsweep.estimation.gains import GainSchedule
 from owtsweep.estimation.mhe import WindowWeights, window_map, window_maps
-from owtsweep.studies.hub.config import Mhe
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.kernels.layout import HorizonArrays
 from owtsweep.studies.hub.models import SIGMA_2_STATES, sigma_2, variance
+from owtsweep.studies.hub.sections import Mhe
 
 INPUTS = ("all", "averaged", "sampled")
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.studies.hub import batch
+from owtsweep.studies.hub import estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.settled import cycle_of, filling, settled
@@ -108,7 +108,7 @@ def _energies(chain: Chain, sensors: Sensors, cycles: int) -> dict[tuple[str, st
     fixes[start // M : start // M + fixes_in_cycle, cycle:] = np.eye(fixes_in_cycle)
 
     answers = np.empty((2, steps, force.shape[1]))
-    for k0, n, memory in batch.chunks(chain, force, fixes):
+    for k0, n, memory in estimates.chunks(chain, force, fixes):
         answers[0, k0 : k0 + n] = memory.position[:n]
         answers[1, k0 : k0 + n] = memory.velocity[:n]
     result = {}

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.studies.hub import ROOMS
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.batch import Lanes, chunks, state_chunks, trajectories
-    from owtsweep.studies.hub.blocks import backend, explain_anew, scheme_content
+    from owtsweep.studies.hub.batch import Lanes
+    from owtsweep.studies.hub.blocks import backend
     from owtsweep.studies.hub.chain import Chain, chain_for_runs
-    from owtsweep.studies.hub.config import Grid, HubConfig
+    from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme, Sensors
     from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
+    from owtsweep.studies.hub.estimates import chunks, state_chunks, trajectories
     from owtsweep.studies.hub.fidelity.score import (
         at_amplitude,
         compare,
@@ -29,8 +30,10 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.kernels.layout import WIDTH
     from owtsweep.studies.hub.noise_floor import NoiseFloor, noise_floor
     from owtsweep.studies.hub.one_pass import OnePassSeries
+    from owtsweep.studies.hub.planning import explain_anew, scheme_content
     from owtsweep.studies.hub.schemes import BASELINES, resolve_all
     from owtsweep.studies.hub.schemes import check_scheme as require_scheme
+    from owtsweep.studies.hub.sections import Grid
     from owtsweep.studies.hub.sensors import ForceNoise, fix_count, fix_noise, simulate_bias
     from owtsweep.studies.hub.sensors import sensors as make_sensors
 
@@ -45,18 +48,21 @@ __all__ = [
 
 #: Module -> names that it provides.
 _HOMES = {
-    "batch": ["Lanes", "chunks", "state_chunks", "trajectories"],
-    "blocks": ["backend", "explain_anew", "scheme_content"],
+    "batch": ["Lanes"],
+    "blocks": ["backend"],
     "chain": ["Chain", "chain_for_runs"],
-    "config": ["Grid", "HubConfig"],
+    "config": ["HubConfig"],
     "contract": ["Scheme", "Sensors"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse"],
+    "estimates": ["chunks", "state_chunks", "trajectories"],
     "fidelity.score": ["at_amplitude", "compare", "make_lanes", "scheme_products", "score"],
     "filter_states": ["bias_of", "has_acceleration", "lag_of"],
     "kernels.layout": ["WIDTH"],
     "noise_floor": ["NoiseFloor", "noise_floor"],
     "one_pass": ["OnePassSeries"],
+    "planning": ["explain_anew", "scheme_content"],
     "schemes": ["BASELINES", "require_scheme", "resolve_all"],
+    "sections": ["Grid"],
     "sensors": ["ForceNoise", "fix_count", "fix_noise", "make_sensors", "simulate_bias"],
 }
 #: Name here -> name in its module, where they differ.

@@ -15,8 +15,8 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.motion.source import Motion
 from owtsweep.sensing.noise import WhiteNoise, WienerBias
-from owtsweep.studies.hub.config import SensorConfig
 from owtsweep.studies.hub.contract import Sensors
+from owtsweep.studies.hub.sections import SensorConfig
 
 
 class Measurements(NamedTuple):

@@ -18,7 +18,6 @@ import pandas as pd
 from owtsweep.arrays import Array
 from owtsweep.motion.spectra import spectrum
 from owtsweep.results.status import FAILED, OK
-from owtsweep.studies.hub import blocks as sampled
 from owtsweep.studies.hub import measures
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
@@ -26,6 +25,7 @@ from owtsweep.studies.hub.expected.cache import cached
 from owtsweep.studies.hub.expected.curves import Curves, curves
 from owtsweep.studies.hub.expected.peak import RECORDS, factor_at, ladder, peak_factors
 from owtsweep.studies.hub.expected.shares import expected_ratio, lines_of
+from owtsweep.studies.hub.planning import explain_anew, scheme_content, shared_content
 from owtsweep.studies.hub.schemes import list_entries, resolve, resolve_all
 from owtsweep.sweep.study import Block
 
@@ -38,7 +38,7 @@ AXES = {"position": ("x", "y"), "velocity": ("vx", "vy")}
 
 def plan(config: HubConfig) -> list[Block]:
     """Return the blocks of work of a study: one block per scheme, with all natural periods."""
-    shared = sampled.shared_content(config)
+    shared = shared_content(config)
     if config.normalise == "peak":
         shared["peak_records"] = RECORDS
     else:
@@ -52,13 +52,13 @@ def plan(config: HubConfig) -> list[Block]:
             label=f"{scheme.name}, expected",
             content={
                 **shared,
-                **sampled.scheme_content(config, entry, scheme),
+                **scheme_content(config, entry, scheme),
                 "expected_version": EXPECTED_VERSION,
                 "natural_periods": periods,
             },
             cases=cells,
             cases_per_row=cells,
-            anew=sampled.explain_anew(entry, scheme),
+            anew=explain_anew(entry, scheme),
         )
         for entry, scheme in zip(entries, resolve_all(entries, config), strict=True)
     ]
@@ -156,7 +156,7 @@ def curves_of(config: HubConfig, name: str) -> Curves:
         "what": "curves",
         "version": EXPECTED_VERSION,
         "sensors": asdict(sensors),
-        "scheme": sampled.scheme_content(config, entry, scheme),
+        "scheme": scheme_content(config, entry, scheme),
         "steps": steps,
         "settled": settled,
         "band": list(band),
@@ -166,7 +166,7 @@ def curves_of(config: HubConfig, name: str) -> Curves:
         chain = scheme.kernel(sensors, config, steps)
         return vars(curves(chain, sensors, steps=steps, settled=settled, band=band))
 
-    if sampled.explain_anew(entry, scheme):
+    if explain_anew(entry, scheme):
         return Curves(**compute())
     return Curves(**cached(what, compute))
 

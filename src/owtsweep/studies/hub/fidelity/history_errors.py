@@ -19,7 +19,7 @@ from joblib import cpu_count
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.studies.hub import batch
+from owtsweep.studies.hub import batch, estimates
 from owtsweep.studies.hub.chain import Chain
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.filter_states import bias_of
@@ -130,9 +130,9 @@ def absolute_errors(chain: Chain, records: Records, bias: Array) -> dict[str, Ar
     """
     lanes = batch.Lanes(records)
     force, fixes = lanes.at(AMPLITUDE)
-    position, velocity, _ = batch.trajectories(chain, records.sensors, force, fixes)
+    position, velocity, _ = estimates.trajectories(chain, records.sensors, force, fixes)
     # The predictor keeps the bias constant, so the filter's newest estimate is the present one.
-    estimated_bias = bias_of(batch.states(chain, force, fixes), records.sensors)
+    estimated_bias = bias_of(estimates.states(chain, force, fixes), records.sensors)
     along = AMPLITUDE * records.direction
     return {
         "position": np.abs(position - lanes.position * along),

@@ -27,6 +27,7 @@ from owtsweep.studies.hub import scheme_names
 from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, CRITERIA, make_cube
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.figures import error_spectra
+from owtsweep.studies.hub.origin import describe_draws, describe_truth
 from owtsweep.studies.hub.winners import find_winners
 
 if TYPE_CHECKING:
@@ -115,10 +116,9 @@ def _map(axes: Axes, run: Run, config: HubConfig, criterion: str) -> list[str]:
     boundaries = _find_boundaries(rows, criterion, window)
     crossing = None if boundaries is None else _place_boundary(boundaries, plane)
     draw_cells(axes, shown.to_dict("records"), names, plane, labels="best", crossing=crossing)
-    records = config.grid.replicates
     axes.set_title(
         f"Best scheme by {criterion} MSE, tuning: {config.tuning_name}\n"
-        f"{style.describe_window(window)}, {records} record{'s' * (records != 1)} per cell",
+        f"{style.describe_window(window)}, {describe_draws(config)}\n{describe_truth(config)}",
         loc="left",
         fontsize=10,
     )

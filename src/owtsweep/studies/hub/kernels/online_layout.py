@@ -12,6 +12,8 @@ from owtsweep.arrays import Array
 #: Indices in `OnlineRegisters.counter`: present step, present row of the registers, number of links
 #: in the MHE's window, whether the window's data determine its states. COUNTERS is their number.
 STEP, ROW, LINKS, DETERMINED, COUNTERS = 0, 1, 2, 3, 4
+#: Indices of position, velocity and bias among the filter's four states.
+PICK = (0, 1, 3)
 
 
 class OnlineEstimates(NamedTuple):

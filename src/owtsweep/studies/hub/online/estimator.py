@@ -26,8 +26,8 @@ from owtsweep.studies.hub.online.registers import (
 )
 
 if TYPE_CHECKING:
-    from owtsweep.studies.hub.config import FilterTuning
     from owtsweep.studies.hub.horizon import Horizon
+    from owtsweep.studies.hub.sections import FilterTuning
 
 OFF_GRID = (
     "position: a fix came at step {step}, but HME2 takes fixes only at multiples of {interval} "

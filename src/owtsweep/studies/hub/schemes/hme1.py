@@ -16,12 +16,12 @@ from owtsweep.estimation.predictor import predict
 from owtsweep.estimation.smoother import FixedLagSmoother
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
-from owtsweep.studies.hub.config import FilterTuning
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import axis_filter, input_model
 from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.schemes.uncertainty import predicted_covariance
+from owtsweep.studies.hub.sections import FilterTuning
 
 
 class DelayedChain:

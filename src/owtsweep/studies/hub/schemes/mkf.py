@@ -12,11 +12,11 @@ from typing import Any
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
-from owtsweep.studies.hub.config import FilterTuning
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import axis_filter
 from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
+from owtsweep.studies.hub.sections import FilterTuning
 
 
 class FilterEstimator:

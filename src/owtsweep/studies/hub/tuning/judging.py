@@ -14,7 +14,7 @@ from owtsweep.arrays import Array
 from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.statistics.contrasts import gap
-from owtsweep.studies.hub import blocks
+from owtsweep.studies.hub import blocks, planning
 from owtsweep.studies.hub.conditions import make_cube
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.schemes import resolve
@@ -81,7 +81,7 @@ def errors_on_records(config: HubConfig, schemes: Sequence[str], replicates: int
     grid = changed(config.grid, amplitude=amplitudes(config).tolist(), replicates=replicates)
     part = changed(config, engine="batch", grid=grid, schemes=entries, baselines=[])
     rows = []
-    for _, group in groupby(blocks.plan(part), attrgetter("group")):
+    for _, group in groupby(planning.plan(part), attrgetter("group")):
         rows += [table for _, table in blocks.run(part, list(group))]
     cube = make_cube(part, pd.concat(rows, ignore_index=True))
     place = (cube.measures.index(part.measures.criterion), cube.windows.index(WINDOW))

@@ -13,7 +13,8 @@ from typing import Any
 
 from owtsweep.config import typed
 from owtsweep.errors import InputError
-from owtsweep.studies.hub.config import TUNED, SensorConfig
+from owtsweep.studies.hub.config import TUNED
+from owtsweep.studies.hub.sections import SensorConfig
 
 logger = logging.getLogger(__name__)
 

@@ -1,0 +1,121 @@
+"""Plans blocks, the units of work of the hub study, and says what each block's numbers depend on.
+
+A block holds the cases of one scheme at one natural period for up to eight replicates.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from operator import attrgetter
+from typing import Any
+
+from owtsweep.config import Section, as_mapping, require
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.schemes import list_entries, resolve_all
+from owtsweep.studies.hub.schemes.stored import StoredScheme
+from owtsweep.studies.hub.sizes import REPLICATES_PER_BLOCK
+from owtsweep.sweep.source import describe_source, explain_doubt
+from owtsweep.sweep.study import Block
+
+
+def plan(config: HubConfig) -> list[Block]:
+    """Return the blocks (units of work) of a configuration.
+
+    There is one block per natural period, set of up to eight replicates, and scheme. A block covers
+    all amplitudes if the scheme runs motion and noise separately (evaluation=superposed and a
+    linear scheme). Otherwise there is one block per amplitude.
+    """
+    shared = shared_content(config)
+    entries = list_entries(config)
+    schemes = resolve_all(entries, config)
+    # Made once per scheme: blocks share these parts, so that a large plan fits into memory.
+    by_scheme = [
+        ({**shared, **scheme_content(config, entry, scheme)}, explain_anew(entry, scheme))
+        for entry, scheme in zip(entries, schemes, strict=True)
+    ]
+    blocks = []
+    for period in sorted(config.grid.natural_period):
+        for first in range(0, config.grid.replicates, REPLICATES_PER_BLOCK):
+            last = min(first + REPLICATES_PER_BLOCK, config.grid.replicates)
+            replicates = list(range(first, last))
+            numbers = f"replicates {first}-{last - 1}" if last - first > 1 else f"replicate {first}"
+            group = f"{period:g} s, {numbers}"
+            for (part, anew), scheme in zip(by_scheme, schemes, strict=True):
+                amplitudes = [None] if superposes(config, scheme) else config.grid.amplitude
+                for amplitude in amplitudes:
+                    content = {**part, "natural_period": float(period), "replicates": replicates}
+                    label = f"{scheme.name}, {group}"
+                    if amplitude is not None:
+                        content["amplitude"] = float(amplitude)
+                        label += f", {amplitude:g} m"
+                    per_row = len(config.grid.amplitude) if amplitude is None else 1
+                    cases = len(replicates) * per_row
+                    blocks.append(Block(group, label, content, cases, per_row, anew))
+    return blocks
+
+
+def superposes(config: HubConfig, scheme: Scheme) -> bool:
+    """Return whether the scheme runs once for all amplitudes, motion and noise apart."""
+    return config.evaluation == "superposed" and scheme.linear
+
+
+def shared_content(config: HubConfig) -> dict[str, Any]:
+    """Return the settings on which the numbers of every block (unit of work) depend.
+
+    The values of the grid and the tuning of the schemes are not among them.
+    """
+    whole = as_mapping(config)
+    keys = (
+        "seed", "engine", "record", "spectrum", "normalise", "band", "wave_direction", "sensors",
+    )  # fmt: skip
+    content = {key: whole[key] for key in keys}
+    content["settling_time"] = config.measures.settling_time
+    content["extremes"] = config.measures.extremes
+    return content
+
+
+def scheme_content(config: HubConfig, entry: Any, scheme: Scheme) -> dict[str, Any]:
+    """Return what a scheme's rows depend on: the scheme's name, its tuning, and a user's code.
+
+    The tuning consists of the sections of the configuration that the scheme's attribute `sections`
+    names. If the scheme has no such attribute, the tuning consists of the sections of all schemes.
+    For a user's scheme, the result also contains `entry` and what identifies the source code.
+
+    Parameters
+    ----------
+    entry
+        The scheme's entry in the key `schemes`: a name, or a mapping for a user's scheme.
+    scheme
+        The scheme that the entry stands for.
+
+    Raises
+    ------
+    InputError
+        If the scheme is a user's scheme of a stored run, whose code is not loaded.
+    """
+    require(
+        not isinstance(scheme, StoredScheme),
+        f"schemes: {scheme.name} is a scheme of the run's author, whose code is not loaded, and "
+        "the run has no plan.json that fits its config.yaml; only its tables can be read",
+    )
+    sections = getattr(scheme, "sections", ("ekf", "mkf", "hme1", "hme2", "hme"))
+    tuning = {section: _plain(attrgetter(section)(config)) for section in sections}
+    content: dict[str, Any] = {"scheme": scheme.name, "tuning": tuning}
+    if isinstance(entry, Mapping):
+        content["entry"] = {str(key): value for key, value in entry.items()}
+        content |= describe_source(type(scheme))
+    return content
+
+
+def explain_anew(entry: Any, scheme: Scheme) -> str:
+    """Return why a scheme's stored results must be computed anew; "" if they can be used.
+
+    `entry` is the scheme's entry in the key `schemes`. Only results of a user's scheme, whose entry
+    is a mapping, can be doubtful.
+    """
+    return explain_doubt(type(scheme)) if isinstance(entry, Mapping) else ""
+
+
+def _plain(section: Any) -> Any:
+    return as_mapping(section) if isinstance(section, Section) else section

@@ -1,0 +1,213 @@
+"""The sections of the hub-motion study's configuration: their keys, types, bounds and meanings.
+
+Units are SI, but angles (yaw) are in degrees.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
+
+
+class Grid(Section):
+    """The axes of the sweep: the values of each condition, and the number of replicates."""
+
+    natural_period: Axis[Positive] = key("natural periods of the turbine", unit="s")
+    amplitude: Axis[Positive] = key("largest displacement of a record (normalise: peak)", unit="m")
+    replicates: int = key("records per cell of the grid", ge=1, le=1_000_000)
+
+
+class Record(Section):
+    """The length of a record of motion and measurements."""
+
+    duration: Positive = key("length of a record", unit="s")
+
+
+class SpectrumConfig(Section):
+    """The spectrum of the motion."""
+
+    kind: Literal["translated", "printed"] = key(
+        "translated: one peak moved along the frequency axis; printed: Table 4 as it stands"
+    )
+    bandwidth: Positive = key(
+        "k, the squared half-bandwidth of the peak (translated only)", unit="s^-2"
+    )
+
+
+class Gnss(Section):
+    """The properties of the position sensor, GNSS."""
+
+    sigma: Positive = key("standard deviation of a fix, per axis", unit="m")
+    rate: Positive = key("fixes per second; divides the IMU's rate", unit="Hz")
+    delay: NotNegative = key("age of a fix when it arrives; whole IMU steps", unit="s")
+
+
+class Imu(Section):
+    """The properties of the accelerometers, the IMU."""
+
+    sigma: Positive = key("standard deviation of a sample, per axis", unit="m/s^2")
+    rate: Positive = key("samples per second", unit="Hz")
+    bias_initial: Finite = key("bias at the start of a record, per axis", unit="m/s^2")
+    bias_walk: NotNegative = key("intensity of the bias' random walk", unit="m/s^2/sqrt(s)")
+
+
+class SensorConfig(Section):
+    """The sensors, GNSS and IMU, and the orientation of the IMU."""
+
+    gnss: Gnss = key("the position sensor")
+    imu: Imu = key("the accelerometers")
+    accuracy: Literal["sigma", "bound"] = key(
+        "what gnss.sigma and imu.sigma are: standard deviations (sigma) or, as the plus-minus "
+        "signs of Table 5 may mean, bounds of three standard deviations (bound)"
+    )
+    yaw: Finite = key("fixed yaw of the IMU", unit="deg")
+    gravity: list[Finite] = key(
+        "horizontal part of gravity, north and east",
+        unit="m/s^2",
+        form="two numbers, north and east, in m/s^2",
+        min_length=2,
+        max_length=2,
+    )
+
+
+class Variance(Section):
+    """The variance of a measurement: computed by a rule from the sensor's sigma, times `scale`."""
+
+    rule: Literal["sigma2", "sigma2_over_step", "sigma2_times_ratio"] = key(
+        "sigma2: sigma^2; sigma2_over_step: sigma^2 / T_a, Eq. (10f) on a per-sample variance; "
+        "sigma2_times_ratio: sigma^2 M with M = T_g / T_a"
+    )
+    scale: Positive = key("factor on the rule's variance")
+
+
+class FilterTuning(Section):
+    """The tuning of one Kalman filter: model, discretisation, update rule and covariances."""
+
+    model: Literal["sigma1", "sigma2"] = key(
+        "Sigma_1 estimates the acceleration; Sigma_2 takes it as an input"
+    )
+    discretisation: Literal["exact", "first_order"] = key("exact, or first order as Eq. (10c-e)")
+    update_rule: Literal["proper", "mask_columns", "mask_rows", "every_step"] = key(
+        "between fixes: proper updates by the IMU alone; mask_columns and mask_rows zero columns "
+        "or rows of the gain; every_step updates the covariance as if there were a fix"
+    )
+    q_a: NotNegative = key(
+        "density of the white noise that drives the acceleration of Sigma_1; not used by Sigma_2",
+        unit="(m/s^3)^2/Hz",
+    )
+    q_b: NotNegative | None = key(
+        "density of the bias walk; null: the sensor's own bias_walk^2", unit="(m/s^2)^2/s"
+    )
+    r_gnss: Variance = key("variance of a fix")
+    r_imu: Variance = key("variance of a sample")
+    p0: list[Positive] = key(
+        "initial variances of position, velocity, acceleration, bias",
+        form="four finite variances above zero (position, velocity, acceleration, bias)",
+        min_length=4,
+        max_length=4,
+    )
+
+
+class Constraints(Section):
+    """The bounds of the states in the MHE's window: largest magnitudes of the components."""
+
+    position: Positive | None = key(
+        "of the hub, north and east; null: none", unit="m", default=None, younger=True
+    )
+    velocity: Positive | None = key(
+        "of the hub, north and east; null: none", unit="m/s", default=None, younger=True
+    )
+    #: b^b = R' (g - x4), since x4 = -R b^b + g in Eq. (6).
+    bias: Positive | None = key(
+        "of the IMU in its own frame, as its data sheet states it; null: none",
+        unit="m/s^2",
+        default=None,
+        younger=True,
+    )
+
+
+class Mhe(Section):
+    """The settings of the moving horizon estimator (MHE) of HME2."""
+
+    interval: Positive = key(
+        "T_m; whole IMU steps whose number divides the GNSS interval", unit="s"
+    )
+    horizon: int = key("N_m, length of the window", unit="GNSS interval", ge=1, le=1_000_000)
+    arrival: Literal["mkf", "fixed", "none"] = key(
+        "x_m0: a prior from the scheme's own past (mkf), the oldest state itself (fixed), or none"
+    )
+    inputs: Literal["all", "averaged", "sampled"] = key(
+        "every IMU sample, the mean of the last T_m held for the next, or one sample per T_m held"
+    )
+    weights: Literal["diagonal", "full"] = key("diagonal as printed, or full")
+    q_a: Positive | None = key(
+        "density of the accelerometer's noise behind the link weights; null: the sensor's own",
+        unit="(m/s^2)^2/Hz",
+    )
+    q_b: Positive | None = key(
+        "density of the bias walk behind the link weights; null: the sensor's own",
+        unit="(m/s^2)^2/s",
+    )
+    r_fix: Variance = key("variance of a fix")
+    p0: list[Positive] = key(
+        "initial variances of position, velocity, bias",
+        form="three finite variances above zero (position, velocity, bias)",
+        min_length=3,
+        max_length=3,
+    )
+    smoother_window: int | None = key(
+        "HME2's own N_s; null: hme.smoother_window",
+        unit="IMU steps",
+        ge=0,
+        advice="use 0 for no smoother",
+    )
+    solver: Literal["qrqp", "ipopt"] = key("of each MHE problem in the reference engine")
+    constraints: Constraints | None = key(
+        "bounds on the window's states; with any of them HME2 is not linear",
+        default=None,
+        younger=True,
+    )
+
+    @property
+    def bounds(self) -> tuple[float, float, float]:
+        """The largest allowed magnitudes of position (m), velocity (m/s) and bias (m/s^2).
+
+        A magnitude that is not bounded is infinite.
+        """
+        limits = self.constraints or Constraints()
+        values = (limits.position, limits.velocity, limits.bias)
+        p, v, b = (float("inf") if value is None else value for value in values)
+        return p, v, b
+
+
+class Hme(Section):
+    """The settings that HME1 and HME2 share, and the settings of HME2's MHE."""
+
+    smoother_window: int = key(
+        "N_s of the fixed-lag smoother", unit="IMU steps", ge=0, advice="use 0 for no smoother"
+    )
+    mhe: Mhe = key("the moving horizon estimator of HME2")
+
+
+class Measures(Section):
+    """The measures to compute, and the criterion by which schemes are ranked."""
+
+    settling_time: NotNegative = key("left out of the window settled", unit="s")
+    window: Literal["full", "settled"] = key("the window that the map judges")
+    criterion: Literal["position", "velocity", "x", "y"] = key(
+        "the MSE that the map judges: position is x + y, velocity is vx + vy"
+    )
+    extremes: bool = key(
+        "also the largest and the 95th percentile position error; needs evaluation=direct"
+    )
+
+
+class Tuning(Section):
+    """The sections that a tuning sets, for one of several tunings in a run."""
+
+    ekf: FilterTuning = key("the filter of EKF")
+    mkf: FilterTuning = key("the filter of MKF")
+    hme1: FilterTuning = key("the filter of HME1")
+    hme2: FilterTuning = key("the filter of HME2")
+    hme: Hme = key("smoother of HME1 and HME2, MHE of HME2")
