@@ -187,11 +187,11 @@ def test_one_by_one_is_all_at_once(name: str) -> None:
 
 
 def test_nothing_drifts_and_memory_stays() -> None:
-    """After 120 000 steps the estimate is that of one who began 30 000 steps ago."""
+    """After 120 000 steps the estimate is that of one who began 60 000 steps ago."""
     config = configure(tuning="matched")
     sensors = measured(config)[1]
     random = np.random.default_rng(1)
-    M, steps, last = sensors.fix_interval, 120_000, 30_000
+    M, steps, last = sensors.fix_interval, 120_000, 60_000
     estimators = {name: stream(name, config, sensors) for name in ("HME1", "HME2")}
     force = random.normal(size=(steps, 2))
     positions = np.full((steps, 2), np.nan)

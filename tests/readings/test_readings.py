@@ -141,8 +141,8 @@ def test_an_unknown_parameter_of_a_truth_is_refused():
         searches.plan(config)
 
 
-def test_without_optuna_one_line_says_what_to_install(monkeypatch):
-    monkeypatch.setitem(sys.modules, "optuna", None)
+def test_without_cmaes_one_line_says_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "cmaes", None)
     with pytest.raises(InputError, match=r"owtsweep\[calibrate\]"):
         searches.plan(compose(SHORT))
 

@@ -23,6 +23,8 @@ from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, changed, dump_with_units
 from owtsweep.config.composition import compose_hydra, quote_home, require_readable
 from owtsweep.config.hydra_errors import hydra_in_one_line
+from owtsweep.config.tuning_files import names_file
+from owtsweep.config.tunings import GROUP
 from owtsweep.errors import InputError, as_text, require
 from owtsweep.io.files import check_writable
 from owtsweep.studies import compose, locate
@@ -62,6 +64,7 @@ def run_all(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     if options.fresh:
         raise InputError("--fresh: this does not work with --multirun; leave out one of the two")
+    _refuse_tuning_files(options.overrides)
     located = locate(options.overrides)
     combinations = _combinations(options.overrides, located.tree)
     configs = [compose(words, options.config_dir) for words, _ in combinations]
@@ -197,6 +200,17 @@ def _tell(
     if bad and not stopped:
         print(f"{len(bad)} of {len(outcomes)} runs failed", file=sys.stderr)
     return outcomes
+
+
+def _refuse_tuning_files(overrides: Sequence[str]) -> None:
+    """Raise `InputError` for `tuning=FILE`: Hydra's sweepers take options of a group only."""
+    for override in overrides:
+        key, _, value = override.lstrip("+").partition("=")
+        require(
+            key != GROUP or not any(names_file(word.strip("[] '\"")) for word in value.split(",")),
+            f"{override}: --multirun takes no tuning files; put them into DIR/tuning/, and name "
+            "them by --config-dir DIR tuning=NAME",
+        )
 
 
 def _is_results(override: str) -> bool:

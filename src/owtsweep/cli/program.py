@@ -69,6 +69,14 @@ def _add_spectrum(parser: Parser) -> None:
     _add_config_dir(parser)
 
 
+def _add_tune(parser: Parser) -> None:
+    _add_overrides(parser, "sensors.gnss.rate=5")
+    _add_config_dir(parser)
+    parser.add_argument(
+        "--output", metavar="FILE", help="the tuning file to write; default tuning-<hash>.yaml"
+    )
+
+
 def _add_run(parser: Parser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
@@ -132,6 +140,11 @@ COMMANDS = {
         "Draw the schemes' error spectra and noise floors, without any record.",
         "spectrum tuning=matched sensors.gnss.delay=0.4",
         _add_spectrum,
+    ),
+    "tune": (
+        "Search each scheme's best numbers for these sensors; writes a file for tuning=FILE.",
+        "tune sensors.gnss.rate=5 tune.amplitude=[0.2,3] --output mine.yaml",
+        _add_tune,
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",

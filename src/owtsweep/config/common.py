@@ -75,6 +75,15 @@ class Config(Section):
         """
         return {"": self}
 
+    @classmethod
+    def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:
+        """Return composed keys with the values that follow from other keys filled in.
+
+        This happens before the keys are typed, so that config.yaml stores the values. This base
+        class returns the keys unchanged.
+        """
+        return plain
+
     def describe_origin(self) -> str:
         """Return in a line what the run's numbers depend on: truth, tuning, seed, records per cell.
 

@@ -14,6 +14,7 @@ from owtsweep.config.common import Config
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
 from owtsweep.config.stored import DEEPEST, read, resolved
+from owtsweep.config.tuning_files import place_files
 from owtsweep.config.tunings import holds
 from owtsweep.errors import InputError, require, shorten
 
@@ -162,7 +163,8 @@ def compose_plain(
     """Compose a tree and overrides to plain data: dicts, lists and scalars.
 
     If several tunings are chosen, e.g. by `tuning=[paper,matched]`, each is composed by itself, and
-    the results are joined (`owtsweep.config.tunings.join`).
+    the results are joined (`owtsweep.config.tunings.join`). A tuning may be a file of the user's
+    (`owtsweep.config.tuning_files`).
 
     Parameters
     ----------
@@ -179,7 +181,17 @@ def compose_plain(
         If Hydra refuses an override or a file, `config_dir` is no folder, a value could not be
         stored, or several tunings cannot be joined; the message is one line.
     """
-    words = [*_search_path(config_dir, overrides), *overrides]
+    with place_files(overrides, tree.model.tuned) as (placed, folders):
+        words = [*_search_path(config_dir, placed, folders), *placed]
+        return _compose_tunings(tree, words, overrides)
+
+
+def _compose_tunings(tree: Tree, words: Sequence[str], overrides: Sequence[str]) -> dict[str, Any]:
+    """Compose a tree once for each tuning of `words`; join the results.
+
+    `overrides` are the user's own, for error messages. `words` are the overrides for Hydra: those
+    of the user, with tuning files replaced by options, and the folders that Hydra searches.
+    """
     names = _find_tunings(tree, words) if tree.model.tuned else []
     if len(names) < 2:
         return _compose(tree, words)
@@ -189,19 +201,25 @@ def compose_plain(
     return tunings.join(composed, tree.model.tuned)
 
 
-def _search_path(config_dir: str | None, overrides: Sequence[str]) -> list[str]:
-    """Check the overrides; return the override that makes Hydra search `config_dir` too."""
+def _search_path(
+    config_dir: str | None, overrides: Sequence[str], folders: Sequence[Path]
+) -> list[str]:
+    """Check the overrides; return the override that makes Hydra search further folders, if any.
+
+    These are `config_dir`, which the user has named, and `folders`.
+    """
     require_readable(overrides)
     for override in overrides:
         require(
             not override.lstrip("+~").startswith("hydra"),
             f"{override}: Hydra's own settings work with --multirun only",
         )
-    if config_dir is None:
+    given = [] if config_dir is None else [_find_folder(config_dir)]
+    if not (given or folders):
         return []
     from owtsweep.config.given_files import search_path_of
 
-    return [search_path_of(_find_folder(config_dir))]
+    return [search_path_of([*given, *folders])]
 
 
 def _find_tunings(tree: Tree, words: Sequence[str]) -> list[str]:

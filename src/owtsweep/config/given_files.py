@@ -7,6 +7,7 @@ This module imports Hydra, so it is imported only if there is such a folder.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from hydra._internal.core_plugins.file_config_source import FileConfigSource
@@ -46,11 +47,15 @@ class CheckedFiles(FileConfigSource):
         return super().load_config(config_path)
 
 
-def search_path_of(directory: Path) -> str:
-    """Return the override by which Hydra finds groups in a folder too, and checks its files."""
+def search_path_of(directories: Sequence[Path]) -> str:
+    """Return the override by which Hydra finds groups in these folders too, and checks the files.
+
+    If several folders have a file of the same group and name, Hydra takes that of the first.
+    """
     SourcesRegistry.instance().register(CheckedFiles)  # does nothing the second time
-    quoted = str(directory).replace("\\", "\\\\").replace("'", "\\'")
-    return f"hydra.searchpath=['{CheckedFiles.scheme()}://{quoted}']"
+    quoted = [str(path).replace("\\", "\\\\").replace("'", "\\'") for path in directories]
+    places = ",".join(f"'{CheckedFiles.scheme()}://{path}'" for path in quoted)
+    return f"hydra.searchpath=[{places}]"
 
 
 def _check_file(path: Path) -> None:

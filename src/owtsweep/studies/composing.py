@@ -117,7 +117,8 @@ def from_mapping(mapping: Any, study: str | None = None) -> Config:
 
 def _checked(plain: dict[str, Any], study: str | None = None) -> Config:
     name = study or str(plain.get("study", registry.DEFAULT))
-    return checked(registry.get_study(name).config_type(), {**plain, "study": name})
+    model = registry.get_study(name).config_type()
+    return checked(model, model.complete({**plain, "study": name}))
 
 
 def _check_command(study: str, primary: str) -> None:

@@ -20,11 +20,11 @@ HASH_BYTES = 5
 #: Most bytes of a folder's name: every file system takes as many.
 LONGEST_NAME = 255
 #: Top-level keys of a configuration that may change without making another run. They say what is
-#: swept over, how the sweep is computed and where results are stored.
-NOT_IDENTIFYING = frozenset({"grid", "schemes", "baselines", "compute", "results", "name"})
+#: swept over, how the sweep is computed, where results are stored, and what `tune` searches.
+NOT_IDENTIFYING = frozenset({"grid", "schemes", "baselines", "tune", "compute", "results", "name"})
 
 #: Top-level keys of a configuration on which no table and no figure depends.
-NOT_ASKED = frozenset({"compute", "results", "name"})
+NOT_ASKED = frozenset({"tune", "compute", "results", "name"})
 
 
 def block_key(study: Study, block: Block) -> str:
@@ -61,8 +61,8 @@ def run_hash(config: Config) -> str:
 def question_hash(config: Config) -> str:
     """Return the hash that identifies what a sweep was asked: 10 hexadecimal digits.
 
-    The hash covers the whole configuration with grid and schemes, but without `compute`, `results`
-    and `name`.
+    The hash covers the whole configuration with grid and schemes, but without the keys
+    of `NOT_ASKED`.
     """
     identity = {key: item for key, item in as_mapping(config).items() if key not in NOT_ASKED}
     return _digest(identity, HASH_BYTES, what="config")

@@ -6,7 +6,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FAILED", "OK", "UNABLE", "Block", "Engine", "Joint", "Judged", "Predicting", "Spectral",
-    "Square", "Study", "WarmsUp", "add_versions", "blame", "broken_study",
+    "Square", "Study", "Tunable", "Tuned", "WarmsUp", "add_versions", "blame", "broken_study",
 ]  # fmt: skip
 
 
@@ -278,3 +278,35 @@ class Spectral(Protocol):
         Return the paths of the files, and the text to print on the terminal. `metadata` holds texts
         by name to store in the figures' files.
         """
+
+
+class Tuned(Protocol):
+    """The result of a search for a tuning."""
+
+    @property
+    def trials(self) -> int:
+        """Number of trials made."""
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the user stopped the search before its end."""
+
+    def text(self, name: str) -> str:
+        """Return the text of a tuning file that sets the best numbers found; `name` names it."""
+
+    def judge(self) -> RenderableType:
+        """Run records with the tuning before and after; return what was gained, to be printed."""
+
+
+@runtime_checkable
+class Tunable(Protocol):
+    """The interface of a study that can search the numbers of its schemes (the command `tune`)."""
+
+    def count_trials(self, config: Any) -> int:
+        """Return how many trials the search will make.
+
+        Raise `InputError` if there is nothing to search.
+        """
+
+    def tune(self, config: Any, advance: Callable[[str], None]) -> Tuned:
+        """Search the best numbers; call `advance` with the scheme's name after each trial."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from owtsweep.comparing.comparison import Comparison, Findings
     from owtsweep.results.conditions import Condition
     from owtsweep.studies.hub.config import HubConfig
-    from owtsweep.sweep.study import Engine
+    from owtsweep.sweep.study import Engine, Tuned
 
 __all__ = ["HubStudy"]
 
@@ -122,6 +122,18 @@ class HubStudy:
         from owtsweep.studies.hub.figures.spectrum_tables import write
 
         return write(config, folder, metadata)
+
+    def count_trials(self, config: HubConfig) -> int:
+        """Return how many trials the command `tune` will make, for all schemes together."""
+        from owtsweep.studies.hub.tuning.tuned import list_tunable
+
+        return len(list_tunable(config)) * config.tune.trials
+
+    def tune(self, config: HubConfig, advance: Callable[[str], None]) -> Tuned:
+        """Search the best numbers of each scheme for these sensors; return them."""
+        from owtsweep.studies.hub.tuning.tuned import tune
+
+        return tune(config, advance)
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:

@@ -54,6 +54,7 @@ def check(config: HubConfig) -> None:
         _check_window(config, "hme.smoother_window", config.hme.smoother_window)
     if any(scheme.name == "HME2" for scheme in schemes):
         _check_mhe(config, config.hme.mhe)
+    _check_tune(config)
     if config.engine == "expected":
         _check_expected(config, schemes)
     if config.measures.extremes:
@@ -61,6 +62,16 @@ def check(config: HubConfig) -> None:
             config.evaluation == "direct",
             "measures.extremes: largest errors do not superpose; add evaluation=direct",
         )
+
+
+def _check_tune(config: HubConfig) -> None:
+    """Refuse a range of amplitudes for `tune` whose ends are reversed."""
+    low, high = config.tune.amplitude or (0.0, 0.0)
+    require(
+        low <= high,
+        f"tune.amplitude: the ends [{low:g}, {high:g}] m are reversed; use "
+        f"tune.amplitude=[{high:g},{low:g}]",
+    )
 
 
 def _check_sections(config: HubConfig, scheme: Scheme) -> None:

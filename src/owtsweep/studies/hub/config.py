@@ -22,6 +22,7 @@ from owtsweep.studies.hub.sections import (
     SpectrumConfig,
     Tuning,
 )
+from owtsweep.studies.hub.tuning.settings import Tune
 
 #: In a run of several tunings, these sections stand in `tunings.<name>`, not at the top.
 TUNED = tuple(Tuning.model_fields)
@@ -36,7 +37,7 @@ class HubConfig(Config):
     """
 
     inert: ClassVar[frozenset[str]] = Config.inert | {
-        "tuning", "baselines", "measures.window", "measures.criterion",
+        "tuning", "tune", "baselines", "measures.window", "measures.criterion",
     }  # fmt: skip
     tuned: ClassVar[tuple[str, ...]] = TUNED
 
@@ -86,6 +87,7 @@ class HubConfig(Config):
     hme2: FilterTuning = key("the filter of HME2", default=_ABSENT)
     hme: Hme = key("smoother of HME1 and HME2, MHE of HME2", default=_ABSENT)
     measures: Measures = key("what is measured, and what the map judges")
+    tune: Tune = key("what the command `tune` searches", default=Tune(), younger=True)
 
     @model_serializer(mode="wrap")
     def _leave_out_absent_keys(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
@@ -108,6 +110,13 @@ class HubConfig(Config):
             name: changed(self, tuning=name, tunings={}, **vars(sections))
             for name, sections in self.tunings.items()
         }
+
+    @classmethod
+    def complete(cls, plain: dict[str, Any]) -> dict[str, Any]:
+        """Return the keys with numbers in place of `auto`, from the sensors by rule."""
+        from owtsweep.studies.hub.tuning.rules import fill_in
+
+        return fill_in(plain)
 
     def describe_origin(self) -> str:
         """Return in a line the tuning, the truth, and the number of records with their seed."""

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,9 @@ COLUMNS = (
     "boundary_4s", "boundary_6s", "boundary_8s", "n_parameters", "status", "reason",
 )  # fmt: skip
 
+#: Folder of tunings as they were when searches were recorded.
+FROZEN = Path(__file__).parent / "tunings"
+
 KINDS = ("published", "settled")
 
 #: Initial standard deviation of the optimizer CMA-ES, as a fraction of each parameter's range.
@@ -58,10 +62,10 @@ def plan(config: ReadingsConfig) -> list[Block]:
     Raises
     ------
     InputError
-        If Optuna or its sampler CMA-ES is not installed, or if a target has an unknown kind, truth,
-        tuning or key.
+        If the sampler CMA-ES is not installed, or if a target has an unknown kind, truth, tuning or
+        key.
     """
-    _require_optuna()
+    _require_cmaes()
     calibration = config.calibration
     shared = {key: value for key, value in as_mapping(config).items() if key not in _NOT_SHARED}
     blocks = []
@@ -126,12 +130,15 @@ def _choose_truths(
 def read_tuning(name: str) -> dict[str, Any]:
     """Read the tuning file `conf/tuning/<name>.yaml`; return its values by dotted key.
 
+    A file of that name in the folder `FROZEN` comes first: a recorded search stays what it was.
+
     Raises
     ------
     InputError
         If there is no tuning file of this name.
     """
-    files = {path.stem: path for path in sorted((conf_directory() / "tuning").glob("*.yaml"))}
+    folders = (conf_directory() / "tuning", FROZEN)
+    files = {path.stem: path for folder in folders for path in sorted(folder.glob("*.yaml"))}
     require(name in files, f"tuning: there is no {name!r}; use {' or '.join(files)}")
     return flatten(read(files[name], resolve=False))
 
@@ -164,10 +171,9 @@ def take_fixed_values(target: Mapping[str, Any], default: str) -> dict[str, Any]
     }
 
 
-def _require_optuna() -> None:
+def _require_cmaes() -> None:
     try:
         import cmaes  # noqa: F401  (Optuna's CMA-ES sampler needs it)
-        import optuna  # noqa: F401
     except ImportError as error:
         raise InputError(
             f"experiment=readings: {error.name} is missing; install owtsweep[calibrate]"

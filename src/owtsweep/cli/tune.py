@@ -1,0 +1,119 @@
+"""`tune`: search each scheme's best numbers for given sensors, and write them as a tuning file."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import re
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from owtsweep.cli.program import DONE, INTERRUPTED
+from owtsweep.config import Config, dump, require
+from owtsweep.config.tunings import GROUP
+from owtsweep.errors import InputError
+
+#: The tuning that a search begins with, and that its result is compared with.
+START = "matched"
+
+
+def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
+    """Search, write the tuning file, judge it on records and print what was gained.
+
+    Return 0, or 130 if the user stopped the search; the file then holds the best numbers so far.
+
+    Raises
+    ------
+    InputError
+        If the study has nothing to tune, or the configuration or the file is refused.
+    """
+    from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
+    from owtsweep.studies import compose, get_study
+    from owtsweep.sweep.study import Tunable, blame
+
+    given = {word.lstrip("+").partition("=")[0] for word in options.overrides}
+    start = [] if GROUP in given else [f"{GROUP}={START}"]
+    config = compose([*start, *options.overrides], options.config_dir)
+    require(
+        "" in config.by_tuning(),
+        f"{GROUP}: a search begins with one tuning; name one, e.g. {GROUP}={START}",
+    )
+    study = get_study(config.study)
+    if not isinstance(study, Tunable):
+        raise InputError(f"study: {config.study!r} has nothing to tune; use one that has")
+    path = _choose_path(options.output, config)
+    check_writable(path.parent, "--output", "name another file by --output FILE")
+    with blame(study):
+        with _progress(study.count_trials(config)) as advance:
+            tuned = study.tune(config, advance)
+        name = re.sub(r"[^\w.+=-]", "_", path.stem)
+        with refuse_in_one_line(path):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(path, tuned.text(name))
+        if tuned.stopped:
+            _tell(f"interrupted; {path} holds the best of the {tuned.trials} trials made")
+            return INTERRUPTED
+        try:
+            answer = tuned.judge()
+        except KeyboardInterrupt:
+            _tell(f"interrupted; {path} is complete, but was not judged on records")
+            return INTERRUPTED
+    from rich.console import Console
+
+    Console(width=None if sys.stdout.isatty() else 120).print(answer)
+    print(f"{path}: use it by {GROUP}={path if '/' in str(path) else f'./{path}'}")
+    return DONE
+
+
+def _tell(text: str) -> None:
+    print(f"owtsweep: {text}", file=sys.stderr)
+
+
+def _choose_path(output: str | None, config: Config) -> Path:
+    """Return the path of the tuning file; its name is a hash of the configuration if none is given.
+
+    Raises
+    ------
+    InputError
+        If `tuning=FILE` could not take the path.
+    """
+    if output is None:
+        digest = hashlib.blake2b(dump(config).encode(), digest_size=5).hexdigest()
+        return Path(f"tuning-{digest}.yaml")
+    path = Path(output).expanduser()
+    require(
+        path.suffix == ".yaml" and re.search(r"[,\[\]'\"]", output) is None,
+        f"--output: {output!r} is no name of a tuning file; use one that ends in .yaml, without "
+        "commas, brackets and quotes",
+    )
+    require(not path.is_dir(), f"--output: {output} is a folder; name a file")
+    return path
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Callable[[str], None]]:
+    """Show a bar with the trials made, or, if stderr is no terminal, a line for each scheme."""
+    if not sys.stderr.isatty():
+        seen: set[str] = set()
+
+        def tell(scheme: str) -> None:
+            if scheme not in seen:
+                print(f"tuning {scheme} ({total} trials for all schemes)", file=sys.stderr)
+            seen.add(scheme)
+
+        yield tell
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:.0f} of {task.total:.0f} trials"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task("tuning", total=total)
+        yield lambda scheme: bar.update(task, advance=1, description=f"tuning {scheme}")

@@ -1,0 +1,85 @@
+"""Computes what a tuning is judged by: a scheme's settled errors over periods and amplitudes.
+
+The errors are expected ones (`studies.hub.expected`): no record is run, so no random number decides
+between two tunings.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.results.superposition import superpose
+from owtsweep.studies.hub import sensors as sensing
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.expected.curves import curves
+from owtsweep.studies.hub.expected.engine import motion_of
+
+#: Length of the records of whose settled part the errors are the mean, and the part left out, s. A
+#: tuning is judged by how an estimator runs on, not by how it starts: the bias takes up to 100 s.
+DURATION = 300.0
+SETTLING = 100.0
+#: Number of amplitudes between the ends of the range that is tuned for.
+AMPLITUDES = 7
+
+
+def amplitudes(config: HubConfig) -> Array:
+    """Return the amplitudes that a tuning is judged at, m: the range's ends and five between."""
+    low, high = config.tune.amplitude or (min(config.grid.amplitude), max(config.grid.amplitude))
+    return np.geomspace(low, high, AMPLITUDES) if high > low else np.array([low])
+
+
+def has_curves(scheme: Scheme) -> bool:
+    """Return whether a scheme's errors can be computed without records."""
+    return bool(scheme.linear and hasattr(scheme, "kernel"))
+
+
+def expected_errors(config: HubConfig, scheme: Any) -> Array:
+    """Compute a scheme's settled MSE, m^2 or (m/s)^2, shape (periods, amplitudes).
+
+    Raises
+    ------
+    ValueError, ArithmeticError
+        If the scheme cannot be computed with this tuning.
+    """
+    sensors = sensing.sensors(config.sensors)
+    steps, settled = (round(seconds / sensors.step) for seconds in (DURATION, SETTLING))
+    chain = scheme.kernel(sensors, config, steps)
+    band = (config.band[0], config.band[1])
+    curve = curves(chain, sensors, steps=steps, settled=settled, band=band)
+    measure, shares = _parts(config)
+    motion = motion_of(config, curve, config.grid.natural_period)[:, measure, 1]
+    bias = np.full(2, config.sensors.imu.bias_initial)
+    constant = sensors.rotation @ bias - np.array(sensors.gravity)
+    noise = curve.noise[:, measure, 1].sum() + constant**2 * curve.constant[measure, 1]
+    cells = [
+        superpose(share * motion[:, None], 0.0, floor, amplitudes(config))
+        for share, floor in zip(shares, noise, strict=True)
+        if share is not None
+    ]
+    return np.asarray(np.sum(cells, axis=0))
+
+
+def _parts(config: HubConfig) -> tuple[int, tuple[float | None, float | None]]:
+    """Return the criterion's index (position, velocity), and each axis' share of the motion.
+
+    An axis that the criterion leaves out has the share None.
+    """
+    angle = np.deg2rad(config.wave_direction)
+    x, y = float(np.cos(angle) ** 2), float(np.sin(angle) ** 2)
+    criterion = config.measures.criterion
+    shares = {"x": (x, None), "y": (None, y)}.get(criterion, (x, y))
+    return int(criterion == "velocity"), shares
+
+
+def score(errors: Array) -> float:
+    """Return the geometric mean of the errors of all cells; infinite if one of them is not finite.
+
+    The geometric mean weighs a percent less the same in each cell, whatever the cell's error.
+    """
+    with np.errstate(all="ignore"):
+        value = float(np.exp(np.mean(np.log(errors))))
+    return value if np.isfinite(value) else float("inf")

@@ -1,0 +1,153 @@
+"""Tunes all schemes of a run, and tells what was found: as a tuning file, and as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+import yaml
+
+from owtsweep import __version__
+from owtsweep.config import as_mapping, with_values
+from owtsweep.errors import require
+from owtsweep.studies.hub.config import TUNED, HubConfig
+from owtsweep.studies.hub.contract import Scheme
+from owtsweep.studies.hub.origin import describe_truth
+from owtsweep.studies.hub.schemes import resolve_all
+from owtsweep.studies.hub.tuning.bound import kalman_bound
+from owtsweep.studies.hub.tuning.judging import judge
+from owtsweep.studies.hub.tuning.objective import amplitudes
+from owtsweep.studies.hub.tuning.search import Found, search
+from owtsweep.studies.hub.tuning.spaces import find_space
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+def list_tunable(config: HubConfig) -> list[Scheme]:
+    """Return the schemes of a run whose numbers can be searched.
+
+    Raises
+    ------
+    InputError
+        If there is none, or the search would see the records that judge it.
+    """
+    schemes = [s for s in resolve_all(config.schemes, config) if find_space(config, s.name)]
+    require(
+        bool(schemes),
+        "schemes: `tune` knows the numbers of EKF, MKF, HME1 and HME2 only; name one of them",
+    )
+    require(
+        config.tune.seed != config.seed,
+        f"tune.seed: {config.seed} is also the run's seed, so a tuning would be judged by what it "
+        "was made from; use another",
+    )
+    return schemes
+
+
+def tune(config: HubConfig, advance: Callable[[str], None]) -> TunedSchemes:
+    """Search the best numbers of each scheme; call `advance` with its name after each trial.
+
+    If the user stops the search, the best numbers so far are returned.
+    """
+    found: dict[str, Found] = {}
+    stopped = False
+    for scheme in list_tunable(config):
+        found[scheme.name], stopped = search(config, scheme, partial(advance, scheme.name))
+        if stopped:
+            break
+    return TunedSchemes(config, found, stopped)
+
+
+@dataclass(frozen=True)
+class TunedSchemes:
+    """The best numbers found, an `owtsweep.sweep.study.Tuned`.
+
+    Attributes
+    ----------
+    before
+        The configuration with the tuning that the search began with.
+    found
+        Scheme -> the numbers found.
+    stopped
+        Whether the user stopped the search.
+    """
+
+    before: HubConfig
+    found: Mapping[str, Found]
+    stopped: bool
+
+    @property
+    def trials(self) -> int:
+        """Number of trials made, of all schemes together."""
+        return sum(found.trials for found in self.found.values())
+
+    @property
+    def after(self) -> HubConfig:
+        """The configuration with the best numbers."""
+        values = {key: v for found in self.found.values() for key, v in found.values.items()}
+        return with_values(self.before, values)
+
+    def text(self, name: str) -> str:
+        """Return the tuning file: each section that a tuning sets, after comments on its origin."""
+        sections = {section: as_mapping(getattr(self.after, section)) for section in TUNED}
+        plain = yaml.safe_dump({"tuning": name, **sections}, sort_keys=False)
+        comments = "\n".join(f"# {line}" for line in self._describe())
+        return f"{comments}\n{plain}"
+
+    def _describe(self) -> list[str]:
+        config, each = self.before, self.before.tune.trials
+        sensors = config.sensors
+        return [
+            f"Made by `owtsweep tune`, version {__version__}, from {config.tuning_name}.",
+            f"GNSS: {sensors.gnss.sigma:g} m, {sensors.gnss.rate:g} Hz, delay "
+            f"{sensors.gnss.delay:g} s; IMU: {sensors.imu.sigma:g} m/s^2, {sensors.imu.rate:g} Hz.",
+            f"Truth: {describe_truth(config)}; amplitudes {_range(config)}.",
+            f"{each} trials for each of {', '.join(self.found)}, seed {config.tune.seed}"
+            + (f"; stopped after {self.trials} trials." if self.stopped else "."),
+        ]
+
+    def judge(self) -> RenderableType:
+        """Run both tunings on the same records; return a table of what each scheme has gained."""
+        from rich import box
+        from rich.console import Group
+        from rich.table import Table
+        from rich.text import Text
+
+        config = self.before
+        gains = judge(config, self.after, list(self.found))
+        bound, unit = kalman_bound(config), self._unit()
+        table = Table(
+            title=Text(
+                f"Mean square error of {config.measures.criterion}, {config.tuning_name} and tuned,"
+                f" amplitudes {_range(config)}\nTruth: {describe_truth(config)}; "
+                f"{config.tune.replicates} records per natural period, seed {config.seed}"
+            ),
+            box=box.SIMPLE, title_style="bold", title_justify="left", header_style="",
+        )  # fmt: skip
+        for column in ("scheme", f"{config.tuning_name} ({unit})", f"tuned ({unit})", "change"):
+            table.add_column(column, justify="left" if column == "scheme" else "right")
+        table.add_column("95 %", justify="right")
+        table.add_column("tuned / bound", justify="right")
+        for name, gain in gains.items():
+            reach = f"{100 * gain.low:+z.1f} to {100 * gain.high:+z.1f} %"
+            table.add_row(
+                Text(name), f"{gain.before:.3g}", f"{gain.after:.3g}",
+                f"{100 * gain.change:+z.1f} %", reach, f"{gain.after / bound:.2f}",
+            )  # fmt: skip
+        told = (
+            f"Bound: {bound:.3g} {unit}, the least error of an estimator that assumes nothing "
+            "about the motion. MSE are geometric means over natural periods and amplitudes, after "
+            f"the first {config.measures.settling_time:g} s."
+        )
+        return Group(table, Text(told))
+
+    def _unit(self) -> str:
+        return "(m/s)²" if self.before.measures.criterion == "velocity" else "m²"
+
+
+def _range(config: HubConfig) -> str:
+    judged = amplitudes(config)
+    return f"{judged[0]:g} to {judged[-1]:g} m"

@@ -1,0 +1,70 @@
+"""`tuning=FILE`: a file of the user's own beside the tunings that have a name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from owtsweep import InputError
+from owtsweep.cli import BAD_INPUT, main
+from owtsweep.config import as_mapping
+from owtsweep.studies import compose
+from owtsweep.studies.hub.config import TUNED
+
+
+@pytest.fixture
+def mine(tmp_path: Path) -> Path:
+    """A complete tuning file, with a number of its own."""
+    config = as_mapping(compose(["tuning=matched"]))
+    sections = {section: config[section] for section in TUNED}
+    sections["hme1"]["q_a"] = 3.5
+    path = tmp_path / "mine.yaml"
+    path.write_text(yaml.safe_dump(sections))
+    return path
+
+
+def test_a_file_is_a_tuning_with_the_files_name(mine: Path) -> None:
+    config = compose([f"tuning={mine}"])
+    assert (config.tuning, config.hme1.q_a) == ("mine", 3.5)
+    assert compose([f"tuning={mine}", "hme1.q_a=7"]).hme1.q_a == 7.0
+
+
+def test_it_stands_beside_others_and_is_found_without_a_slash(
+    mine: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(mine.parent)
+    parts = compose(["tuning=[matched,mine.yaml]"]).by_tuning()
+    assert {name: part.hme1.q_a for name, part in parts.items()} == {"matched": 1.07, "mine": 3.5}
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("seed: 3\n", "not seed"),
+        ("hme1: {q_a: '${oc.env:HOME}'}\n", "interpolation"),
+        ("hme1: &a {q_a: 1.0}\nmkf: *a\n", "alias"),
+        ("tuning: [a]\n", "is no text"),
+        ("- 1\n", "mapping"),
+    ],
+)
+def test_a_file_sets_nothing_but_a_tuning(tmp_path: Path, text: str, told: str) -> None:
+    path = tmp_path / "bad.yaml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=told) as caught:
+        compose([f"tuning={path}"])
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_messages_name_the_file_as_the_user_did(mine: Path) -> None:
+    with pytest.raises(InputError, match=str(mine)):
+        compose([f"tuning=[matched,{mine}]", "hme1.q_a=2"])
+    with pytest.raises(InputError, match="there is no file"):
+        compose(["tuning=./nowhere.yaml"])
+
+
+def test_a_multirun_takes_no_files(mine: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sweep", "-m", f"tuning=matched,{mine}"]) == BAD_INPUT
+    assert "--config-dir" in capsys.readouterr().err
