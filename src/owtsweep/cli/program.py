@@ -73,7 +73,7 @@ def _add_tune(parser: Parser) -> None:
     _add_overrides(parser, "sensors.gnss.rate=5")
     _add_config_dir(parser)
     parser.add_argument(
-        "--output", metavar="FILE", help="the tuning file to write; default tuning-<hash>.yaml"
+        "--output", metavar="FILE", help="the tuning file to write; default tuned-<hash>.yaml"
     )
 
 

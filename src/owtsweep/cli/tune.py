@@ -81,7 +81,7 @@ def _choose_path(output: str | None, config: Config) -> Path:
     """
     if output is None:
         digest = hashlib.blake2b(dump(config).encode(), digest_size=5).hexdigest()
-        return Path(f"tuning-{digest}.yaml")
+        return Path(f"tuned-{digest}.yaml")
     path = Path(output).expanduser()
     require(
         path.suffix == ".yaml" and re.search(r"[,\[\]'\"]", output) is None,
