@@ -13,7 +13,7 @@ from tools import configure, measured
 import owtsweep
 
 SCRIPT = Path(__file__).parents[2] / "examples" / "online_from_pipe.py"
-SENSORS = ["sensors.imu.rate=20", "sensors.gnss.rate=2", "hme.mhe.interval=0.1", "tuning=matched"]
+SENSORS = ["sensors.imu.rate=20", "sensors.gnss.rate=2", "hme.mhe.interval=0.1", "tuning=paper"]
 
 
 def lines() -> list[str]:

@@ -63,6 +63,10 @@ def expected_energies(chain: Chain, squared: Array, stop: int, settled: int) -> 
     return np.stack([squared[:settled].sum(axis=0) + late, late], axis=1)
 
 
+#: The numbers of `matched` at the default sensors: HME2 forgets its start within the record.
+SETTLES_SOON = ("hme2.q_a=13.9", "hme2.r_gnss.scale=0.0611", "hme.mhe.smoother_window=32")
+
+
 @pytest.mark.parametrize("name", ["EKF", "HME1", "HME2"])
 @pytest.mark.parametrize("tolerance", [1e-3, 2e-5, -1.0])
 def test_probes_are_whole_records(
@@ -70,7 +74,7 @@ def test_probes_are_whole_records(
 ) -> None:
     monkeypatch.setattr(probing, "TOLERANCE", tolerance)
     monkeypatch.setattr(probing, "JUDGED", 4)
-    config = configure(f"record.duration={DURATION}", tuning="matched")
+    config = configure(f"record.duration={DURATION}", *SETTLES_SOON, tuning="matched")
     sensors = sensing.sensors(config.sensors)
     steps = round(DURATION / sensors.step)
     chain = resolve(name).kernel(sensors, config, steps)  # type: ignore[attr-defined]
