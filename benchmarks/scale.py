@@ -94,8 +94,7 @@ def hub(replicates: int) -> dict[str, Any]:
     clock = Clock()
     study = get_study("hub")
     with tempfile.TemporaryDirectory() as folder:
-        words = [*STUDY, "baselines=[]", f"grid.replicates={replicates}", f"results={folder}"]
-        config = compose(words)
+        config = compose([*STUDY, f"grid.replicates={replicates}", f"results={folder}"])
         with clock.stage("plan"):
             plan = make_plan(study, config)
         run = Run(Path(folder) / "run", config, study)
