@@ -17,7 +17,7 @@ from owtsweep.sweep.keys import run_folder, run_hash
 
 SMALL = (
     "grid.natural_period=[4.0]", "grid.amplitude=[1.0]", "grid.replicates=2", "schemes=[MKF]",
-    "record.duration=10", "measures.settling_time=1", "sensors.imu.rate=20", "tuning=matched",
+    "record.duration=10", "measures.settling_time=1", "sensors.imu.rate=20", "tuning=paper",
     "compute.backend=threading", "compute.workers=1",
 )  # fmt: skip
 ROOT = Path(__file__).parents[1]

@@ -235,6 +235,13 @@ def program_here() -> str:
     return shlex.quote(from_here if below else script)
 
 
+class _ToStderr(logging.Handler):
+    """Prints each message to what `sys.stderr` is now, which a caller of `main` may exchange."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        print(self.format(record), file=sys.stderr)
+
+
 def _warnings_to_stderr() -> None:
     """Print logged warnings to stderr too, except those that begin with "failed: ".
 
@@ -242,8 +249,7 @@ def _warnings_to_stderr() -> None:
     """
     logger = logging.getLogger("owtsweep")
     if not logger.handlers:
-        handler = logging.StreamHandler()
-        handler.setLevel(logging.WARNING)
+        handler = _ToStderr(logging.WARNING)
         handler.addFilter(lambda record: not str(record.msg).startswith("failed: "))
         handler.setFormatter(Lines("owtsweep: %(message)s"))
         logger.addHandler(handler)
