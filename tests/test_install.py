@@ -25,6 +25,7 @@ SWEEP = (
     "grid.replicates=1",
     "record.duration=40",
     "schemes=[MKF]",
+    "baselines=[]",
 )
 
 
