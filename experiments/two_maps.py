@@ -15,9 +15,9 @@ from owtsweep.studies.hub.figures import two_maps
 
 if len(sys.argv) not in (3, 4):
     sys.exit(f"usage: python {sys.argv[0]} PAPER_RUN MATCHED_RUN [FILE_STEM]")
+runs = [owtsweep.load(path) for path in sys.argv[1:3]]
 paper, matched = (
-    owtsweep.load(path).by_tuning().get(tuning, owtsweep.load(path))
-    for path, tuning in zip(sys.argv[1:3], ("paper", "matched"), strict=True)
+    run.by_tuning().get(tuning, run) for run, tuning in zip(runs, ("paper", "matched"), strict=True)
 )
 stem = Path(sys.argv[3] if len(sys.argv) == 4 else "two_maps")
 metadata = {"paper": paper.hash, "matched": matched.hash}

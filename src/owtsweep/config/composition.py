@@ -15,7 +15,6 @@ from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.section import fields_along
 from owtsweep.config.stored import DEEPEST, read, resolved
 from owtsweep.config.tuning_files import place_files
-from owtsweep.config.tunings import holds
 from owtsweep.errors import InputError, require, shorten
 
 #: The folder conf/studies/<name>/ holds trees of further studies; it is not a config group.
@@ -64,7 +63,7 @@ class Tree:
             path = override.partition("=")[0].split(".")
             fields = fields_along(self.model, path)
             has_default = any(not field.is_required() for field in fields)  # or its section has one
-            unlisted = len(fields) == len(path) and has_default and not holds(listed, path)
+            unlisted = len(fields) == len(path) and has_default and not tunings.holds(listed, path)
             admitted.append(f"++{override}" if unlisted and path[0] not in groups else override)
         return admitted
 

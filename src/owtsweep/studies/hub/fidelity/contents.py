@@ -11,7 +11,6 @@ from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.fidelity.evidence import Cell, HubEvidence
 from owtsweep.studies.hub.fidelity.reasons import reason
 from owtsweep.studies.hub.fidelity.statements import TABLE_CELLS
-from owtsweep.studies.hub.origin import describe_origin
 from owtsweep.verdicts import sections
 from owtsweep.verdicts.numbers import lies_within_records
 from owtsweep.verdicts.page import Block, Bullets, Heading, Paragraph, Picture, TextTable
@@ -57,7 +56,7 @@ def document(
     return [
         Heading(f"How well run {name} reproduces Ren et al. (2019)", 1),
         Paragraph(
-            f"Tuning {config.tuning_name}. {describe_origin(config)}. Judged: the "
+            f"{config.describe_origin()}. Judged: the "
             f"{describe_window(config.measures.window)}; schemes {', '.join(evidence.schemes)}. "
             "Position is x + y, velocity vx + vy. Brackets are 95 % intervals: of means, t "
             "intervals over the records; of ratios of means, paired over the records (Fieller); "

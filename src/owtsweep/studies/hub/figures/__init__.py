@@ -78,7 +78,7 @@ def drawings(
             write,
             summary,
             config.measures.window,
-            f"Tuning {config.tuning_name}. {describe_origin(config)}.",
+            f"{config.describe_origin()}.",
         ),
         **save_each(_illustrations(config, same), describe_one_record(config), metadata),
     }
