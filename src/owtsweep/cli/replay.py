@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 from owtsweep.cli.dry_run import foretell
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED
@@ -83,9 +84,11 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
     require(len(files) > 0, "FILE: name the file to describe")
     columns: dict[str, str] = {}
     units: dict[str, str] = {}
+    motion: dict[str, Any] = {}
     if overrides:
         config = compose_replay(overrides, config_dir)
         columns, units = config.columns.given(), config.units.given()
-    described = [describe(file, columns=columns, units=units) for file in expand(files)]
+        motion = config.columns.settings()
+    described = [describe(file, columns=columns, units=units, **motion) for file in expand(files)]
     print("\n\n".join(map(str, described)))
     return DONE

@@ -43,7 +43,10 @@ def refusal(path: Path, **options) -> str:
             ["time", "acc_x", "pos_x", "ref_x"],
             {"position_x": "pos_x", "reference_x": "ref_x", "specific_force_x": "acc_x"},
         ),
-        (["Time", "RotSpeed", "YawBrTDxt", "YawBrTDyt"], {"position_y": "YawBrTDyt"}),
+        (
+            ["Time", "RotSpeed", "State pos x  coo: global", "State pos y  coo: global"],
+            {"position_y": "State pos y  coo: global"},
+        ),
         (["Pitch", "Power"], {}),
     ],
 )

@@ -24,7 +24,8 @@ def test_the_fast_record_of_the_monopile() -> None:
     assert recording.names["position_x"] == "TwHt1TPxi"
     assert len(recording.time) == 1201
     assert recording.rate("position_x") == pytest.approx(20.0)
-    assert not recording.notes
+    (note,) = recording.notes
+    assert "a gauge at a height on the tower" in note
     text = str(describe(path))
     assert "54 channels" in text
     assert text.index("TwHt1TPxi") < text.index("Wave1Elev") < text.index("GenPwr")

@@ -1,5 +1,6 @@
 """Read recordings of motion and of sensors, check them, and resample them to a uniform grid."""
 
+from owtsweep.motion.recorded.choosing import MotionKind, identify_motion
 from owtsweep.motion.recorded.deriving import to_motion
 from owtsweep.motion.recorded.describing import Channel, Description, describe
 from owtsweep.motion.recorded.formats import open_table
@@ -11,10 +12,12 @@ __all__ = [
     "Channel",
     "Description",
     "Gridded",
+    "MotionKind",
     "Recording",
     "TimeGrid",
     "describe",
     "find_common_grid",
+    "identify_motion",
     "open_table",
     "read",
     "to_grid",

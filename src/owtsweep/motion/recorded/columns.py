@@ -22,11 +22,25 @@ QUANTITIES = {
     "reference": "length",
 }
 
+#: Parts of the motion of the hub, with their dimensions: the platform's translation and rotation,
+#: and the displacement of the tower top in the tower's frame. `composing` makes a position of them.
+PARTS = {
+    "platform_surge": "length",
+    "platform_sway": "length",
+    "platform_roll": "angle",
+    "platform_pitch": "angle",
+    "platform_yaw": "angle",
+    "tower_x": "length",
+    "tower_y": "length",
+    "tower_z": "length",
+}
+
 #: role -> dimension
 ROLES = {
     "time": "time",
     **{f"{name}_{axis}": kind for name, kind in QUANTITIES.items() for axis in "xy"},
     "yaw": "angle",
+    **PARTS,
 }
 
 #: The other axis.
@@ -36,18 +50,14 @@ OTHER = {"x": "y", "y": "x"}
 TIME_NAMES = ("time", "t", "timestamp", "times", "timesec", "seconds", "elapsedtime", "scantime")
 
 #: quantity -> pairs of patterns (x, y) in order of preference. A pattern must match the whole name,
-#: of which case and all but letters and digits are ignored. FAST: TwHt1TPxi is the position of a
-#: tower node in the inertial frame; YawBrTDxt and TTDspFA are the deflection of the tower top from
-#: its position at rest. HAWC2: the state of a body in global coordinates, x and y horizontal.
+#: of which case and all but letters and digits are ignored. HAWC2: the state of a body in global
+#: coordinates, x and y horizontal. `choosing` knows the positions of FAST and
+#: OpenFAST.
 NAME_PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
     "position": (
         ("positionx|posx|displacementx|dispx", "positiony|posy|displacementy|dispy"),
         ("positionnorth|posnorth|north|northing", "positioneast|poseast|east|easting"),
         ("x|px", "y|py"),
-        ("twht1tpxi", "twht1tpyi"),
-        ("yawbrtdxt", "yawbrtdyt"),
-        ("ttdspfa", "ttdspss"),
-        ("ptfmsurge", "ptfmsway"),
         ("stateposx.*global", "stateposy.*global"),
     ),
     "velocity": (
@@ -77,7 +87,8 @@ NAME_PAIRS: dict[str, tuple[tuple[str, str], ...]] = {
 }
 
 
-def _strip(name: str) -> str:
+def strip(name: str) -> str:
+    """Return a channel's name in lower case, with nothing but its letters and digits."""
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
@@ -90,7 +101,7 @@ def guess_roles(names: Sequence[str]) -> dict[str, str]:
     no reference, the positions become the reference, with which the estimates from the specific
     force are compared.
     """
-    bare = {name: _strip(name) for name in names}
+    bare = {name: strip(name) for name in names}
 
     def first(pattern: str) -> str | None:
         return next((name for name, text in bare.items() if re.fullmatch(pattern, text)), None)

@@ -15,9 +15,13 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError, printable
 from owtsweep.motion.recorded.checks import LONGEST_GAP, describe_gaps, find_gaps
-from owtsweep.motion.recorded.columns import QUANTITIES, ROLES, assign_roles
+from owtsweep.motion.recorded.choosing import add_motion
+from owtsweep.motion.recorded.columns import PARTS, QUANTITIES, ROLES, assign_roles
+from owtsweep.motion.recorded.composing import compose
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import MOST_STEPS, MOST_VALUES, ChannelTable
+from owtsweep.motion.recorded.parts import imply_unit
+from owtsweep.motion.recorded.reading import find_factors
 from owtsweep.motion.recorded.timing import count_steps, fit_comb
 from owtsweep.motion.recorded.units import DIMENSIONS, find_dimension, find_factor, normalise_unit
 
@@ -79,6 +83,9 @@ class Description:
         All channels, in the file's order.
     clock
         A sentence about the times.
+    motion
+        A sentence on the motion of the hub: how it is composed, why it cannot be, or what the
+        channels of the position are; "" if there is nothing to say.
     """
 
     path: Path
@@ -88,6 +95,7 @@ class Description:
     guess: dict[str, str]
     channels: tuple[Channel, ...]
     clock: str
+    motion: str = ""
 
     def __str__(self) -> str:
         rows = f"{self.rows} rows" + (" looked at, the first of more" if self.cut else "")
@@ -102,6 +110,8 @@ class Description:
                 lines.append(f"  {role:<17} = {name:<{width}}  {values}")
         else:
             lines += ["", "No channel has a well-known name: set columns.time=... and others."]
+        if self.motion:
+            lines += ["", *wrap(f"What moved: {self.motion}", WIDTH, break_on_hyphens=False)]
         played = set(self.guess.values())
         likely = [c for c in self.channels if c.name not in played and _is_likely(c)]
         rest = [c for c in self.channels if c.name not in played and not _is_likely(c)]
@@ -122,6 +132,8 @@ def describe(
     *,
     columns: Mapping[str, str | None] | None = None,
     units: Mapping[str, str | None] | None = None,
+    motion: str = "auto",
+    tower_height: float | None = None,
 ) -> Description:
     """Describe every channel of a file, from its first million rows at most.
 
@@ -134,6 +146,8 @@ def describe(
         names; None or "" leaves a role out.
     units
         role -> unit, e.g. `{"position_x": "mm"}`, instead of the unit stated in the file.
+    motion, tower_height
+        As for `read`.
 
     Raises
     ------
@@ -146,6 +160,9 @@ def describe(
     if not loaded:
         table.load(table.names, most)  # says why
     mapping = assign_roles(table, columns or {})
+    mapping, choice = add_motion(
+        table, mapping, columns or {}, motion=motion, tower_height=tower_height
+    )
     table = _with_units(table, mapping, units or {})
     mapping = {role: name for role, name in mapping.items() if name in loaded}
     time: Array | None = None
@@ -162,7 +179,31 @@ def describe(
         _summarise(name, unit, loaded.get(name), time)
         for name, unit in zip(table.names, table.units, strict=True)
     )
-    return Description(table.path, table.format, rows, rows >= most, mapping, channels, clock)
+    moved = choice.problem or choice.note
+    if any(role in PARTS for role in mapping):
+        rigid = motion == "rigid"
+        moved = _describe_parts(table, mapping, loaded, tower_height=tower_height, rigid=rigid)
+    return Description(
+        table.path, table.format, rows, rows >= most, mapping, channels, clock, moved
+    )
+
+
+def _describe_parts(
+    table: ChannelTable,
+    mapping: Mapping[str, str],
+    loaded: Mapping[str, Array],
+    *,
+    tower_height: float | None,
+    rigid: bool,
+) -> str:
+    """Say how the hub's motion is composed from the parts in `mapping`, or why it cannot be."""
+    names = {role: name for role, name in mapping.items() if role in PARTS}
+    try:
+        factors, _ = find_factors(table, names, {})
+        values = {role: factors[role] * loaded[name] for role, name in names.items()}
+        return compose(table.path, values, names, tower_height=tower_height, rigid=rigid)[2]
+    except InputError as error:
+        return str(error).removeprefix(f"{table.path}: ")
 
 
 def _with_units(
@@ -253,7 +294,9 @@ def _is_likely(channel: Channel) -> bool:
 def _describe_values(channel: Channel, role: str | None = None) -> str:
     unit = channel.unit
     if not unit:
-        unit = f"{DIMENSIONS[ROLES[role]][0]}?" if role else "no unit"
+        unit = "no unit"
+        if role:
+            unit = f"{imply_unit(role, channel.name) or DIMENSIONS[ROLES[role]][0]}?"
     if np.isnan(channel.mean):
         return f"{unit}, no value at all"
     if role == "time":

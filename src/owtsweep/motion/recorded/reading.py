@@ -11,9 +11,12 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import check_channels, check_time
-from owtsweep.motion.recorded.columns import ROLES, assign_roles
+from owtsweep.motion.recorded.choosing import add_motion, begin_position
+from owtsweep.motion.recorded.columns import PARTS, ROLES, assign_roles
+from owtsweep.motion.recorded.composing import compose
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
+from owtsweep.motion.recorded.parts import imply_unit
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.units import DIMENSIONS, find_factor
 
@@ -26,8 +29,13 @@ def read(
     columns: Mapping[str, str | None] | None = None,
     units: Mapping[str, str | None] | None = None,
     gaps: str = "refuse",
+    motion: str = "auto",
+    tower_height: float | None = None,
 ) -> Recording:
     """Read and check one recorded file; return its contents by role, in SI units.
+
+    If the file holds the hub's motion in parts (a platform's motion and a tower's bending), the
+    position is composed from them (`composing.compose`), and a note says so.
 
     Parameters
     ----------
@@ -43,6 +51,11 @@ def read(
     gaps
         What happens to long gaps (`checks.find_gaps`) in motion and specific force: "refuse" or
         "interpolate".
+    motion
+        Which motion to take: "auto" is the hub's, as far as the file holds it; "tower" the bending
+        of the tower alone; "rigid" the platform with a stiff tower; "platform" the platform alone.
+    tower_height
+        Height of the tower top above the platform's reference point, m; needed to compose.
 
     Raises
     ------
@@ -52,8 +65,8 @@ def read(
     if gaps not in GAPS:
         raise InputError(f"gaps: {gaps!r} is none of {', '.join(GAPS)}")
     table = open_table(path)
-    chosen = _assign_roles(table, columns or {})
-    factors, notes = _find_factors(table, chosen, units or {})
+    chosen, said = _assign_roles(table, columns or {}, motion, tower_height)
+    factors, notes = find_factors(table, chosen, units or {})
     loaded = table.load(list(dict.fromkeys(chosen.values())), None)
     channels = {role: _scale_to_si(loaded, role, chosen, factors[role]) for role in chosen}
     del loaded
@@ -61,8 +74,34 @@ def read(
     check_time(table.path, chosen["time"], time)
     for values in channels.values():
         values[~np.isfinite(values)] = np.nan
+    if any(role in PARTS for role in chosen):
+        rigid = motion == "rigid"
+        said = _compose(table.path, channels, chosen, tower_height=tower_height, rigid=rigid)
     bare = Recording(table.path, time, channels, chosen, ())
-    return replace(bare, notes=(*notes, *check_channels(bare, gaps)))
+    said_of_motion = (said,) if said else ()
+    return replace(bare, notes=(*notes, *said_of_motion, *check_channels(bare, gaps)))
+
+
+def _compose(
+    path: Path,
+    channels: dict[str, Array],
+    chosen: dict[str, str],
+    *,
+    tower_height: float | None,
+    rigid: bool,
+) -> str:
+    """Put positions composed from the parts of the motion in the place of these parts.
+
+    Beside a specific force, the result is the reference. `channels` (role -> values) and `chosen`
+    (role -> channel) are changed. Return a note for the user.
+    """
+    values = {role: channels.pop(role) for role in PARTS if role in channels}
+    names = {role: chosen.pop(role) for role in PARTS if role in chosen}
+    composed, sources, note = compose(path, values, names, tower_height=tower_height, rigid=rigid)
+    use = begin_position(chosen)
+    channels |= {use + axis: moved for axis, moved in composed.items()}
+    chosen |= {use + axis: source for axis, source in sources.items()}
+    return note
 
 
 def _scale_to_si(
@@ -83,38 +122,48 @@ def _scale_to_si(
     return values
 
 
-def _assign_roles(table: ChannelTable, columns: Mapping[str, str | None]) -> dict[str, str]:
-    """Assign channels to roles: return role -> channel, with the role "time" first.
+def _assign_roles(
+    table: ChannelTable,
+    columns: Mapping[str, str | None],
+    motion: str,
+    tower_height: float | None,
+) -> tuple[dict[str, str], str]:
+    """Assign channels to roles: return role -> channel, with the role "time" first, and a note.
 
     A role says what a channel holds. `columns` maps roles to channels as the user says; other roles
-    are guessed from well-known names (`columns.assign_roles`).
+    are guessed from well-known names (`columns.assign_roles`, `choosing.add_motion`). The note says
+    what the channels of the motion are; it is "" if there is nothing to say.
 
     Raises
     ------
     InputError
-        If no channel has the role "time", or none has a role other than "time" and "yaw".
+        If no channel has the role "time", none has a role other than "time" and "yaw", or the
+        channels do not give the motion of the hub.
     """
     chosen = assign_roles(table, columns)
     listed = ", ".join(table.names[:12]) + (" ..." if len(table.names) > 12 else "")
     if "time" not in chosen:
         raise refuse(table.path, f"no time column found among {listed}: set columns.time=NAME")
+    chosen, choice = add_motion(table, chosen, columns, motion=motion, tower_height=tower_height)
+    if choice.problem:
+        raise refuse(table.path, choice.problem)
     if len(chosen) == 1 or set(chosen) == {"time", "yaw"}:
         raise refuse(
             table.path,
             f"no channel with a known name among {listed}: set columns.position_x=NAME or "
             "columns.specific_force_x=NAME (--describe shows what is there)",
         )
-    return {"time": chosen.pop("time"), **chosen}
+    return {"time": chosen.pop("time"), **chosen}, choice.note
 
 
-def _find_factors(
+def find_factors(
     table: ChannelTable, chosen: Mapping[str, str], units: Mapping[str, str | None]
 ) -> tuple[dict[str, float], list[str]]:
     """Find the factor to SI of each role's unit; return role -> factor, and notes.
 
     `chosen` maps roles to channels, and `units` maps roles to units as the user says. A unit that
-    the user does not give is the one stated in the file. If the file states none either, the factor
-    is 1, and a note says so.
+    the user does not give is the one stated in the file, or the one that a program always uses for
+    this channel (`parts.imply_unit`). Otherwise the factor is 1, and a note says so.
 
     Raises
     ------
@@ -126,7 +175,7 @@ def _find_factors(
             raise InputError(f"units.{role}: no such role: use one of {', '.join(ROLES)}")
     factors, assumed = {}, []
     for role, name in chosen.items():
-        given, stated = units.get(role), table.unit(name)
+        given, stated = units.get(role), table.unit(name) or imply_unit(role, name)
         if given:
             factors[role] = find_factor(given, ROLES[role], f"{table.path}: units.{role}")
         elif stated:

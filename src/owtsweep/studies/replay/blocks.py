@@ -12,6 +12,7 @@ import numpy as np
 
 from owtsweep.config import as_mapping
 from owtsweep.errors import as_text
+from owtsweep.motion.recorded import identify_motion
 from owtsweep.studies.hub.public import (
     WIDTH,
     Scheme,
@@ -58,6 +59,7 @@ def plan(config: ReplayConfig) -> list[Block]:
     blocks = []
     for label, file in label_files(config.grid.files).items():
         content = {**shared, "file": label, "digest": hash_file(file)}
+        content |= _identify_motion(config, file)
         content["ending"] = "".join(Path(file).suffixes[-2:]).lower()
         first = {
             **content,
@@ -80,6 +82,18 @@ def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
     content["replay"] = {key: item for key, item in whole["replay"].items() if key != "table"}
     content["settling_time"] = config.measures.settling_time
     return content
+
+
+def _identify_motion(config: ReplayConfig, file: str) -> dict[str, Any]:
+    """Return what tells the motion in a file from that of versions that composed none.
+
+    This is nothing for a file from which such versions took the same channels, so that the results
+    they stored are found.
+    """
+    columns = config.columns
+    changed = {key: item for key, item in as_mapping(columns).items() if key in columns.settings()}
+    roles = identify_motion(file, columns.given(), **columns.settings())
+    return {"motion": {**changed, "roles": roles}} if changed or roles is not None else {}
 
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from owtsweep.config import Positive, Section, key, require
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
+from owtsweep.motion.recorded import MotionKind
 from owtsweep.studies.hub.public import Grid, HubConfig
 from owtsweep.sweep.keys import run_hash
 
@@ -41,10 +42,46 @@ class Roles(Section):
     fix_y: str | None = key("position fixes when they arrive", default=None)
     reference_x: str | None = key("a position to measure the errors against", default=None)
     reference_y: str | None = key("a position to measure the errors against", default=None)
+    platform_surge: str | None = key(
+        "of the platform's reference point along x", default=None, younger=True
+    )
+    platform_sway: str | None = key("as platform_surge, along y", default=None, younger=True)
+    platform_roll: str | None = key("turn of the platform about x", default=None, younger=True)
+    platform_pitch: str | None = key("turn of the platform about y", default=None, younger=True)
+    platform_yaw: str | None = key("turn of the platform about z", default=None, younger=True)
+    tower_x: str | None = key(
+        "displacement of the tower top from its base by bending", default=None, younger=True
+    )
+    tower_y: str | None = key("as tower_x", default=None, younger=True)
+    tower_z: str | None = key("as tower_x", default=None, younger=True)
 
     def given(self) -> dict[str, str]:
         """Return a mapping from role to text, without the roles whose value is null."""
-        return {role: text for role, text in vars(self).items() if text is not None}
+        return {
+            role: text for role in Roles.model_fields if (text := getattr(self, role)) is not None
+        }
+
+
+class Columns(Roles):
+    """The section `columns`: a channel for each role, and which motion the channels make."""
+
+    motion: MotionKind = key(
+        "auto: the hub's, composed from platform and tower where the file has it in parts; tower: "
+        "the tower's bending alone; rigid: the platform with a stiff tower; platform: the "
+        "platform's reference point alone",
+        default="auto",
+        younger=True,
+    )
+    tower_height: Positive | None = key(
+        "height of the tower top above the platform's reference point, to compose the motion",
+        default=None,
+        unit="m",
+        younger=True,
+    )
+
+    def settings(self) -> dict[str, Any]:
+        """Return the arguments `motion` and `tower_height` of `owtsweep.motion.recorded.read`."""
+        return {"motion": self.motion, "tower_height": self.tower_height}
 
 
 class ReplaySettings(Section):
@@ -82,7 +119,7 @@ class ReplayConfig(HubConfig):
         "batch: compiled; reference: the algorithms as written, slow", default="batch"
     )
     grid: ReplayGrid = key("the records, and the axes of the expected map")
-    columns: Roles = key("role: channel of the file; null: the well-known name, if it is there")
+    columns: Columns = key("role: channel of the file; null: the well-known name, if it is there")
     units: Roles = key("role: unit of the channel; null: that of the file, or SI")
     gaps: Literal["refuse", "interpolate"] = key("what to do with gaps of motion or specific force")
     replay: ReplaySettings = key("how a record is taken")

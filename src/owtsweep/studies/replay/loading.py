@@ -102,7 +102,11 @@ def load_record(config: ReplayConfig, file: str) -> ReplayRecord:
 
 def _load(config: ReplayConfig, file: str) -> ReplayRecord:
     recording = read(
-        file, columns=config.columns.given(), units=config.units.given(), gaps=config.gaps
+        file,
+        columns=config.columns.given(),
+        units=config.units.given(),
+        gaps=config.gaps,
+        **config.columns.settings(),
     )
     sensors = make_sensors(config.sensors)
     if _holds_sensors(config, recording):

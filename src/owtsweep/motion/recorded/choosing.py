@@ -1,0 +1,268 @@
+"""Choose the channels that give the motion of the hub: whole positions, or parts of the motion.
+
+Whole are positions in the inertial frame: OpenFAST's TwrTpTDxi of the tower top, TwHt1TPxi of a
+gauge somewhere on the tower, HAWC2's states in global coordinates, and what the user names. Where
+there is none, the parts of the motion (`parts`) are chosen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+from owtsweep.errors import InputError
+from owtsweep.motion.recorded.columns import PARTS, assign_roles, strip
+from owtsweep.motion.recorded.formats import open_table
+from owtsweep.motion.recorded.formats.table import ChannelTable
+from owtsweep.motion.recorded.parts import (
+    PATTERNS,
+    TRANSLATION,
+    find,
+    find_all,
+    find_parts,
+    keep_axes,
+)
+
+#: Which motion a user may ask for: the hub's, as far as the file holds it; the bending of the tower
+#: alone; the platform with a stiff tower on it; the platform's reference point.
+MotionKind = Literal["auto", "tower", "rigid", "platform"]
+WHOLE = {"x": "twrtptdxi", "y": "twrtptdyi"}
+GAUGES = {"x": r"twht\dtpxi", "y": r"twht\dtpyi"}
+#: The names that gave the position, in their order, before parts were composed. Stored results of
+#: files for which they give the channels of `choose_motion` keep their names.
+BEFORE = (
+    {"x": "twht1tpxi", "y": "twht1tpyi"},
+    {"x": "yawbrtdxt", "y": "yawbrtdyt"},
+    {"x": "ttdspfa", "y": "ttdspss"},
+    {"x": "ptfmsurge", "y": "ptfmsway"},
+)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The channels chosen for the motion of the hub.
+
+    Attributes
+    ----------
+    roles
+        role -> channel. The roles are position_x and position_y (or reference_x and reference_y
+        beside a specific force), or the parts `PARTS`, to be composed.
+    problem
+        Why the file's channels do not give the motion of the hub, and what would work; "" if they
+        do.
+    note
+        What the user should know about the chosen channels; "" if nothing.
+    new
+        Whether other channels were chosen than `BEFORE` would have given.
+    """
+
+    roles: Mapping[str, str] = field(default_factory=dict)
+    problem: str = ""
+    note: str = ""
+    new: bool = False
+
+
+def add_motion(
+    table: ChannelTable,
+    chosen: Mapping[str, str],
+    given: Mapping[str, str | None],
+    *,
+    motion: str,
+    tower_height: float | None,
+) -> tuple[dict[str, str], Choice]:
+    """Add the channels of the hub's motion to those already chosen; arguments: `choose_motion`.
+
+    Return role -> channel, in which the roles of `Choice.roles` replace positions that were
+    guessed, and the choice. `table` is the opened file.
+    """
+    choice = choose_motion(table.names, chosen, given, motion=motion, tower_height=tower_height)
+    roles = {role: name for role, name in chosen.items() if role not in PARTS}
+    if choice.roles:
+        for axis in "xy":
+            roles.pop(begin_position(chosen) + axis, None)
+    return {**roles, **choice.roles}, choice
+
+
+def identify_motion(
+    path: str, given: Mapping[str, str | None], *, motion: str, tower_height: float | None
+) -> dict[str, str] | None:
+    """Return role -> channel of a file's motion; None if these are the channels of `BEFORE`.
+
+    None is returned for a file that cannot be opened, too. Arguments as for `choose_motion`.
+    """
+    try:
+        table = open_table(path)
+        chosen = assign_roles(table, given)
+        choice = choose_motion(table.names, chosen, given, motion=motion, tower_height=tower_height)
+    except InputError:
+        return None
+    return dict(choice.roles) if choice.new else None
+
+
+def choose_motion(
+    names: Sequence[str],
+    chosen: Mapping[str, str],
+    given: Mapping[str, str | None],
+    *,
+    motion: str,
+    tower_height: float | None,
+) -> Choice:
+    """Choose the channels of the hub's motion by their names.
+
+    Parameters
+    ----------
+    names
+        The names of all channels of the file.
+    chosen
+        role -> channel, as `columns.assign_roles` returned it.
+    given
+        role -> channel as the user says; None or "" leaves a role out.
+    motion
+        Which motion is wanted, one of `MotionKind`.
+    tower_height
+        Height of the tower top above the platform's reference point in m; None if unknown.
+
+    Raises
+    ------
+    InputError
+        If `motion` has another value, or the user gives both a position and parts of it.
+    """
+    if motion not in get_args(MotionKind):
+        raise InputError(f"columns.motion: {motion!r} is none of {', '.join(get_args(MotionKind))}")
+    by_user = {role for role, name in given.items() if name and str(name).strip()}
+    out = [role for role in given if role not in by_user]
+    use = begin_position(chosen)
+    axes = [axis for axis in "xy" if f"position_{axis}" not in out and use + axis not in out]
+    parts = find_parts(names, chosen, out)
+    positions = [role for role in chosen if role.startswith(("position_", "reference_"))]
+    if motion != "auto" or by_user.intersection(PARTS):
+        if clash := sorted(by_user.intersection(positions)):
+            what = f"columns.motion={motion}" if motion != "auto" else "parts of a motion"
+            raise InputError(f"columns.{clash[0]}: it and {what} are given; give one of them")
+        return _choose_as_told(parts, axes, use, motion)
+    if positions:
+        return Choice(note=_note_on_position(names, chosen, parts))
+    if use == "reference_" and len(axes) < 2:
+        return Choice()
+    choice = _choose_by_names(names, parts, axes, use, tower_height)
+    unsaid = tower_height is None and any(role in PARTS for role in choice.roles)
+    if use == "reference_" and (unsaid or choice.problem):  # sensors can do without a reference
+        return Choice(
+            note="no reference: platform and tower are composed to one only if "
+            "columns.tower_height is given; columns.reference_x=NAME takes a channel",
+            new=True,
+        )
+    return choice
+
+
+def _choose_as_told(parts: Mapping[str, str], axes: Sequence[str], use: str, motion: str) -> Choice:
+    """Choose the parts for a motion that the user insists on; arguments as in `_choose_by_names`.
+
+    `motion` is one of `MotionKind`.
+    """
+    if motion == "rigid":
+        parts = {role: name for role, name in parts.items() if role.startswith("platform")}
+    if motion in ("auto", "rigid"):
+        return Choice(keep_axes(parts, axes), new=True)
+    role_of = TRANSLATION if motion == "platform" else {axis: f"tower_{axis}" for axis in "xy"}
+    roles = {use + axis: parts[role_of[axis]] for axis in axes if role_of[axis] in parts}
+    if not roles:
+        wanted = "PtfmSurge" if motion == "platform" else "YawBrTDxt or TTDspFA"
+        return Choice(problem=f"columns.motion={motion}: no channel such as {wanted}")
+    if motion == "platform":
+        listed = " and ".join(roles.values())
+        note = f"{listed}: the motion of the platform's reference point, not of the hub"
+    else:
+        note = _note_on_bending(roles.values())
+    return Choice(roles, note=f"{note} (columns.motion={motion})", new=True)
+
+
+def _choose_by_names(
+    names: Sequence[str],
+    parts: Mapping[str, str],
+    axes: Sequence[str],
+    use: str,
+    tower_height: float | None,
+) -> Choice:
+    """Choose channels by the programs' names alone; arguments as in `choose_motion`.
+
+    `parts` maps the roles of parts to channels, `axes` are the wanted axes, and `use` begins the
+    role of a position, e.g. "position_".
+    """
+    pair: Mapping[str, str] = next((pair for pair in BEFORE if find(names, pair["x"])), {})
+    before = {use + axis: name for axis in pair if (name := find(names, pair[axis]))}
+
+    def take(found: Mapping[str, str | None], note: str = "") -> Choice:
+        roles = {use + axis: name for axis in axes if (name := found.get(axis))}
+        return Choice(roles, note=note, new=roles != before)
+
+    whole = {axis: find(names, pattern) for axis, pattern in WHOLE.items()}
+    if whole["x"] or whole["y"]:
+        return take(whole)
+    gauges = {axis: find_all(names, pattern) for axis, pattern in GAUGES.items()}
+    bends = "tower_x" in parts or "tower_y" in parts
+    floats = any(role.startswith("platform") for role in parts)
+    alone = max(len(found) for found in gauges.values()) == 1
+    if alone and not (bends and floats and tower_height):
+        gauge = {axis: found[0] for axis, found in gauges.items() if found}
+        return take(gauge, _note_on_gauge(gauge, composable=bends and floats))
+    if floats and (bends or not any(gauges.values())):
+        return Choice(keep_axes(parts, axes), new=True)
+    if any(gauges.values()):
+        found = gauges["x"] or gauges["y"]
+        problem = (
+            f"{', '.join(found)} are gauges on the tower at heights that the file does not hold: "
+            f"name the highest, e.g. columns.position_x={found[-1]}"
+        )
+        if "tower_x" in parts:
+            problem += f", or take {parts['tower_x']} by columns.motion=tower if the base is fixed"
+        return Choice(problem=problem)
+    if bends:
+        bending = {axis: parts.get(f"tower_{axis}") for axis in "xy"}
+        return take(bending, _note_on_bending(name for name in bending.values() if name))
+    return Choice()
+
+
+def begin_position(chosen: Mapping[str, str]) -> str:
+    """Return how the role of a position begins: "reference_" beside a specific force.
+
+    Otherwise it begins with "position_". `chosen` maps roles to channels.
+    """
+    return "reference_" if "specific_force_x" in chosen else "position_"
+
+
+def _note_on_position(
+    names: Sequence[str], chosen: Mapping[str, str], parts: Mapping[str, str]
+) -> str:
+    """Return a note on a position that the user names, or that HAWC2 gives for several bodies."""
+    taken = chosen.get("position_x") or chosen.get("reference_x") or ""
+    platform = [name for role, name in parts.items() if role.startswith("platform")]
+    if platform and strip(taken) in PATTERNS["tower_x"].split("|"):
+        listed = ", ".join(platform)
+        return f"{_note_on_bending([taken])}: the platform's motion ({listed}) is left out"
+    bodies = find_all(names, r"stateposx.*global\d*")
+    if taken in bodies and len(bodies) > 1:
+        return (
+            f"{taken} is the first of {len(bodies)} channels of that kind, one per body: is it the "
+            "tower top (--describe lists all; columns.position_x=NAME takes another)?"
+        )
+    return ""
+
+
+def _note_on_bending(names: Iterable[str]) -> str:
+    listed = list(names)
+    verb = "is" if len(listed) == 1 else "are"
+    return (
+        f"{' and '.join(listed)} {verb} relative to the tower base, whose own motion is not in it"
+    )
+
+
+def _note_on_gauge(gauge: Mapping[str, str], *, composable: bool) -> str:
+    text = (
+        f"{' and '.join(gauge.values())}: a gauge at a height on the tower that the file does not "
+        "hold; if this is below the top, the hub moves more"
+    )
+    if composable:
+        text += "; columns.tower_height composes the motion of the top from platform and bending"
+    return text
