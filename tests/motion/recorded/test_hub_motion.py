@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import writers
+from scipy.linalg import polar
 from scipy.spatial.transform import Rotation
 
 from owtsweep.errors import InputError
@@ -81,6 +82,21 @@ def test_the_hubs_motion_is_composed_to_a_thousandth(tmp_path: Path, kind: str) 
     for word in ("PtfmSurge", "Ry(PtfmPitch)", "TTDspFA", "87.6 m"):
         assert word in note
     assert note in " ".join(str(describe(path, tower_height=HEIGHT)).split())
+
+
+def test_small_angles_turn_by_the_orthonormal_matrix_nearest_to_them(tmp_path: Path) -> None:
+    """The polar factor of I + [a]x, as FAST turned its platforms, by scipy."""
+    table, _ = float_about(amplitude=3.0)
+    path = writers.fast_text(tmp_path / "old.out", table)
+    got = read(path, tower_height=HEIGHT, rotation="small").channels
+    for row in (10, 500, 2000):
+        at = {name: values[row] for name, (_, values) in table.items()}
+        roll, pitch, yaw = (np.deg2rad(at[name]) for name in ALL[2:5])
+        small = np.array([[1.0, -yaw, pitch], [yaw, 1.0, -roll], [-pitch, roll, 1.0]])
+        top = polar(small)[0] @ [at["TTDspFA"], at["TTDspSS"], HEIGHT + at["YawBrTDzt"]]
+        assert got["position_x"][row] == pytest.approx(at["PtfmSurge"] + top[0], abs=1e-6)
+        assert got["position_y"][row] == pytest.approx(at["PtfmSway"] + top[1], abs=1e-6)
+    assert "none of zyx, small" in refusal(path, tower_height=HEIGHT, rotation="xyz")
 
 
 def test_a_moving_platform_needs_height_and_parts_unless_told_otherwise(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Read recordings of motion and of sensors, check them, and resample them to a uniform grid."""
 
 from owtsweep.motion.recorded.choosing import MotionKind, identify_motion
+from owtsweep.motion.recorded.composing import Rotation
 from owtsweep.motion.recorded.deriving import to_motion
 from owtsweep.motion.recorded.describing import Channel, Description, describe
 from owtsweep.motion.recorded.formats import open_table
@@ -14,6 +15,7 @@ __all__ = [
     "Gridded",
     "MotionKind",
     "Recording",
+    "Rotation",
     "TimeGrid",
     "describe",
     "find_common_grid",

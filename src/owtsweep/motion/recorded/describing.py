@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from textwrap import wrap
+from typing import Any
 
 import numpy as np
 
@@ -134,6 +135,7 @@ def describe(
     units: Mapping[str, str | None] | None = None,
     motion: str = "auto",
     tower_height: float | None = None,
+    rotation: str = "zyx",
 ) -> Description:
     """Describe every channel of a file, from its first million rows at most.
 
@@ -146,7 +148,7 @@ def describe(
         names; None or "" leaves a role out.
     units
         role -> unit, e.g. `{"position_x": "mm"}`, instead of the unit stated in the file.
-    motion, tower_height
+    motion, tower_height, rotation
         As for `read`.
 
     Raises
@@ -182,7 +184,9 @@ def describe(
     moved = choice.problem or choice.note
     if any(role in PARTS for role in mapping):
         rigid = motion == "rigid"
-        moved = _describe_parts(table, mapping, loaded, tower_height=tower_height, rigid=rigid)
+        moved = _describe_parts(
+            table, mapping, loaded, tower_height=tower_height, rigid=rigid, rotation=rotation
+        )
     return Description(
         table.path, table.format, rows, rows >= most, mapping, channels, clock, moved
     )
@@ -192,16 +196,17 @@ def _describe_parts(
     table: ChannelTable,
     mapping: Mapping[str, str],
     loaded: Mapping[str, Array],
-    *,
-    tower_height: float | None,
-    rigid: bool,
+    **settings: Any,
 ) -> str:
-    """Say how the hub's motion is composed from the parts in `mapping`, or why it cannot be."""
+    """Say how the hub's motion is composed from the parts in `mapping`, or why it cannot be.
+
+    `settings` are those of `compose`.
+    """
     names = {role: name for role, name in mapping.items() if role in PARTS}
     try:
         factors, _ = find_factors(table, names, {})
         values = {role: factors[role] * loaded[name] for role, name in names.items()}
-        return compose(table.path, values, names, tower_height=tower_height, rigid=rigid)[2]
+        return compose(table.path, values, names, **settings)[2]
     except InputError as error:
         return str(error).removeprefix(f"{table.path}: ")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -31,6 +32,7 @@ def read(
     gaps: str = "refuse",
     motion: str = "auto",
     tower_height: float | None = None,
+    rotation: str = "zyx",
 ) -> Recording:
     """Read and check one recorded file; return its contents by role, in SI units.
 
@@ -56,6 +58,9 @@ def read(
         of the tower alone; "rigid" the platform with a stiff tower; "platform" the platform alone.
     tower_height
         Height of the tower top above the platform's reference point, m; needed to compose.
+    rotation
+        How the platform's angles are to be read: "zyx" as turns about z, y and x, as in OpenFAST
+        from 4.0 on; "small" as the small angles of FAST and of OpenFAST before.
 
     Raises
     ------
@@ -76,7 +81,9 @@ def read(
         values[~np.isfinite(values)] = np.nan
     if any(role in PARTS for role in chosen):
         rigid = motion == "rigid"
-        said = _compose(table.path, channels, chosen, tower_height=tower_height, rigid=rigid)
+        said = _compose(
+            table.path, channels, chosen, tower_height=tower_height, rigid=rigid, rotation=rotation
+        )
     bare = Recording(table.path, time, channels, chosen, ())
     said_of_motion = (said,) if said else ()
     return replace(bare, notes=(*notes, *said_of_motion, *check_channels(bare, gaps)))
@@ -86,18 +93,17 @@ def _compose(
     path: Path,
     channels: dict[str, Array],
     chosen: dict[str, str],
-    *,
-    tower_height: float | None,
-    rigid: bool,
+    **settings: Any,
 ) -> str:
     """Put positions composed from the parts of the motion in the place of these parts.
 
     Beside a specific force, the result is the reference. `channels` (role -> values) and `chosen`
-    (role -> channel) are changed. Return a note for the user.
+    (role -> channel) are changed, and `settings` are those of `compose`. Return a note for the
+    user.
     """
     values = {role: channels.pop(role) for role in PARTS if role in channels}
     names = {role: chosen.pop(role) for role in PARTS if role in chosen}
-    composed, sources, note = compose(path, values, names, tower_height=tower_height, rigid=rigid)
+    composed, sources, note = compose(path, values, names, **settings)
     use = begin_position(chosen)
     channels |= {use + axis: moved for axis, moved in composed.items()}
     chosen |= {use + axis: source for axis, source in sources.items()}

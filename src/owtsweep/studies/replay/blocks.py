@@ -92,7 +92,9 @@ def _identify_motion(config: ReplayConfig, file: str) -> dict[str, Any]:
     """
     columns = config.columns
     changed = {key: item for key, item in as_mapping(columns).items() if key in columns.settings()}
-    roles = identify_motion(file, columns.given(), **columns.settings())
+    roles = identify_motion(
+        file, columns.given(), motion=columns.motion, tower_height=columns.tower_height
+    )
     return {"motion": {**changed, "roles": roles}} if changed or roles is not None else {}
 
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 from owtsweep.config import Positive, Section, key, require
 from owtsweep.config.stored import read_stored
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import MotionKind
+from owtsweep.motion.recorded import MotionKind, Rotation
 from owtsweep.studies.hub.public import Grid, HubConfig
 from owtsweep.sweep.keys import run_hash
 
@@ -79,9 +79,16 @@ class Columns(Roles):
         younger=True,
     )
 
+    rotation: Rotation = key(
+        "how the platform's angles are to be read. zyx: turns about z, y and x, as in OpenFAST "
+        "from 4.0 on; small: the small angles of FAST and of OpenFAST before",
+        default="zyx",
+        younger=True,
+    )
+
     def settings(self) -> dict[str, Any]:
-        """Return the arguments `motion` and `tower_height` of `owtsweep.motion.recorded.read`."""
-        return {"motion": self.motion, "tower_height": self.tower_height}
+        """Return the keys that are no roles, as arguments of `owtsweep.motion.recorded.read`."""
+        return {name: getattr(self, name) for name in ("motion", "tower_height", "rotation")}
 
 
 class ReplaySettings(Section):
