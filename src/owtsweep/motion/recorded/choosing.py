@@ -202,7 +202,7 @@ def _choose_by_names(
         return take(whole)
     gauges = {axis: find_all(names, pattern) for axis, pattern in GAUGES.items()}
     bends = "tower_x" in parts or "tower_y" in parts
-    floats = any(role.startswith("platform") for role in parts)
+    floats = any(role.startswith("platform") and role != "platform_yaw" for role in parts)
     alone = max(len(found) for found in gauges.values()) == 1
     if alone and not (bends and floats and tower_height):
         gauge = {axis: found[0] for axis, found in gauges.items() if found}
