@@ -160,7 +160,7 @@ BAD = {
     "unknown role": (["good.csv", "columns.position_z=a"], "columns.position_z"),
     "wrong unit": (["good.csv", "units.position_x=deg"], "deg"),
     "backwards": (["backwards.csv"], "goes backwards"),
-    "one bad of two": (["good.csv", "backwards.csv"], "backwards.csv"),
+    "two bad of two": (["backwards.csv", "gravity.csv"], "none of the 2 records can be used"),
     "gravity": (["gravity.csv"], "9.81"),
     "no table": (["good.csv", "replay.table=nothing.csv"], "replay.table"),
     "a choice": (["good.csv", "replay.input=guess"], "replay.input"),

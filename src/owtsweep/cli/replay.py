@@ -37,7 +37,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     overrides = [word for word in options.words if "=" in word]
     if options.describe:
         return _describe(files, overrides, options.config_dir)
-    from owtsweep.studies.replay.running import compose_replay, configure, execute, verify
+    from owtsweep.studies.replay.checking import verify
+    from owtsweep.studies.replay.running import compose_replay, configure, execute
     from owtsweep.sweep.progress import make_progress
 
     if options.cfg and not files:  # printing the keys needs no record
@@ -48,8 +49,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         print(dump_with_units(config), end="")
         return DONE
     if options.dry_run:
-        verify(config)
-        return foretell([config], fresh=options.fresh)
+        refused = list(verify(config).refused.values())
+        for reason in refused:
+            print(f"left out: {reason}", file=sys.stderr)
+        code = foretell([config], fresh=options.fresh)
+        return FAILED if refused else code
     if not may_start(options, config):
         return BAD_INPUT
     outcome = execute(
@@ -78,6 +82,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
 def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | None) -> int:
     from owtsweep.motion.recorded import describe
+    from owtsweep.studies.replay.checking import verify
     from owtsweep.studies.replay.running import compose_replay, expand
 
     require(len(files) > 0, "FILE: name the file to describe")
