@@ -1,4 +1,4 @@
-"""One bad file of a batch: it is told with its reason, the rest runs, and mending computes it alone."""
+"""One bad file of a batch is told with its reason, the rest runs; mended, it alone is computed."""
 
 from __future__ import annotations
 

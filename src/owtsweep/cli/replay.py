@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from owtsweep.cli.dry_run import foretell
-from owtsweep.cli.program import BAD_INPUT, DONE, FAILED
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here
 from owtsweep.cli.running import may_start, print_answer, tell_end
 from owtsweep.config import dump_with_units, require
 from owtsweep.errors import InputError
@@ -24,7 +25,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     options
         The parsed arguments of the command. `options.words` are the files and the overrides. With
         `options.describe` the files are described; with `options.cfg` the configuration is
-        printed. In both cases nothing is run.
+        printed; with `options.sample` the sample records are written. Then nothing is run.
     argv
         The words of the command line.
 
@@ -35,6 +36,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     files = [word for word in options.words if "=" not in word]
     overrides = [word for word in options.words if "=" in word]
+    if options.sample:
+        return _write_sample(options.words)
     if options.describe:
         return _describe(files, overrides, options.config_dir)
     from owtsweep.studies.replay.checking import verify
@@ -61,6 +64,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         say=lambda text: print(text, file=sys.stderr, flush=True),
     )  # fmt: skip
     from owtsweep.studies.replay import report
+    from owtsweep.studies.replay.recommending import recommend
     from owtsweep.studies.replay.terminal import list_spectrum_notes
 
     for note in list_spectrum_notes(config):
@@ -77,12 +81,17 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
             written = False
         written &= print_answer(replayed, results, width=None if sys.stdout.isatty() else 120)
     code = tell_end(outcome, argv, f"{replayed.place}/report.md")
+    if (
+        results
+        and len(config.grid.files) == 1
+        and (said := recommend(results[""].tables["advice"]))
+    ):
+        print(said)
     return code if written else FAILED
 
 
 def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | None) -> int:
     from owtsweep.motion.recorded import describe
-    from owtsweep.studies.replay.checking import verify
     from owtsweep.studies.replay.running import compose_replay, expand
 
     require(len(files) > 0, "FILE: name the file to describe")
@@ -93,4 +102,20 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
         columns, units = config.columns.given(), config.units.given()
     described = [describe(file, columns=columns, units=units) for file in expand(files)]
     print("\n\n".join(map(str, described)))
+    return DONE
+
+
+def _write_sample(words: Sequence[str]) -> int:
+    from owtsweep.studies.replay.sample import MOTION, SENSORS, TABLE, write_sample
+
+    require(
+        not words, "--sample: this writes the package's own records; leave out FILE and overrides"
+    )
+    write_sample(Path())
+    print(f"{MOTION}: the motion of a hub, 60 s at 20 Hz; GNSS and IMU will be simulated")
+    print(f"{SENSORS}: a recorded IMU (100 Hz) and GNSS (1 Hz, 0.2 s late), with the true position")
+    print(f"{TABLE}: a table of both, for replay.table")
+    program = program_here()
+    print(f"next: {program} replay {MOTION}")
+    print(f"      {program} replay {SENSORS}")
     return DONE
