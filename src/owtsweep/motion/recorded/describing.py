@@ -79,6 +79,8 @@ class Description:
         All channels, in the file's order.
     clock
         A sentence about the times.
+    notes
+        Sentences on what of the file was left out.
     """
 
     path: Path
@@ -88,11 +90,13 @@ class Description:
     guess: dict[str, str]
     channels: tuple[Channel, ...]
     clock: str
+    notes: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         rows = f"{self.rows} rows" + (" looked at, the first of more" if self.cut else "")
         path = printable(str(self.path))
         lines = [f"{path}: {self.format}, {len(self.channels)} channels, {rows}", self.clock]
+        lines += [f"note: {note}" for note in self.notes]
         by_name = {channel.name: channel for channel in self.channels}
         if self.guess:
             lines += ["", "Guess of the mapping (change one by columns.ROLE=CHANNEL):"]
@@ -162,7 +166,10 @@ def describe(
         _summarise(name, unit, loaded.get(name), time)
         for name, unit in zip(table.names, table.units, strict=True)
     )
-    return Description(table.path, table.format, rows, rows >= most, mapping, channels, clock)
+    notes = tuple(dict.fromkeys(table.notes))
+    return Description(
+        table.path, table.format, rows, rows >= most, mapping, channels, clock, notes
+    )
 
 
 def _with_units(

@@ -13,6 +13,7 @@ from owtsweep.errors import InputError
 from owtsweep.motion.recorded.checks import check_channels, check_time
 from owtsweep.motion.recorded.columns import ROLES, assign_roles
 from owtsweep.motion.recorded.formats import open_table
+from owtsweep.motion.recorded.formats.iso_times import ISO_TIME
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
 from owtsweep.motion.recorded.recording import Recording
 from owtsweep.motion.recorded.units import DIMENSIONS, find_factor
@@ -62,7 +63,8 @@ def read(
     for values in channels.values():
         values[~np.isfinite(values)] = np.nan
     bare = Recording(table.path, time, channels, chosen, ())
-    return replace(bare, notes=(*notes, *check_channels(bare, gaps)))
+    said = (*dict.fromkeys(table.notes), *notes, *check_channels(bare, gaps))
+    return replace(bare, notes=said)
 
 
 def _scale_to_si(
@@ -127,7 +129,15 @@ def _find_factors(
     factors, assumed = {}, []
     for role, name in chosen.items():
         given, stated = units.get(role), table.unit(name)
-        if given:
+        if role == "time" and stated == ISO_TIME:
+            if given:
+                raise refuse(
+                    table.path,
+                    f"units.time={given}: the times ({name}) are dates with a time of day, which "
+                    "become seconds; leave out units.time",
+                )
+            factors[role] = 1.0
+        elif given:
             factors[role] = find_factor(given, ROLES[role], f"{table.path}: units.{role}")
         elif stated:
             where = f"{table.path}: channel {name} says its unit is"

@@ -145,7 +145,8 @@ def _describe_many(records: pd.DataFrame) -> str:
 def _tell_refused(refused: pd.DataFrame) -> list[str]:
     if refused.empty:
         return []
-    told = [f"- {_escape(row.file)}: {_escape(row.reason)}" for row in refused.itertuples()]
+    both = zip(refused["file"], refused["reason"], strict=True)
+    told = [f"- {_escape(str(file))}: {_escape(str(reason))}" for file, reason in both]
     return ["\n## Records left out\n", *told]
 
 
