@@ -149,4 +149,7 @@ def _find_factors(
             factors[role] = 1.0
             assumed.append(f"{role} in {DIMENSIONS[ROLES[role]][0]}")
     notes = [f"units not in the file, taken as SI: {', '.join(assumed)}"] if assumed else []
+    unused = [f"units.{role}" for role, unit in units.items() if unit and role not in chosen]
+    if unused:
+        notes.append(f"without effect, no channel has this role: {', '.join(unused)}")
     return factors, notes

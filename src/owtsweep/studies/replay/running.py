@@ -20,6 +20,7 @@ from owtsweep.studies.replay.checking import verify
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import label_files
 from owtsweep.studies.replay.seastates import read_table
+from owtsweep.studies.replay.words import quote_texts, tell_missing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -49,7 +50,7 @@ def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> R
     InputError
         If the overrides are wrong.
     """
-    config = compose(overrides, config_dir, primary="replay")
+    config = compose(quote_texts(overrides), config_dir, primary="replay")
     if not isinstance(config, ReplayConfig):
         raise InputError(
             f"study: {config.study!r} replays no record; leave out study={config.study}"
@@ -108,19 +109,19 @@ def expand(words: Sequence[str]) -> list[str]:
     """
     paths: dict[str, None] = {}
     for word in words:
+        require(word.strip() != "", "FILE: the name is empty; name a record's file or a pattern")
         path = Path(os.path.expanduser(word))
         if os.path.exists(path):
             require(
-                not path.is_dir(), f"{word}: this is a folder; name files in it, e.g. {word}/*.csv"
+                not path.is_dir(),
+                f'{word}: this is a folder; name files in it, e.g. "{Path(word) / "*.csv"}"',
             )
             require_regular(path)
             matches = [path]
         else:
-            pattern = any(sign in word for sign in "*?[")
-            wrong = "nothing matches this pattern" if pattern else "there is no such file"
             matches = [Path(name) for name in sorted(glob.glob(str(path), recursive=True))]
             matches = [match for match in matches if match.is_file()]
-            require(len(matches) > 0, f"{word}: {wrong}")
+            require(len(matches) > 0, tell_missing(word, path))
         paths.update({str(match.resolve()): None for match in matches})
     return list(paths)
 
