@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pandas as pd
@@ -10,6 +11,7 @@ from replay_tools import motion_file
 
 import owtsweep
 from owtsweep.cli import main
+from owtsweep.studies.replay import loading
 from owtsweep.studies.replay.blocks import plan
 from owtsweep.studies.replay.running import configure, execute
 from owtsweep.sweep.runs import Run
@@ -74,14 +76,19 @@ def test_a_batch_without_any_usable_file_is_refused(capsys):
 
 
 def test_from_python_and_a_file_that_may_not_be_read(monkeypatch):
-    import os
-
-    may = os.access
+    may, compute = os.access, loading._hash
     locked = str(Path("short.csv").resolve())
+
+    def refuse(states):
+        if states[0][0] == locked:
+            raise PermissionError(13, "Permission denied")
+        return compute(states)
+
     monkeypatch.setattr(os, "access", lambda path, mode: str(path) != locked and may(path, mode))
+    monkeypatch.setattr(loading, "_hash", refuse)
     replayed = owtsweep.replay(["good.csv", "short.csv"], QUICK)
     assert replayed.refused().to_dict("records") == [
-        {"file": "short", "reason": f"{locked}: you may not read this file; change its permissions"}
+        {"file": "short", "reason": f"{locked}: cannot be read (Permission denied)"}
     ]
     assert list(replayed.records().file) == ["good"]
 

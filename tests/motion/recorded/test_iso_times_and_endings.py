@@ -140,7 +140,12 @@ def test_a_cut_last_line_of_csv(tmp_path: Path) -> None:
 def test_the_middle_of_a_file_is_not_mended(tmp_path: Path) -> None:
     good = text_of([f"{t:g}" for t in TIME])
     lines = good.splitlines()
-    for between, wrong in ((",", "2.5"), (" ", "2.5"), (",", "a b c"), (" ", "broken here now")):
+    for between, wrong in (
+        (",", "2.425"),
+        (" ", "2.425"),
+        (",", "a b c"),
+        (" ", "broken here now"),
+    ):
         text = "\n".join([*lines[:50], wrong, *lines[50:]]).replace(",", between) + "\n"
         refusal(tmp_path / "r.csv", text)
     refusal(tmp_path / "r.csv", good + "no number\n" * 21)  # too much to be a footer
