@@ -78,12 +78,14 @@ def replay(files: str | PathLike[str] | Sequence[str], overrides: Sequence[str] 
     -------
     Replay
         The result. Its methods `errors()`, `advice()`, `records()` and `estimates()` return
-        DataFrames; its attribute `run` is the run.
+        DataFrames; its attribute `run` is the run. Of several records, those that cannot be used
+        are left out; `refused()` lists them with the reason.
 
     Raises
     ------
     InputError
-        If a file or an override is wrong. Nothing has been written in this case.
+        If no file can be used, a file does not exist, or an override is wrong. Nothing has been
+        written in this case.
     """
     from owtsweep.studies.replay.running import Replay, configure, execute
 

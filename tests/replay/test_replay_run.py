@@ -35,7 +35,9 @@ def test_outputs(capsys):
     assert "note: motion kept up to 5 Hz" in err
     (run,) = Path("results").iterdir()
     assert run.name.startswith("replay-tower-")
-    assert out.splitlines()[-1].endswith(f"{run.resolve().name}/report.md")
+    folder, recommended = out.splitlines()[-2:]
+    assert folder.endswith(f"{run.resolve().name}/report.md")
+    assert recommended.startswith("recommended: run HME1; its position error is 0.0")
     replayed = pd.read_csv(run / "replay.csv")
     assert list(replayed.columns) == ["scheme", "measure", "window", "value"]
     keys = replayed.set_index(["scheme", "measure", "window"])["value"]
@@ -160,7 +162,7 @@ BAD = {
     "unknown role": (["good.csv", "columns.position_z=a"], "columns.position_z"),
     "wrong unit": (["good.csv", "units.position_x=deg"], "deg"),
     "backwards": (["backwards.csv"], "goes backwards"),
-    "one bad of two": (["good.csv", "backwards.csv"], "backwards.csv"),
+    "two bad of two": (["backwards.csv", "gravity.csv"], "none of the 2 records can be used"),
     "gravity": (["gravity.csv"], "9.81"),
     "no table": (["good.csv", "replay.table=nothing.csv"], "replay.table"),
     "a choice": (["good.csv", "replay.input=guess"], "replay.input"),

@@ -61,6 +61,7 @@ def _add_replay(parser: Parser) -> None:
         "words", nargs="*", metavar="FILE|override", help="records or patterns; key=value words"
     )
     _add_flag(parser, "--describe", help="list channels, units, rates and gaps, and stop")
+    _add_flag(parser, "--sample", help="write two sample records into this folder, and stop")
     _add_run_options(parser)
 
 

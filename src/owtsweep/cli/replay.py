@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from owtsweep.cli.dry_run import foretell
-from owtsweep.cli.program import BAD_INPUT, DONE, FAILED
+from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here
 from owtsweep.cli.running import may_start, print_answer, tell_end
 from owtsweep.config import dump_with_units, require
 from owtsweep.errors import InputError
@@ -25,7 +26,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     options
         The parsed arguments of the command. `options.words` are the files and the overrides. With
         `options.describe` the files are described; with `options.cfg` the configuration is
-        printed. In both cases nothing is run.
+        printed; with `options.sample` the sample records are written. Then nothing is run.
     argv
         The words of the command line.
 
@@ -36,9 +37,12 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     """
     files = [word for word in options.words if "=" not in word]
     overrides = [word for word in options.words if "=" in word]
+    if options.sample:
+        return _write_sample(options.words)
     if options.describe:
         return _describe(files, overrides, options.config_dir)
-    from owtsweep.studies.replay.running import compose_replay, configure, execute, verify
+    from owtsweep.studies.replay.checking import verify
+    from owtsweep.studies.replay.running import compose_replay, configure, execute
     from owtsweep.sweep.progress import make_progress
 
     if options.cfg and not files:  # printing the keys needs no record
@@ -49,8 +53,11 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         print(dump_with_units(config), end="")
         return DONE
     if options.dry_run:
-        verify(config)
-        return foretell([config], fresh=options.fresh)
+        refused = list(verify(config).refused.values())
+        for reason in refused:
+            print(f"left out: {reason}", file=sys.stderr)
+        code = foretell([config], fresh=options.fresh)
+        return FAILED if refused else code
     if not may_start(options, config):
         return BAD_INPUT
     outcome = execute(
@@ -58,6 +65,7 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
         say=lambda text: print(text, file=sys.stderr, flush=True),
     )  # fmt: skip
     from owtsweep.studies.replay import report
+    from owtsweep.studies.replay.recommending import recommend
     from owtsweep.studies.replay.terminal import list_spectrum_notes
 
     for note in list_spectrum_notes(config):
@@ -74,6 +82,12 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
             written = False
         written &= print_answer(replayed, results, width=None if sys.stdout.isatty() else 120)
     code = tell_end(outcome, argv, f"{replayed.place}/report.md")
+    if (
+        results
+        and len(config.grid.files) == 1
+        and (said := recommend(results[""].tables["advice"]))
+    ):
+        print(said)
     return code if written else FAILED
 
 
@@ -91,4 +105,20 @@ def _describe(files: Sequence[str], overrides: Sequence[str], config_dir: str | 
         motion = config.columns.settings()
     described = [describe(file, columns=columns, units=units, **motion) for file in expand(files)]
     print("\n\n".join(map(str, described)))
+    return DONE
+
+
+def _write_sample(words: Sequence[str]) -> int:
+    from owtsweep.studies.replay.sample import MOTION, SENSORS, TABLE, write_sample
+
+    require(
+        not words, "--sample: this writes the package's own records; leave out FILE and overrides"
+    )
+    write_sample(Path())
+    print(f"{MOTION}: the motion of a hub, 60 s at 20 Hz; GNSS and IMU will be simulated")
+    print(f"{SENSORS}: a recorded IMU (100 Hz) and GNSS (1 Hz, 0.2 s late), with the true position")
+    print(f"{TABLE}: a table of both, for replay.table")
+    program = program_here()
+    print(f"next: {program} replay {MOTION}")
+    print(f"      {program} replay {SENSORS}")
     return DONE

@@ -87,6 +87,8 @@ class Description:
     motion
         A sentence on the motion of the hub: how it is composed, why it cannot be, or what the
         channels of the position are; "" if there is nothing to say.
+    notes
+        Sentences on what of the file was left out.
     """
 
     path: Path
@@ -97,11 +99,13 @@ class Description:
     channels: tuple[Channel, ...]
     clock: str
     motion: str = ""
+    notes: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         rows = f"{self.rows} rows" + (" looked at, the first of more" if self.cut else "")
         path = printable(str(self.path))
         lines = [f"{path}: {self.format}, {len(self.channels)} channels, {rows}", self.clock]
+        lines += [f"note: {note}" for note in self.notes]
         by_name = {channel.name: channel for channel in self.channels}
         if self.guess:
             lines += ["", "Guess of the mapping (change one by columns.ROLE=CHANNEL):"]
@@ -187,8 +191,9 @@ def describe(
         moved = _describe_parts(
             table, mapping, loaded, tower_height=tower_height, rigid=rigid, rotation=rotation
         )
+    notes = tuple(dict.fromkeys(table.notes))
     return Description(
-        table.path, table.format, rows, rows >= most, mapping, channels, clock, moved
+        table.path, table.format, rows, rows >= most, mapping, channels, clock, moved, notes
     )
 
 

@@ -16,6 +16,7 @@ from owtsweep.motion.recorded.choosing import add_motion, begin_position
 from owtsweep.motion.recorded.columns import PARTS, ROLES, assign_roles
 from owtsweep.motion.recorded.composing import compose
 from owtsweep.motion.recorded.formats import open_table
+from owtsweep.motion.recorded.formats.iso_times import ISO_TIME
 from owtsweep.motion.recorded.formats.table import ChannelTable, refuse
 from owtsweep.motion.recorded.parts import imply_unit
 from owtsweep.motion.recorded.recording import Recording
@@ -86,7 +87,9 @@ def read(
         )
     bare = Recording(table.path, time, channels, chosen, ())
     said_of_motion = (said,) if said else ()
-    return replace(bare, notes=(*notes, *said_of_motion, *check_channels(bare, gaps)))
+    left_out = dict.fromkeys(table.notes)
+    checked = check_channels(bare, gaps)
+    return replace(bare, notes=(*left_out, *notes, *said_of_motion, *checked))
 
 
 def _compose(
@@ -182,7 +185,15 @@ def find_factors(
     factors, assumed = {}, []
     for role, name in chosen.items():
         given, stated = units.get(role), table.unit(name) or imply_unit(role, name)
-        if given:
+        if role == "time" and stated == ISO_TIME:
+            if given:
+                raise refuse(
+                    table.path,
+                    f"units.time={given}: the times ({name}) are dates with a time of day, which "
+                    "become seconds; leave out units.time",
+                )
+            factors[role] = 1.0
+        elif given:
             factors[role] = find_factor(given, ROLES[role], f"{table.path}: units.{role}")
         elif stated:
             where = f"{table.path}: channel {name} says its unit is"
@@ -194,4 +205,7 @@ def find_factors(
             factors[role] = 1.0
             assumed.append(f"{role} in {DIMENSIONS[ROLES[role]][0]}")
     notes = [f"units not in the file, taken as SI: {', '.join(assumed)}"] if assumed else []
+    unused = [f"units.{role}" for role, unit in units.items() if unit and role not in chosen]
+    if unused:
+        notes.append(f"without effect, no channel has this role: {', '.join(unused)}")
     return factors, notes

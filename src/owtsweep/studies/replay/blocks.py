@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from owtsweep.config import as_mapping
-from owtsweep.errors import as_text
+from owtsweep.errors import InputError, as_text
 from owtsweep.motion.recorded import identify_motion
 from owtsweep.studies.hub.public import (
     WIDTH,
@@ -26,7 +26,7 @@ from owtsweep.studies.hub.public import (
 from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
-from owtsweep.studies.replay.loading import hash_file, label_files, load_record
+from owtsweep.studies.replay.loading import hash_file, label_files, load_record, may_read
 from owtsweep.studies.replay.measuring import count_replicates, listen
 from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
 from owtsweep.sweep.study import FAILED, OK, Block
@@ -58,7 +58,9 @@ def plan(config: ReplayConfig) -> list[Block]:
     contents = [scheme_content(config, e, s) for e, s in zip(config.schemes, schemes, strict=True)]
     blocks = []
     for label, file in label_files(config.grid.files).items():
-        content = {**shared, "file": label, "digest": hash_file(file)}
+        # a file that may not be read fails with that reason when its blocks are run
+        digest = hash_file(file) if may_read(file) else ""
+        content = {**shared, "file": label, "digest": digest}
         content |= _identify_motion(config, file)
         content["ending"] = "".join(Path(file).suffixes[-2:]).lower()
         first = {
@@ -111,12 +113,16 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
     settled = round(config.measures.settling_time / sensors.step)
     for block in blocks:
         label, name = block.content["file"], block.content["scheme"]
-        record = load_record(config, files[label])
-        if name == RECORD:
-            rows = _describe_record(config, record, label, sensors, settled)
+        try:
+            record = load_record(config, files[label])
+        except InputError as error:  # one bad file of many
+            rows = [_make_failed_row(label, name, 0, str(error))]
         else:
-            rows = _run_scheme(config, record, label, schemes[name], sensors, settled)
-        release_memory(record)
+            if name == RECORD:
+                rows = _describe_record(config, record, label, sensors, settled)
+            else:
+                rows = _run_scheme(config, record, label, schemes[name], sensors, settled)
+            release_memory(record)
         table = pd.DataFrame(rows, columns=list(COLUMNS))
         yield block, table.astype({"value": "float64", "replicate": "int64", "n_samples": "int64"})
 
@@ -189,7 +195,7 @@ def _run_scheme(
             for number, tally in zip(numbers, tallies, strict=True):
                 rows += [_make_row(label, scheme.name, number, m) for m in tally.measures()]
         except (Exception, SystemExit) as error:  # a user's scheme may fail; the others continue
-            return [(label, scheme.name, "", "", first, np.nan, 0, FAILED, as_text(error))]
+            return [_make_failed_row(label, scheme.name, first, as_text(error))]
     return rows
 
 
@@ -216,3 +222,7 @@ def choose_replicates_at_once(config: ReplayConfig, scheme: Scheme, longest: int
 def _make_row(file: str, scheme: str, replicate: int, measured: measures.Measured) -> Row:
     name, window, value, count = measured
     return (file, scheme, name, window, replicate, value, count, OK, "")
+
+
+def _make_failed_row(file: str, scheme: str, replicate: int, reason: str) -> Row:
+    return (file, scheme, "", "", replicate, np.nan, 0, FAILED, reason)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import replace
@@ -64,6 +65,11 @@ def hash_file(file: str) -> str:
         return _hash(states)
     except OSError as error:
         raise InputError(f"{file}: cannot be read ({error.strerror or error})") from error
+
+
+def may_read(file: str) -> bool:
+    """Return False if a file is there but its permissions do not let this process read it."""
+    return os.access(file, os.R_OK) or not os.path.exists(file)
 
 
 @lru_cache(maxsize=4096)

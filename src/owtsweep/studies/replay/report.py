@@ -64,6 +64,7 @@ def write(
         parts += ["", *_describe_one(config, tables, record)]
     else:
         parts += ["", f"## Records\n\n{_describe_many(tables['records'])}"]
+        parts += _tell_refused(tables["refused"])
     parts.append("\n## Figures\n")
     drawn = {path.stem: path for path in figures if path.suffix == ".png"}
     parts += [
@@ -139,6 +140,14 @@ def _describe_many(records: pd.DataFrame) -> str:
         for line in records[kept].itertuples(index=False)
     ]
     return markdown.table([printable(str(name)) for name in kept], rows)
+
+
+def _tell_refused(refused: pd.DataFrame) -> list[str]:
+    if refused.empty:
+        return []
+    both = zip(refused["file"], refused["reason"], strict=True)
+    told = [f"- {_escape(str(file))}: {_escape(str(reason))}" for file, reason in both]
+    return ["\n## Records left out\n", *told]
 
 
 def _escape(text: str) -> str:

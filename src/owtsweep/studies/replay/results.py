@@ -18,7 +18,7 @@ from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import label_files
 from owtsweep.studies.replay.measures import WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
-from owtsweep.sweep.study import OK
+from owtsweep.sweep.study import FAILED, OK
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Make the tables "replay", "errors", "records" and "advice" from a replay's rows of results.
 
-    docs/replay.md describes the columns.
+    With several records there is also the table "refused". docs/replay.md describes the columns.
     """
     import pandas as pd
 
@@ -39,12 +39,28 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     values = errors[kept if len(labels) == 1 else ["file", *kept]]
     records = list_records(config, done[done["scheme"] == RECORD], labels)
     advised = [*_advise(config, done, names, labels, records)]
-    return {
+    tables = {
         "replay": values.rename(columns={"mean": "value"}),
         "errors": errors,
         "records": records,
         "advice": pd.DataFrame(advised, columns=list(advice.COLUMNS)),
     }
+    if len(labels) > 1:  # a single record that cannot be used is refused before it is run
+        tables["refused"] = list_refused(rows, labels)
+    return tables
+
+
+def list_refused(rows: pd.DataFrame, files: Sequence[str]) -> pd.DataFrame:
+    """List the records that cannot be used: columns file and reason, in the order of `files`.
+
+    `rows` are a replay's rows of results; `files` are the labels of all records.
+    """
+    import pandas as pd
+
+    failed = rows[(rows["status"] == FAILED) & (rows["scheme"] == RECORD)]
+    reasons = dict(zip(failed["file"], failed["reason"], strict=True))
+    listed = [(file, reasons[file]) for file in files if file in reasons]
+    return pd.DataFrame(listed, columns=["file", "reason"])
 
 
 def average_errors(

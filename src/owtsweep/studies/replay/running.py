@@ -12,13 +12,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from owtsweep.config import changed, require
-from owtsweep.errors import InputError, printable
+from owtsweep.errors import InputError
 from owtsweep.io.files import refuse_in_one_line
 from owtsweep.io.reading import require_regular
 from owtsweep.studies import compose, get_study
+from owtsweep.studies.replay.checking import verify
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.loading import label_files, load_record
-from owtsweep.studies.replay.seastates import read_sea_states, read_table
+from owtsweep.studies.replay.loading import label_files
+from owtsweep.studies.replay.seastates import read_table
+from owtsweep.studies.replay.words import quote_texts, tell_missing
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,7 +50,7 @@ def compose_replay(overrides: Sequence[str], config_dir: str | None = None) -> R
     InputError
         If the overrides are wrong.
     """
-    config = compose(overrides, config_dir, primary="replay")
+    config = compose(quote_texts(overrides), config_dir, primary="replay")
     if not isinstance(config, ReplayConfig):
         raise InputError(
             f"study: {config.study!r} replays no record; leave out study={config.study}"
@@ -107,43 +109,21 @@ def expand(words: Sequence[str]) -> list[str]:
     """
     paths: dict[str, None] = {}
     for word in words:
+        require(word.strip() != "", "FILE: the name is empty; name a record's file or a pattern")
         path = Path(os.path.expanduser(word))
         if os.path.exists(path):
             require(
-                not path.is_dir(), f"{word}: this is a folder; name files in it, e.g. {word}/*.csv"
+                not path.is_dir(),
+                f'{word}: this is a folder; name files in it, e.g. "{Path(word) / "*.csv"}"',
             )
             require_regular(path)
             matches = [path]
         else:
-            pattern = any(sign in word for sign in "*?[")
-            wrong = "nothing matches this pattern" if pattern else "there is no such file"
             matches = [Path(name) for name in sorted(glob.glob(str(path), recursive=True))]
             matches = [match for match in matches if match.is_file()]
-            require(len(matches) > 0, f"{word}: {wrong}")
+            require(len(matches) > 0, tell_missing(word, path))
         paths.update({str(match.resolve()): None for match in matches})
     return list(paths)
-
-
-def verify(config: ReplayConfig) -> list[str]:
-    """Read every record once, so that a bad record is refused before anything is written.
-
-    Returns
-    -------
-    list of str
-        The notes on the records, for the user; equal notes appear once. If there are several
-        records, each note begins with the name of the record's file.
-
-    Raises
-    ------
-    InputError
-        If a record or the table of sea states cannot be used; the one-line message names the file.
-    """
-    read_sea_states(config)
-    notes: dict[str, None] = {}
-    for file in config.grid.files:
-        name = f"{printable(Path(file).name)}: " if len(config.grid.files) > 1 else ""
-        notes |= {f"{name}{note}": None for note in load_record(config, file).notes}
-    return list(notes)
 
 
 def execute(
@@ -169,23 +149,27 @@ def execute(
     Returns
     -------
     Outcome
-        What was computed, reused and failed; estimates that could not be written are in `failed`.
+        What was computed, reused and failed. In `failed` are also the cases of a record that cannot
+        be used, if there are others that can, and estimates that could not be written.
 
     Raises
     ------
     InputError
-        If a record or the configuration cannot be used; nothing has been written then.
+        If no record or not the configuration can be used; nothing has been written then.
     """
     from owtsweep.studies.replay import estimates
     from owtsweep.sweep.rows import Setback
     from owtsweep.sweep.run import sweep
 
-    for note in verify(config):
-        say(f"note: {note}")
+    verified = verify(config)
+    for line in verified.lines():
+        say(line)
     outcome = sweep(get_study(config.study), config, fresh=fresh, progress=progress, argv=argv)
     folders = locate_estimates(config, outcome.run.place)
     unwritten = []
     for file, (label, folder) in zip(config.grid.files, folders.items(), strict=True):
+        if file in verified.refused:
+            continue
         try:
             with refuse_in_one_line(folder):
                 estimates.write(config, file, folder, say)
@@ -235,6 +219,18 @@ class Replay:
     def records(self) -> pd.DataFrame:
         """Return the table of records: one row per record, with duration, motion and spectrum."""
         return self.run.table("records")
+
+    def refused(self) -> pd.DataFrame:
+        """Return the records that cannot be used: columns file (the label) and reason.
+
+        A single record that cannot be used is an `InputError` of `owtsweep.replay` instead.
+
+        Raises
+        ------
+        InputError
+            If the replay has a single record.
+        """
+        return self.run.table("refused")
 
     def estimates(self, record: str | None = None) -> pd.DataFrame:
         """Return the estimates of a record in replicate 0, one row per scheme and time.

@@ -45,7 +45,20 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
         parts += [Text(line) for line in make_sentences(tables["advice"])]
     else:
         parts.append(Text(_count_advice(tables["advice"])))
+    if len(config.grid.files) > 1:
+        parts += [Text(line) for line in list_left_out(tables["refused"])]
     return Group(*parts)
+
+
+def list_left_out(refused: pd.DataFrame) -> list[str]:
+    """Return a line per record that was left out, with the reason.
+
+    Of more than `MOST_RECORDS` records, the last line gives the number of those not listed.
+    `refused` is the run's table of refused records.
+    """
+    lines = [f"left out: {row.reason}" for row in refused.head(MOST_RECORDS).itertuples()]
+    more = len(refused) - len(lines)
+    return [*lines, f"left out: {more} more (refused.csv)"] if more else lines
 
 
 def _count_advice(advised: pd.DataFrame) -> str:

@@ -17,6 +17,8 @@ from owtsweep.motion.recorded.formats.table import refuse, shorten
 
 #: Most bytes of a line, and the number of bytes that are read at once.
 BLOCK = 1 << 22
+#: Bytes at the end of a file that are one block: what follows the rows of a table is among them.
+TAIL = 1 << 16
 #: A compressed file may unpack to `MOST_UNPACKED` bytes, or to `MOST_TIMES` times its size if that
 #: is more.
 MOST_UNPACKED, MOST_TIMES = 150_000_000, 50
@@ -79,17 +81,20 @@ class TextStream(io.RawIOBase):
         super().close()
 
 
-def read_blocks(path: Path) -> Iterator[bytes]:
-    """Yield a text file, unpacked if it is compressed, in blocks of whole lines.
+def read_blocks(path: Path) -> Iterator[tuple[bytes, bool]]:
+    """Yield a text file, unpacked if it is compressed, in blocks: (block, whether it is the last).
 
-    A block has about `BLOCK` bytes; the last block may be shorter or empty.
+    A block has about `BLOCK` bytes and holds whole lines. The last block holds the last `TAIL`
+    bytes of the file, or the whole file if it is shorter; its last line may have no end.
     """
     rest = b""
     with TextStream(path) as stream:
         while chunk := stream.read(BLOCK):
-            end = max(chunk.rfind(b"\n"), chunk.rfind(b"\r")) + 1
+            rest += chunk
+            del chunk  # saves memory
+            most = max(len(rest) - TAIL, 0)
+            end = max(rest.rfind(b"\n", 0, most), rest.rfind(b"\r", 0, most)) + 1
             if end:
-                yield rest + chunk[:end]
-                rest = b""
-            rest += chunk[end:]
-    yield rest
+                yield rest[:end], False
+                rest = rest[end:]
+    yield rest, True

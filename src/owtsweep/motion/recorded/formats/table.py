@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from owtsweep.arrays import Array
@@ -41,6 +41,8 @@ class ChannelTable:
         units: the first `rows` values, or all if `rows` is None. Missing values are NaN.
     rows
         The number of rows that the file announces; None if it announces none, as text does.
+    notes
+        Sentences for the user on what was left out. `load` adds to this list.
     """
 
     path: Path
@@ -49,6 +51,7 @@ class ChannelTable:
     units: tuple[str, ...]
     load: Load
     rows: int | None = None
+    notes: list[str] = field(default_factory=list)
 
     def unit(self, name: str) -> str:
         """Return the unit that the file states for a channel; "" if the file states none."""

@@ -1,74 +1,34 @@
-"""Read text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed.
-
-The reader finds the layout from the first lines of the file. The data begin at the first of two
-successive lines that have equally many fields, at least half of which are numbers or missing
-values. The line above the data holds the names of the columns. If that line holds units, the names
-are one line higher. All lines above the names are skipped.
-"""
+"""Read text tables: CSV, TSV, columns separated by blanks, FAST's .out; also gzip-compressed."""
 
 from __future__ import annotations
 
 import codecs
-import csv
-import re
+import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded.formats.streams import TextStream, read_blocks
-from owtsweep.motion.recorded.formats.table import (
-    LONGEST_NAME,
-    ChannelTable,
-    number_repeats,
-    refuse,
-    shorten,
+from owtsweep.motion.recorded.formats.endings import read_rows
+from owtsweep.motion.recorded.formats.iso_times import IsoTimes
+from owtsweep.motion.recorded.formats.streams import TextStream
+from owtsweep.motion.recorded.formats.table import ChannelTable, refuse, shorten
+from owtsweep.motion.recorded.formats.text_layout import (
+    MISSING,
+    Layout,
+    find_layout,
+    is_value,
+    split_fields,
 )
-from owtsweep.motion.recorded.units import find_dimension
 
 #: The layout is found from this many bytes at the start of the file.
 HEAD = 1 << 18
-
-MISSING = (
-    *("", "nan", "NaN", "NAN", "-nan", "-NaN", "1.#QNAN", "-1.#IND", "#N/A", "NA", "N/A", "n/a"),
-    *("null", "NULL", "None", "none", "-", "inf", "-inf", "Inf", "-Inf"),
-)
-
-_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?$")
-_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?$")
-#: Numbers with a comma that may be a decimal comma, or may separate thousands.
-_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}$")
-_INTEGER = re.compile(r"[+-]?\d+$")
-_TIME = re.compile(r"\W*(t|time.*)$", re.IGNORECASE)
-_UNIT_AT_END = re.compile(r"^(.*?)[\s_]*[\[(]([^\[\]()]*)[\])]\s*$")
-_BRACKETED = re.compile(r"^[\[(].*[\])]$")
-
-
-@dataclass(frozen=True)
-class Layout:
-    """The layout of a text table.
-
-    Attributes
-    ----------
-    delimiter
-        The character between fields; " " stands for any run of blanks.
-    first
-        Number of lines above the data.
-    names, units
-        The name and the unit of each column; a unit is "" if the file states none.
-    decimal
-        "." or ",": the character between the whole part of a number and the rest.
-    """
-
-    delimiter: str
-    first: int
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    decimal: str
+#: Column -> its values in one block: numbers, or a pyarrow array of strings for times.
+Parsed = Mapping[str, Any]
 
 
 def open_text(path: Path) -> ChannelTable:
@@ -81,11 +41,13 @@ def open_text(path: Path) -> ChannelTable:
         commas of unclear meaning (decimal commas or separators).
     """
     layout = find_layout(path, _read_head(path))
-    load = partial(_load_blanks if layout.delimiter == " " else _load_delimited, path, layout)
+    notes: list[str] = []
+    load = partial(_load_columns, path, layout, notes)
     word = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks"}[layout.delimiter]
     if layout.decimal == ",":
         word += ", decimal commas"
-    return ChannelTable(path, f"text, columns between {word}", layout.names, layout.units, load)
+    form = f"text, columns between {word}"
+    return ChannelTable(path, form, layout.names, layout.units, load, notes=notes)
 
 
 def _read_head(path: Path) -> list[str]:
@@ -114,195 +76,99 @@ def _read_head(path: Path) -> list[str]:
     return lines[:-1] if len(raw) == HEAD and len(lines) > 1 else lines
 
 
-def split_fields(line: str, delimiter: str) -> list[str]:
-    """Return the fields of a line, without blanks and quotes around a field.
-
-    `delimiter` is the character between fields; " " stands for any run of blanks.
-    """
-    if delimiter == " ":
-        return [field.strip('"') for field in line.split()]
-    if '"' in line and len(line) < 100_000:  # the module csv limits the length of a field
-        quoted = next(csv.reader([line.strip("\r\n")], delimiter=delimiter, skipinitialspace=True))
-        return [field.strip() for field in quoted]
-    return [field.strip().strip('"').strip() for field in line.rstrip("\r\n").split(delimiter)]
-
-
-def find_layout(path: Path, lines: list[str]) -> Layout:
-    """Find the delimiter, names, units, decimal character and first line of data of a text table.
-
-    `lines` are the first lines of the file.
-
-    Raises
-    ------
-    InputError
-        If the lines hold no table of numbers, or commas of unclear meaning (decimal commas or
-        separators).
-    """
-    written = [(number, line) for number, line in enumerate(lines) if line.strip()]
-    for place, (first, line) in enumerate(written):
-        delimiter = _find_delimiter(line)
-        fields = split_fields(line, delimiter)
-        follower = written[min(place + 1, len(written) - 1)][1]
-        below = split_fields(follower, delimiter)
-        if not len(fields) == len(below) > 1 or not (_is_data(fields) and _is_data(below)):
-            continue
-        data = [split_fields(text, delimiter) for _, text in written[place:]]
-        decimal = _find_decimal(path, first, data)
-        header = [text for _, text in written[:place]]
-        if delimiter == "," and header and decimal == ".":
-            _refuse_commas_for_all(path, first, fields, header[-1])
-        names, units = _read_header(header, delimiter, len(fields))
-        return Layout(delimiter, first, names, units, decimal)
-    raise refuse(
-        path,
-        "has no table of numbers (at least two lines and two columns, separated by commas, "
-        "semicolons, tabs or blanks)",
-    )
-
-
-def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
-    """Return the decimal character of the numbers at the beginning of the data: "." or ",".
-
-    `data` holds the fields of each line; `first` is the number of the first of these lines, from 0.
-    If some numbers have a point, and commas appear only below the first line, the commas are taken
-    for text, and "." is returned.
-
-    Raises
-    ------
-    InputError
-        If the first line has numbers with a comma, but some numbers have a point; or if every comma
-        may separate thousands.
-    """
-    commas = [field for fields in data for field in fields if _DECIMAL_COMMA.match(field)]
-    if not commas:
-        return "."
-    points = (f for fields in data for f in fields if "." in f and _NUMBER.match(f))
-    point = next(points, None)
-    hint = "write numbers with a decimal point and without other separators"
-    if point is not None:
-        if commas[0] not in data[0]:
-            return "."  # the comma is in a text further down
-        raise refuse(path, f"line {first + 1} on has numbers like {commas[0]} and {point}: {hint}")
-    if all(_THOUSANDS.match(field) for field in commas):
-        whole = commas[0].replace(",", "")
-        point = commas[0].replace(",", ".")
-        raise refuse(path, f"is {commas[0]} from line {first + 1} on {whole} or {point}? {hint}")
-    return ","
-
-
-def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: str) -> None:
-    """Raise `InputError` if commas between columns may also be decimal commas, as in `0,05,1,25`.
-
-    `fields` are the fields of the first line of data, which has the number `first`, from 0;
-    `header` is the line above the data. The error is raised if all fields are integers, and the
-    header names a time but has fewer names than there are fields, though at least half as many.
-    """
-    names = split_fields(header.lstrip("#!%").strip(), ",")
-    parts = len(fields)
-    whole = all(_INTEGER.match(field) for field in fields)
-    if whole and len(names) < parts <= 2 * len(names) and any(map(_TIME.match, names)):
-        raise refuse(
-            path,
-            f"line {first + 1} has {parts} numbers below {len(names)} names: if its commas are "
-            "decimal commas, write points instead, or write semicolons between the columns",
-        )
-
-
-def _find_delimiter(line: str) -> str:
-    for candidate in (";", "\t"):
-        if candidate in line.strip():
-            return candidate
-    # "1 2,25" is separated by blanks and has decimal commas; "1,2, 3" is separated by commas
-    blanks = line.split()
-    if len(blanks) > 1 and all(_NUMBER.match(f) or _DECIMAL_COMMA.match(f) for f in blanks):
-        return " "
-    return "," if "," in line else " "
-
-
-def _is_data(fields: list[str]) -> bool:
-    numbers = sum(1 for f in fields if _NUMBER.match(f) or _DECIMAL_COMMA.match(f))
-    missing = sum(1 for f in fields if f in MISSING)  # no text in MISSING looks like a number
-    return numbers > 0 and 2 * (numbers + missing) >= len(fields)
-
-
-def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
-    """Return the names and the units of `count` columns, read from the lines above the data.
-
-    `above` holds these lines, and `delimiter` is the character between fields (" " for any run of
-    blanks). If no line holds names, the columns are called 1, 2, 3, ... A unit is "" if the lines
-    state none.
-    """
-    rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above[-2:]]
-    units = [""] * count
-    if rows and len(rows[-1]) == count and _holds_units(rows):
-        units = [field.strip("[]() ") for field in rows.pop()]
-    if not rows or len(rows[-1]) != count:
-        return tuple(str(number + 1) for number in range(count)), tuple(units)
-    names = []
-    for place, field in enumerate(rows[-1]):
-        parts = _UNIT_AT_END.match(field[:LONGEST_NAME])
-        if parts and parts[1] and not units[place]:
-            names.append(parts[1])
-            units[place] = parts[2].strip()
-        else:
-            names.append(field or str(place + 1))
-    return number_repeats(names), tuple("" if unit in ("-", "none") else unit for unit in units)
-
-
-def _holds_units(rows: list[list[str]]) -> bool:
-    """Return whether the last row holds units.
-
-    `rows` are the fields of the one or two lines above the data. The last row holds units if all
-    its fields are in brackets. It also holds units if all its fields are known units and the row
-    above it has equally many fields. Fields that are empty or "-" are not looked at.
-    """
-    last = [field for field in rows[-1] if field not in ("", "-")]
-    if all(_BRACKETED.match(field) for field in last):
-        return True
-    named = len(rows) > 1 and len(rows[-2]) == len(rows[-1])
-    return named and all(find_dimension(field.strip("[]() ")) for field in last)
-
-
-def _load_delimited(
-    path: Path, layout: Layout, names: Sequence[str], rows: int | None
+def _load_columns(
+    path: Path, layout: Layout, notes: list[str], names: Sequence[str], rows: int | None
 ) -> Mapping[str, Array]:
-    """Load the named columns with pyarrow: return name -> values.
+    """Load the named columns: return name -> values.
 
     Only the first `rows` rows are loaded; None loads all rows. The file is read block by block, so
-    that only the wanted columns use memory. pyarrow's own streaming reader is not used, because its
-    thread may outlive an error.
+    that only the wanted columns use memory. Sentences on what was left out are added to `notes`.
+    """
+    times = {n: IsoTimes(path, n, layout.times[n]) for n in names if n in layout.times}
+    parse = _parse_blanks if layout.delimiter == " " else _parse_delimited
+    columns: dict[str, Array] = {name: np.empty(0) for name in names}
+    count, skipped = 0, layout.first
+    split = partial(split_fields, delimiter=layout.delimiter)
+    for block in read_rows(path, len(layout.names), split, is_value, notes):
+        if not block.strip():
+            continue
+        parsed = parse(path, layout, block, skipped, names)
+        skipped = 0
+        stop = count + len(parsed[names[0]]) if names else count
+        for name in names:
+            values = parsed[name]
+            if stop > len(columns[name]):
+                columns[name] = _lengthen(columns[name], count, stop)
+            columns[name][count:stop] = times[name].convert(values) if name in times else values
+        count = stop
+        if rows is not None and count >= rows:
+            break
+    stop = count if rows is None else min(rows, count)
+    return {name: column[:stop] for name, column in columns.items()}
+
+
+def _parse_delimited(
+    path: Path, layout: Layout, block: bytes, skipped: int, names: Sequence[str]
+) -> Parsed:
+    """Parse a block with pyarrow, without its first `skipped` lines.
+
+    pyarrow's own streaming reader is not used, because its thread may outlive an error.
     """
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
 
     convert = arrow_csv.ConvertOptions(
         include_columns=list(names),
-        column_types={name: pa.float64() for name in names},
+        column_types={n: pa.string() if n in layout.times else pa.float64() for n in names},
         null_values=list(MISSING),
+        strings_can_be_null=True,
         decimal_point=layout.decimal,
     )
+    how = arrow_csv.ReadOptions(skip_rows=skipped, column_names=list(layout.names))
     parse = arrow_csv.ParseOptions(delimiter=layout.delimiter)
-    columns: dict[str, Array] = {name: np.empty(0) for name in names}
-    count, skipped = 0, layout.first
-    for block in read_blocks(path):
-        if not block.strip():
-            continue
-        how = arrow_csv.ReadOptions(skip_rows=skipped, column_names=list(layout.names))
-        skipped = 0
-        try:
-            table = arrow_csv.read_csv(pa.BufferReader(block), how, parse, convert)
-        except pa.ArrowException as error:
-            raise _not_numbers(path, error) from None
-        stop = count + table.num_rows
-        for name in names:
-            if stop > len(columns[name]):
-                columns[name] = _lengthen(columns[name], count, stop)
-            columns[name][count:stop] = table.column(name).to_numpy()
-        count = stop
-        if rows is not None and count >= rows:
-            break
-    stop = count if rows is None else min(rows, count)
-    return {name: column[:stop] for name, column in columns.items()}
+    try:
+        table = arrow_csv.read_csv(pa.BufferReader(block), how, parse, convert)
+    except pa.ArrowException as error:
+        raise _not_numbers(path, error) from None
+    return {
+        n: table.column(n).combine_chunks() if n in layout.times else table.column(n).to_numpy()
+        for n in names
+    }
+
+
+def _parse_blanks(
+    path: Path, layout: Layout, block: bytes, skipped: int, names: Sequence[str]
+) -> Parsed:
+    """Parse a block with pandas, without its first `skipped` lines.
+
+    pandas is used because pyarrow cannot split a line at runs of blanks.
+    """
+    import pandas as pd
+    import pyarrow as pa
+
+    if skipped:
+        block = b"".join(block.splitlines(keepends=True)[skipped:])
+    types = {name: "str" if name in layout.times else "float64" for name in names}
+    try:
+        frame = pd.read_csv(
+            io.BytesIO(block), sep=r"\s+", header=None, names=layout.names,
+            usecols=list(names), dtype=types, na_values=list(MISSING), decimal=layout.decimal,
+            encoding_errors="replace",
+        )  # fmt: skip
+    except (ValueError, pd.errors.ParserError) as error:
+        raise _not_numbers(path, error) from None
+    columns = len(layout.names)
+    if len(block.split()) != columns * len(frame):  # pandas takes a short row as missing values
+        for line in block.decode("utf-8", "replace").splitlines():
+            fields = split_fields(line, " ")
+            if len(fields) not in (0, columns):
+                raise refuse(path, f"{len(fields)} fields, not {columns}, are in {line[:60]!r}")
+    return {
+        n: pa.array(frame[n], pa.string(), from_pandas=True)
+        if n in layout.times
+        else frame[n].to_numpy(dtype=float)
+        for n in names
+    }
 
 
 def _not_numbers(path: Path, error: Exception) -> InputError:
@@ -318,27 +184,3 @@ def _lengthen(column: Array, count: int, least: int) -> Array:
     result = np.empty(max(2 * len(column), least))
     result[:count] = column[:count]
     return result
-
-
-def _load_blanks(
-    path: Path, layout: Layout, names: Sequence[str], rows: int | None
-) -> Mapping[str, Array]:
-    """Load the named columns with pandas: return name -> values.
-
-    Only the first `rows` rows are loaded; None loads all rows. pandas is used because pyarrow
-    cannot split a line at runs of blanks.
-    """
-    import pandas as pd
-
-    try:
-        with TextStream(path) as stream:
-            frame = pd.read_csv(
-                stream, sep=r"\s+", skiprows=layout.first, header=None, names=layout.names,
-                usecols=list(names), nrows=rows, dtype="float64", na_values=list(MISSING),
-                decimal=layout.decimal, encoding_errors="replace",
-            )  # fmt: skip
-    except InputError:
-        raise
-    except (ValueError, pd.errors.ParserError) as error:
-        raise _not_numbers(path, error) from None
-    return {name: frame[name].to_numpy(dtype=float) for name in names}

@@ -1,0 +1,223 @@
+"""Find the layout of a text table: delimiter, names, units, decimal character, times with dates.
+
+The layout is found from the first lines of the file. The data begin at the first of two successive
+lines that have equally many fields, at least half of which are numbers, times or missing values.
+The line above the data holds the names of the columns. If that line holds units, the names are one
+line higher. All lines above the names are skipped.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from owtsweep.motion.recorded.formats.iso_times import ISO_TIME, is_date_or_clock, is_split_time
+from owtsweep.motion.recorded.formats.table import LONGEST_NAME, number_repeats, refuse
+from owtsweep.motion.recorded.units import find_dimension
+
+MISSING = (
+    *("", "nan", "NaN", "NAN", "-nan", "-NaN", "1.#QNAN", "-1.#IND", "#N/A", "NA", "N/A", "n/a"),
+    *("null", "NULL", "None", "none", "-", "inf", "-inf", "Inf", "-Inf"),
+)
+
+_NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eEdD][+-]?\d+)?$")
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?$")
+#: Numbers with a comma that may be a decimal comma, or may separate thousands.
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}$")
+_INTEGER = re.compile(r"[+-]?\d+$")
+_TIME = re.compile(r"\W*(t|time.*)$", re.IGNORECASE)
+_UNIT_AT_END = re.compile(r"^(.*?)[\s_]*[\[(]([^\[\]()]*)[\])]\s*$")
+_BRACKETED = re.compile(r"^[\[(].*[\])]$")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """The layout of a text table.
+
+    Attributes
+    ----------
+    delimiter
+        The character between fields; " " stands for any run of blanks.
+    first
+        Number of lines above the data.
+    names, units
+        The name and the unit of each column; a unit is "" if the file states none.
+    decimal
+        "." or ",": the character between the whole part of a number and the rest.
+    times
+        Name of a column of dates or times of day -> its first field.
+    """
+
+    delimiter: str
+    first: int
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    decimal: str
+    times: Mapping[str, str]
+
+
+def split_fields(line: str, delimiter: str) -> list[str]:
+    """Return the fields of a line, without blanks and quotes around a field.
+
+    `delimiter` is the character between fields; " " stands for any run of blanks.
+    """
+    if delimiter == " ":
+        return [field.strip('"') for field in line.split()]
+    if '"' in line and len(line) < 100_000:  # the module csv limits the length of a field
+        quoted = next(csv.reader([line.strip("\r\n")], delimiter=delimiter, skipinitialspace=True))
+        return [field.strip() for field in quoted]
+    return [field.strip().strip('"').strip() for field in line.rstrip("\r\n").split(delimiter)]
+
+
+def find_layout(path: Path, lines: list[str]) -> Layout:
+    """Find the delimiter, names, units, decimal character and first line of data of a text table.
+
+    `lines` are the first lines of the file.
+
+    Raises
+    ------
+    InputError
+        If the lines hold no table of numbers, or commas of unclear meaning (decimal commas or
+        separators).
+    """
+    written = [(number, line) for number, line in enumerate(lines) if line.strip()]
+    for place, (first, line) in enumerate(written):
+        delimiter = _find_delimiter(line)
+        fields = split_fields(line, delimiter)
+        follower = written[min(place + 1, len(written) - 1)][1]
+        below = split_fields(follower, delimiter)
+        if not len(fields) == len(below) > 1 or not (_is_data(fields) and _is_data(below)):
+            continue
+        if delimiter == " " and is_split_time(fields):
+            raise refuse(
+                path,
+                f"line {first + 1} has date and time as two columns: write T between them "
+                f"({fields[0]}T{fields[1]}), or commas between the columns",
+            )
+        data = [split_fields(text, delimiter) for _, text in written[place:]]
+        decimal = _find_decimal(path, first, data)
+        header = [text for _, text in written[:place]]
+        if delimiter == "," and header and decimal == ".":
+            _refuse_commas_for_all(path, first, fields, header[-1])
+        names, units = _read_header(header, delimiter, len(fields))
+        times = {name: f for name, f in zip(names, fields, strict=True) if is_date_or_clock(f)}
+        units = tuple(ISO_TIME if n in times else u for n, u in zip(names, units, strict=True))
+        return Layout(delimiter, first, names, units, decimal, times)
+    raise refuse(
+        path,
+        "has no table of numbers (at least two lines and two columns, separated by commas, "
+        "semicolons, tabs or blanks)",
+    )
+
+
+def _find_decimal(path: Path, first: int, data: list[list[str]]) -> str:
+    """Return the decimal character of the numbers at the beginning of the data: "." or ",".
+
+    `data` holds the fields of each line; `first` is the number of the first of these lines, from 0.
+    If some numbers have a point, and commas appear only below the first line, the commas are taken
+    for text, and "." is returned.
+
+    Raises
+    ------
+    InputError
+        If the first line has numbers with a comma, but some numbers have a point; or if every comma
+        may separate thousands.
+    """
+    commas = [field for fields in data for field in fields if _DECIMAL_COMMA.match(field)]
+    if not commas:
+        return "."
+    points = (f for fields in data for f in fields if "." in f and _NUMBER.match(f))
+    point = next(points, None)
+    hint = "write numbers with a decimal point and without other separators"
+    if point is not None:
+        if commas[0] not in data[0]:
+            return "."  # the comma is in a text further down
+        raise refuse(path, f"line {first + 1} on has numbers like {commas[0]} and {point}: {hint}")
+    if all(_THOUSANDS.match(field) for field in commas):
+        whole = commas[0].replace(",", "")
+        point = commas[0].replace(",", ".")
+        raise refuse(path, f"is {commas[0]} from line {first + 1} on {whole} or {point}? {hint}")
+    return ","
+
+
+def _refuse_commas_for_all(path: Path, first: int, fields: list[str], header: str) -> None:
+    """Raise `InputError` if commas between columns may also be decimal commas, as in `0,05,1,25`.
+
+    `fields` are the fields of the first line of data, which has the number `first`, from 0;
+    `header` is the line above the data. The error is raised if all fields are integers, and the
+    header names a time but has fewer names than there are fields, though at least half as many.
+    """
+    names = split_fields(header.lstrip("#!%").strip(), ",")
+    parts = len(fields)
+    whole = all(_INTEGER.match(field) for field in fields)
+    if whole and len(names) < parts <= 2 * len(names) and any(map(_TIME.match, names)):
+        raise refuse(
+            path,
+            f"line {first + 1} has {parts} numbers below {len(names)} names: if its commas are "
+            "decimal commas, write points instead, or write semicolons between the columns",
+        )
+
+
+def _find_delimiter(line: str) -> str:
+    for candidate in (";", "\t"):
+        if candidate in line.strip():
+            return candidate
+    # "1 2,25" is separated by blanks and has decimal commas; "1,2, 3" is separated by commas
+    blanks = line.split()
+    if len(blanks) > 1 and all(_NUMBER.match(f) or _DECIMAL_COMMA.match(f) for f in blanks):
+        return " "
+    return "," if "," in line else " "
+
+
+def _is_data(fields: list[str]) -> bool:
+    numbers = sum(1 for f in fields if _NUMBER.match(f) or _DECIMAL_COMMA.match(f))
+    # no text in MISSING looks like a number
+    others = sum(1 for f in fields if f in MISSING or is_date_or_clock(f))
+    return numbers > 0 and 2 * (numbers + others) >= len(fields)
+
+
+def is_value(field: str) -> bool:
+    """Return whether a field is a number, a date, a time of day, or a sign of a missing value."""
+    number = _NUMBER.match(field) or _DECIMAL_COMMA.match(field)
+    return bool(number) or field in MISSING or is_date_or_clock(field)
+
+
+def _read_header(above: list[str], delimiter: str, count: int) -> tuple[tuple[str, ...], ...]:
+    """Return the names and the units of `count` columns, read from the lines above the data.
+
+    `above` holds these lines, and `delimiter` is the character between fields (" " for any run of
+    blanks). If no line holds names, the columns are called 1, 2, 3, ... A unit is "" if the lines
+    state none.
+    """
+    rows = [split_fields(line.lstrip("#!%").strip(), delimiter) for line in above[-2:]]
+    units = [""] * count
+    if rows and len(rows[-1]) == count and _holds_units(rows):
+        units = [field.strip("[]() ") for field in rows.pop()]
+    if not rows or len(rows[-1]) != count:
+        return tuple(str(number + 1) for number in range(count)), tuple(units)
+    names = []
+    for place, field in enumerate(rows[-1]):
+        parts = _UNIT_AT_END.match(field[:LONGEST_NAME])
+        if parts and parts[1] and not units[place]:
+            names.append(parts[1])
+            units[place] = parts[2].strip()
+        else:
+            names.append(field or str(place + 1))
+    return number_repeats(names), tuple("" if unit in ("-", "none") else unit for unit in units)
+
+
+def _holds_units(rows: list[list[str]]) -> bool:
+    """Return whether the last row holds units.
+
+    `rows` are the fields of the one or two lines above the data. The last row holds units if all
+    its fields are in brackets. It also holds units if all its fields are known units and the row
+    above it has equally many fields. Fields that are empty or "-" are not looked at.
+    """
+    last = [field for field in rows[-1] if field not in ("", "-")]
+    if all(_BRACKETED.match(field) for field in last):
+        return True
+    named = len(rows) > 1 and len(rows[-2]) == len(rows[-1])
+    return named and all(find_dimension(field.strip("[]() ")) for field in last)

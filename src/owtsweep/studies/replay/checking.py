@@ -1,0 +1,62 @@
+"""Read every record of a replay once, before anything is written, and tell which can be used."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from owtsweep.errors import InputError, printable
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.seastates import read_sea_states
+
+
+@dataclass(frozen=True)
+class Verified:
+    """What reading every record once has shown.
+
+    Attributes
+    ----------
+    notes
+        Sentences on the records, for the user; equal sentences appear once. If there are several
+        records, each sentence begins with the name of the record's file.
+    refused
+        Path of a file that cannot be used -> the reason, one line that begins with the path.
+    """
+
+    notes: Sequence[str]
+    refused: Mapping[str, str]
+
+    def lines(self) -> list[str]:
+        """Return all notes, and the reasons why files are left out, as lines for the user."""
+        return [
+            *(f"note: {note}" for note in self.notes),
+            *(f"left out: {reason}" for reason in self.refused.values()),
+        ]
+
+
+def verify(config: ReplayConfig) -> Verified:
+    """Read every record once; tell which records cannot be used.
+
+    Raises
+    ------
+    InputError
+        If no record can be used, or if the table of sea states cannot; the one-line message names
+        the file.
+    """
+    read_sea_states(config)
+    files = config.grid.files
+    notes: dict[str, None] = {}
+    refused: dict[str, str] = {}
+    for file in files:
+        name = f"{printable(Path(file).name)}: " if len(files) > 1 else ""
+        try:
+            notes |= {f"{name}{note}": None for note in load_record(config, file).notes}
+        except InputError as error:
+            refused[file] = str(error)
+    if len(refused) == len(files):
+        first = next(iter(refused.values()))
+        none = f"none of the {len(files)} records can be used; the first: "
+        raise InputError(first if len(files) == 1 else none + first)
+    return Verified(list(notes), refused)

@@ -1,0 +1,113 @@
+"""The sample records: made again they are the same, and docs/replay.md runs on them as printed."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from replay_tools import DATA, ROOT, needs_data
+
+from owtsweep.cli import main
+from owtsweep.studies.replay.recommending import recommend
+from owtsweep.studies.replay.sample import MOTION, SENSORS, TABLE, find_data, write_sample
+from owtsweep.sweep.runs import Run
+
+PAGE = (ROOT / "docs/replay.md").read_text(encoding="utf-8")
+LINES = re.findall(r"^python -m owtsweep (replay .*)$", PAGE, flags=re.MULTILINE)
+COMMANDS = [shlex.split(line, comments=True) for line in LINES]
+
+
+@pytest.fixture
+def sample(tmp_path, monkeypatch):
+    """A folder with the sample, in which nothing is drawn: drawing takes most of the time."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Run, "draw", lambda *args, **options: [])
+    write_sample(tmp_path)
+
+
+def test_made_again_the_sample_has_the_same_numbers(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "experiments"))
+    import make_sample
+
+    for path in make_sample.make(tmp_path):
+        kept = find_data() / path.name
+        assert len(kept.read_bytes()) < 150_000
+        made, shipped = pd.read_csv(path), pd.read_csv(Path(str(kept)))
+        assert list(made) == list(shipped)
+        for name in shipped:  # one of the last digit: other processors round differently
+            digit = 1e-3 if name.startswith("acc") else 1e-4
+            np.testing.assert_allclose(made[name], shipped[name], rtol=0.0, atol=1.01 * digit)
+
+
+def test_every_command_of_the_page_runs_as_printed(sample, capsys):
+    assert len(COMMANDS) >= 9
+    printed = {}
+    for words in COMMANDS:
+        # fewer draws, to save time, but for the command whose last line the page shows
+        as_printed = "--sample" in words or words == ["replay", MOTION]
+        assert main(words if as_printed else [*words, "replay.replicates=2"]) == 0, words
+        printed[shlex.join(words)] = capsys.readouterr()[0].splitlines()
+    last = printed[f"replay {MOTION}"][-1]
+    assert last.startswith("recommended: run ")
+    assert f"```\n{last}\n```" in PAGE
+
+
+def test_the_python_code_of_the_page_runs(sample):
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)
+    names: dict = {}
+    exec(code, names)
+    assert set(names["replay"].estimates().columns) >= {"time", "scheme", "x", "vy_std"}
+
+
+@needs_data
+@pytest.mark.faults  # slow: every command, on large files
+def test_with_other_names_the_commands_run_on_other_files(sample):
+    monopile, hand = DATA / "oc3_monopile_FAST_Test19.outb", DATA / "broad10_imu_optical.csv.gz"
+    Path(TABLE).write_text(f"file,Hs\n{monopile},1\n{hand},2\n")
+    both = f"{DATA}/*_*.*"
+    for words in COMMANDS:
+        swapped = [
+            {MOTION: str(monopile), SENSORS: str(hand), "sample_*.csv": both}.get(
+                word, word.replace("acc_x", "specific_force_x")
+            )
+            for word in words
+        ]
+        if "--sample" not in words:
+            assert main(swapped) == 0, swapped
+
+
+def test_the_sample_overwrites_nothing_else(sample, capsys):
+    assert main(["replay", "--sample"]) == 0
+    out = capsys.readouterr().out
+    assert f"replay {MOTION}\n" in out
+    Path(MOTION).write_text("mine")
+    Path(SENSORS).unlink()
+    assert main(["replay", "--sample"]) == 2
+    err = capsys.readouterr().err
+    assert err.startswith(f"owtsweep: --sample: {MOTION} is there already, with other content")
+    assert Path(MOTION).read_text() == "mine"
+    assert not Path(SENSORS).exists()
+    assert main(["replay", "--sample", "tower.csv"]) == 2
+    assert "leave out FILE" in capsys.readouterr().err
+
+
+def test_recommendations():
+    row = {
+        "source": "record", "criterion": "position", "best": "HME1", "value_best": 0.04,
+        "runner_up": "MKF", "value_runner_up": 0.09, "matters": True,
+    }  # fmt: skip
+    by_map = row | {"source": "map", "best": "EKF"}
+    told = recommend(pd.DataFrame([by_map, row]))
+    assert told == (
+        "recommended: run HME1; its position error is 0.2 m (root mean square), that of MKF 0.3 m"
+    )
+    assert "run EKF" in recommend(pd.DataFrame([by_map]))
+    close = recommend(pd.DataFrame([row | {"matters": False, "criterion": "fix_residual"}]))
+    assert "but the difference does not matter; its distance from later fixes is 0.2 m" in close
+    alone = recommend(pd.DataFrame([row | {"runner_up": np.nan}]))
+    assert alone == "recommended: run HME1; its position error is 0.2 m (root mean square)"
+    assert recommend(pd.DataFrame([row]).iloc[:0]) == ""
