@@ -86,7 +86,8 @@ def make_estimates(steps: int, unknown: int = 0) -> OnlineEstimates:
     out = OnlineEstimates(
         np.empty((steps, 4)), np.empty((steps, 2, 2)), np.empty((steps, 2)), np.empty(steps)
     )
-    for series in (out.state, out.innovation, out.innovation_variance):
-        series[:unknown] = np.nan
-    out.covariance[:unknown] = np.diag([np.inf, np.inf])
+    if unknown:
+        for series in (out.state, out.innovation, out.innovation_variance):
+            series[:unknown] = np.nan
+        out.covariance[:unknown] = np.diag([np.inf, np.inf])
     return out

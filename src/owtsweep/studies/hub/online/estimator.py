@@ -176,7 +176,7 @@ class OnlineEstimator:
         if self._origin is None:  # still no fix
             return out
         samples = specific_force[unknown:], positions[unknown:] - self._origin
-        part = OnlineEstimates(*(series[unknown:] for series in out))
+        part = OnlineEstimates(*(series[unknown:] for series in out)) if unknown else out
         done, resume, steps = 0, False, len(samples[0])
         while done < steps:
             done = advance(
