@@ -18,6 +18,7 @@ from owtsweep.io.reading import require_regular
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import label_files, load_record
+from owtsweep.studies.replay.place import check_band
 from owtsweep.studies.replay.seastates import read_sea_states, read_table
 
 if TYPE_CHECKING:
@@ -136,13 +137,15 @@ def verify(config: ReplayConfig) -> list[str]:
     Raises
     ------
     InputError
-        If a record or the table of sea states cannot be used; the one-line message names the file.
+        If a record or the table of sea states cannot be used (the one-line message names the file),
+        or no expected errors can be computed in the band `replay.band`.
     """
     read_sea_states(config)
     notes: dict[str, None] = {}
     for file in config.grid.files:
         name = f"{printable(Path(file).name)}: " if len(config.grid.files) > 1 else ""
         notes |= {f"{name}{note}": None for note in load_record(config, file).notes}
+    check_band(config)  # last: what a record says of the band is plainer
     return list(notes)
 
 
