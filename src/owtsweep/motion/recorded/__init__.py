@@ -1,6 +1,7 @@
 """Read recordings of motion and of sensors, check them, and resample them to a uniform grid."""
 
-from owtsweep.motion.recorded.deriving import to_motion
+from owtsweep.motion.recorded.clear_band import find_clear_band
+from owtsweep.motion.recorded.deriving import MOTION_CUTOFF, to_motion
 from owtsweep.motion.recorded.describing import Channel, Description, describe
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.gridding import Gridded, TimeGrid, find_common_grid, to_grid
@@ -8,12 +9,14 @@ from owtsweep.motion.recorded.reading import read
 from owtsweep.motion.recorded.recording import Recording
 
 __all__ = [
+    "MOTION_CUTOFF",
     "Channel",
     "Description",
     "Gridded",
     "Recording",
     "TimeGrid",
     "describe",
+    "find_clear_band",
     "find_common_grid",
     "open_table",
     "read",
