@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -54,6 +56,40 @@ def test_it_writes_what_the_estimator_gives() -> None:
         np.testing.assert_allclose(row, expected, rtol=1e-5, atol=1e-12)
 
 
+@pytest.mark.usefixtures("kernels")
+def test_map_coordinates_headers_and_dates(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Millimetres at 6 million metres, a header in quotes, dates that come back as they came."""
+    made = ['"Time","fx","fy","x","y"', "2026-03-01T12:00:59.90Z,0.1,0"]
+    made += [f"2026-03-01T12:00:59.95Z,0.1,0,{6123456.789},{512345.678}"]
+    made += ["# a comment", "TIME,fx,fy", "2026-03-01T12:01:00.00Z,0.1,0"]
+    rows = run_here(["MKF", *SENSORS], made, capsys, monkeypatch)
+    assert [row.split(",")[0] for row in rows] == [made[k].split(",")[0] for k in (1, 2, 5)]
+    assert rows[0].split(",")[1:] == ["nan"] * 4 + ["inf"] * 4
+    assert rows[1].split(",")[1:3] == ["6123456.789", "512345.678"]
+    stated = run_here(["MKF", "origin=6123456,512345", *SENSORS], made, capsys, monkeypatch)
+    found = [float(item) for item in stated[1].split(",")[1:3]]
+    assert stated[0].split(",")[1].startswith("6123456.000")
+    # the study's start: a first position uncertain by 1 m, and the first fix
+    assert 6123456.6 < found[0] < 6123456.789
+    assert len(stated[1].split(",")[1]) == len("6123456.73425")
+
+
+def run_here(
+    words: list[str],
+    made: list[str],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> list[str]:
+    """Run the program in this process; return the rows that it wrote below its header."""
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n".join(made) + "\n"))
+    assert runpy.run_path(str(SCRIPT))["main"](words) == 0
+    output = capsys.readouterr()
+    assert output.err == ""
+    return output.out.splitlines()[1:]
+
+
 def test_each_estimate_comes_before_the_next_sample() -> None:
     with subprocess.Popen(
         [sys.executable, str(SCRIPT), "MKF", *SENSORS],
@@ -65,7 +101,7 @@ def test_each_estimate_comes_before_the_next_sample() -> None:
         for k in range(3):
             process.stdin.write(f"{0.05 * k},0.1,0.2,1,2\n")
             process.stdin.flush()
-            assert process.stdout.readline().startswith(f"{0.05 * k:.10g},")
+            assert process.stdout.readline().startswith(f"{0.05 * k},")
         process.stdin.close()
         assert process.wait(timeout=60) == 0
 
@@ -74,15 +110,13 @@ def test_each_estimate_comes_before_the_next_sample() -> None:
     ("0,0,0\n0.05,0\n", "line 2: 2 fields; give time,fx,fy or time,fx,fy,x,y"),
     ("0,0,0\n\n0.05,0,east\n", "line 3: 'east' is not a number"),
     ("0,nan,0\n", "line 1: 'nan' is not finite"),
+    ("0,0,0\n12:61,0,0\n", "line 2: '12:61' is no date and time of ISO 8601"),
     ("0,0,0\n0.2,0,0\n", "line 2: time: 0.2 s is not one IMU step of 0.05 s after 0 s"),
     ("0,0,0,1,1\n0.05,0,0,1,1\n", "line 2: position: a fix came at step 1, but HME2 takes fixes "),
 ])  # fmt: skip
 def test_a_bad_line_is_named(
     text: str, message: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import io
-    import runpy
-
     main = runpy.run_path(str(SCRIPT))["main"]
     monkeypatch.setattr(sys, "stdin", io.StringIO(text))
     assert main(["HME2", *SENSORS]) == 2
@@ -92,7 +126,7 @@ def test_a_bad_line_is_named(
 
 
 def test_a_bad_override_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    import runpy
-
     assert runpy.run_path(str(SCRIPT))["main"](["HME3"]) == 2
     assert "there is no scheme 'HME3'" in capsys.readouterr().err
+    assert runpy.run_path(str(SCRIPT))["main"](["MKF", "origin=1"]) == 2
+    assert "origin: ['1'] is not two finite numbers; give x and y" in capsys.readouterr().err

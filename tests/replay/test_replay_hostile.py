@@ -87,8 +87,23 @@ def test_texts_of_a_table_are_made_printable():
 
 
 @pytest.mark.faults
-@pytest.mark.parametrize("band", ["[1e-9,1e-8]", "[2,2.000001]"])
+@pytest.mark.parametrize("band", ["[0.01,0.010001]", "[2.1,2.100001]"])
 def test_band_without_a_line(band, capsys):
     motion_file(Path("a.csv"), duration=25.0)
     assert main(["replay", "a.csv", f"replay.band={band}", *QUICK]) == 0
     assert "holds 0 lines" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("band", "said"), [
+    ("[1e-9,1e-8]", "at 1e-09 Hz, because to fixes at 1 Hz such a motion looks like a standstill"),
+    ("[0.2,2]", "at 2 Hz, because to fixes at 1 Hz"),
+    ("[0.2,60]", "60 Hz is not below 50 Hz, half of sensors.imu.rate"),
+])  # fmt: skip
+def test_a_band_without_expected_errors_is_refused_before_anything_runs(band, said, capsys):
+    motion_file(Path("a.csv"), duration=25.0)
+    assert main(["replay", "a.csv", f"replay.band={band}", *QUICK]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("owtsweep: replay.band: ")
+    assert said in error
+    assert error.count("\n") == 1
+    assert not any(path.is_dir() for path in Path("results").glob("*"))

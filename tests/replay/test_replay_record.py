@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from replay_tools import collect_force, config_of, motion_file, sensor_file, write_csv
 
+from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.replay.loading import load_record
@@ -157,3 +158,34 @@ def test_a_force_needs_fixes_or_a_reference(tmp_path):
     path = sensor_file(tmp_path / "a.csv", fixes=False, reference=False)
     with pytest.raises(InputError, match="neither fixes nor a reference"):
         load_record(config_of([path]), str(path))
+
+
+def fast_reference(path, noise):
+    """Slow waves and a vibration at 8 Hz, as optics with a noise (m) of 100 Hz see them."""
+    time = 0.01 * np.arange(6000)
+    x = np.sin(2 * np.pi * 0.25 * time) + 0.01 * np.sin(2 * np.pi * 8.0 * time)
+    seen = x + noise * np.random.default_rng(1).standard_normal(len(x))
+    zero = np.zeros(len(x))
+    columns = {"time": time, "specific_force_x": zero, "specific_force_y": zero}
+    return write_csv(path, {**columns, "reference_x": seen, "reference_y": zero})
+
+
+def test_a_reference_velocity_keeps_what_the_estimates_keep(tmp_path):
+    """.5 m/s at 8 Hz: the IMU measures it, so a velocity without it would blame the estimates."""
+    file = fast_reference(tmp_path / "a.csv", 1e-5)
+    config = config_of([file])
+    up_to_5 = changed(config, replay=changed(config.replay, cutoff=5.0))
+    record, slow = load_record(config, str(file)), load_record(up_to_5, str(file))
+    t = record.time_at(slice(None))
+    waves = 0.5 * np.pi * np.cos(0.5 * np.pi * t)
+    vibration = 0.16 * np.pi * np.cos(16 * np.pi * t)
+    inner = slice(200, -200)
+    assert np.max(np.abs(record.velocity[:, 0] - waves - vibration)[inner]) < 5e-3
+    assert np.max(np.abs(slow.velocity[:, 0] - waves)[inner]) < 5e-3
+    np.testing.assert_array_equal(record.position, slow.position)
+    assert any("velocity is kept up to" in note for note in record.notes)
+    assert not any("velocity is kept up to" in note for note in slow.notes)
+    # with 3 cm of noise the band of clear motion ends before 5 Hz: noise must not become velocity
+    noisy = fast_reference(tmp_path / "b.csv", 0.03)
+    record, slow = load_record(config, str(noisy)), load_record(up_to_5, str(noisy))
+    np.testing.assert_array_equal(record.velocity, slow.velocity)

@@ -1,8 +1,9 @@
 """Read recordings of motion and of sensors, check them, and resample them to a uniform grid."""
 
 from owtsweep.motion.recorded.choosing import MotionKind, identify_motion
+from owtsweep.motion.recorded.clear_band import find_clear_band
 from owtsweep.motion.recorded.composing import Rotation
-from owtsweep.motion.recorded.deriving import to_motion
+from owtsweep.motion.recorded.deriving import MOTION_CUTOFF, to_motion
 from owtsweep.motion.recorded.describing import Channel, Description, describe
 from owtsweep.motion.recorded.formats import open_table
 from owtsweep.motion.recorded.gridding import Gridded, TimeGrid, find_common_grid, to_grid
@@ -10,6 +11,7 @@ from owtsweep.motion.recorded.reading import read
 from owtsweep.motion.recorded.recording import Recording
 
 __all__ = [
+    "MOTION_CUTOFF",
     "Channel",
     "Description",
     "Gridded",
@@ -18,6 +20,7 @@ __all__ = [
     "Rotation",
     "TimeGrid",
     "describe",
+    "find_clear_band",
     "find_common_grid",
     "identify_motion",
     "open_table",

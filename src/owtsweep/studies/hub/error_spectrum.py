@@ -86,7 +86,7 @@ def error_spectrum(
         raise InputError("frequencies: give a list of positive frequencies in Hz, increasing")
     steady = settled(chain)
     cycles = frequency * cycle_of(steady) * sensors.step
-    if np.any(np.abs(cycles - np.round(cycles)) < 1e-3):
+    if np.any(look_constant(cycles)):
         bad = frequency[np.argmin(np.abs(cycles - np.round(cycles)))]
         raise InputError(
             f"frequencies: {bad:g} Hz is a multiple of the rate at which the scheme repeats, so "
@@ -98,6 +98,14 @@ def error_spectrum(
     ]
     position, velocity = (np.concatenate(part) for part in zip(*parts, strict=True))
     return ErrorSpectrum(frequency, position, velocity)
+
+
+def look_constant(cycles: Array) -> NDArray[np.bool_]:
+    """Say which sinusoids look constant to a sensor that repeats its measurement.
+
+    `cycles` says how many periods of each sinusoid pass between two measurements, shape (n,).
+    """
+    return np.asarray(np.abs(cycles - np.round(cycles)) < 1e-3)
 
 
 def _batch(chain: Chain, sensors: Sensors, frequency: Array, settle: float) -> tuple[Array, Array]:

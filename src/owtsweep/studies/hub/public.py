@@ -17,7 +17,12 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.chain import Chain, chain_for_runs
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme, Sensors
-    from owtsweep.studies.hub.error_spectrum import ErrorSpectrum, error_spectrum, expected_mse
+    from owtsweep.studies.hub.error_spectrum import (
+        ErrorSpectrum,
+        error_spectrum,
+        expected_mse,
+        look_constant,
+    )
     from owtsweep.studies.hub.estimates import chunks, state_chunks, trajectories
     from owtsweep.studies.hub.fidelity.score import (
         at_amplitude,
@@ -41,8 +46,8 @@ __all__ = [
     "BASELINES", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig",
     "Lanes", "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "at_amplitude", "backend",
     "bias_of", "chain_for_runs", "chunks", "compare", "error_spectrum", "expected_mse",
-    "explain_anew", "fix_count", "fix_noise", "has_acceleration", "lag_of", "make_lanes",
-    "make_sensors", "noise_floor", "require_scheme", "resolve_all", "scheme_content",
+    "explain_anew", "fix_count", "fix_noise", "has_acceleration", "lag_of", "look_constant",
+    "make_lanes", "make_sensors", "noise_floor", "require_scheme", "resolve_all", "scheme_content",
     "scheme_products", "score", "simulate_bias", "state_chunks", "trajectories",
 ]  # fmt: skip
 
@@ -53,7 +58,7 @@ _HOMES = {
     "chain": ["Chain", "chain_for_runs"],
     "config": ["HubConfig"],
     "contract": ["Scheme", "Sensors"],
-    "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse"],
+    "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],
     "estimates": ["chunks", "state_chunks", "trajectories"],
     "fidelity.score": ["at_amplitude", "compare", "make_lanes", "scheme_products", "score"],
     "filter_states": ["bias_of", "has_acceleration", "lag_of"],

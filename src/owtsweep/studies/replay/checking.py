@@ -9,6 +9,7 @@ from pathlib import Path
 from owtsweep.errors import InputError, printable
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.place import check_band
 from owtsweep.studies.replay.seastates import read_sea_states
 
 
@@ -42,8 +43,8 @@ def verify(config: ReplayConfig) -> Verified:
     Raises
     ------
     InputError
-        If no record can be used, or if the table of sea states cannot; the one-line message names
-        the file.
+        If no record can be used, or if the table of sea states cannot (the one-line message names
+        the file), or if no expected errors can be computed in the band `replay.band`.
     """
     read_sea_states(config)
     files = config.grid.files
@@ -59,4 +60,5 @@ def verify(config: ReplayConfig) -> Verified:
         first = next(iter(refused.values()))
         none = f"none of the {len(files)} records can be used; the first: "
         raise InputError(first if len(files) == 1 else none + first)
+    check_band(config)  # last: what a record says of the band is plainer
     return Verified(list(notes), refused)

@@ -9,7 +9,15 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.config import require
 from owtsweep.errors import InputError
-from owtsweep.motion.recorded import Recording, TimeGrid, find_common_grid, to_grid
+from owtsweep.motion.recorded import (
+    MOTION_CUTOFF,
+    Recording,
+    TimeGrid,
+    find_clear_band,
+    find_common_grid,
+    to_grid,
+)
+from owtsweep.motion.recorded.gridding import FULL_BAND
 from owtsweep.studies.hub.public import Sensors, fix_count
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.of_motion import derive, make_fixes
@@ -222,7 +230,8 @@ def _derive_reference(
     """Return position and velocity of the reference at the times of `grid`, and notes for the user.
 
     Position (m) and velocity (m/s) have the shape (steps, 2) each, with NaN in gaps of the
-    reference.
+    reference. The velocity is kept up to `replay.cutoff`; without it, up to where the reference is
+    mostly noise, because the estimates contain the motion of all frequencies that the IMU measures.
 
     Raises
     ------
@@ -234,6 +243,17 @@ def _derive_reference(
         grid=grid,
     )  # fmt: skip
     position, velocity = gridded.pairs["position"], gridded.pairs["velocity"]
+    notes = list(gridded.notes)
+    clear = _find_clear_band(config, recording, grid)
+    if clear > MOTION_CUTOFF:
+        del gridded  # of a long record, free this velocity before the next one is made
+        velocity = derive(
+            recording, grid.rate, quantity="reference", orders=2, cutoff=clear, grid=grid
+        ).pairs["velocity"]
+        notes.append(
+            f"the reference's velocity is kept up to {clear:.3g} Hz, where its position is mostly "
+            "noise or the rates end; replay.cutoff sets another frequency"
+        )
     unknown = ~np.all(np.isfinite(position), axis=1)
     for axis in "xy":
         if f"reference_{axis}" in recording.channels:
@@ -245,4 +265,13 @@ def _derive_reference(
         "a reference of the same time",
     )
     position[unknown] = velocity[unknown] = np.nan
-    return position, velocity, list(gridded.notes)
+    return position, velocity, notes
+
+
+def _find_clear_band(config: ReplayConfig, recording: Recording, grid: TimeGrid) -> float:
+    """Return the highest frequency (Hz) of the reference's velocity; 0 if the user states it."""
+    if config.replay.cutoff is not None:
+        return 0.0
+    roles = [role for role in recording.channels if role.startswith("reference")]
+    rates = [grid.rate, *(recording.rate(role) for role in roles)]
+    return min(find_clear_band(recording, roles, MOTION_CUTOFF), FULL_BAND * min(rates))

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.config import require
 from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum, spectrum
 from owtsweep.results.superposition import superpose
@@ -22,6 +23,7 @@ from owtsweep.studies.hub.public import (
     Sensors,
     error_spectrum,
     expected_mse,
+    look_constant,
     make_sensors,
     noise_floor,
     resolve_all,
@@ -98,6 +100,38 @@ def expect_errors(
 def _compute(chain: Chain, sensors: Sensors, low: float, high: float) -> Expectation:
     frequencies = np.geomspace(low, high, NODES)
     return Expectation(error_spectrum(chain, sensors, frequencies), noise_floor(chain, sensors))
+
+
+def check_band(config: ReplayConfig) -> None:
+    """Check that expected errors can be computed in the band `replay.band`, if there is one.
+
+    A default band is not checked: where no errors can be computed in it, the record has no place in
+    the map, and a line says so.
+
+    Raises
+    ------
+    InputError
+        If a frequency at which errors would be computed (`NODES` of them) is beyond half the rate
+        of the IMU, or looks to the GNSS like a standstill.
+    """
+    if config.replay.band is None:
+        return
+    low, high = config.replay.band
+    sensors = make_sensors(config.sensors)
+    highest = 0.5 / sensors.step
+    require(
+        high < highest,
+        f"replay.band: {high:g} Hz is not below {highest:g} Hz, half of sensors.imu.rate; lower "
+        "the upper edge",
+    )
+    frequencies = np.geomspace(low, high, NODES)
+    constant = frequencies[look_constant(frequencies * sensors.fix_step)]
+    if len(constant) > 0:
+        raise InputError(
+            f"replay.band: no expected errors can be computed at {constant[0]:g} Hz, because to "
+            f"fixes at {1.0 / sensors.fix_step:g} Hz such a motion looks like a standstill; move "
+            f"the edges of the band a little, away from 0 and from multiples of that rate"
+        )
 
 
 def find_place(config: ReplayConfig, record: Any) -> Spectrum | None:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from owtsweep.studies.hub.online.estimator import OnlineEstimator
 
 
@@ -15,7 +17,9 @@ if TYPE_CHECKING:
 DEFAULTS = ("tuning=matched", "sensors=strong_bias")
 
 
-def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
+def online(
+    scheme: str, overrides: Sequence[str] = (), *, origin: ArrayLike | None = None
+) -> OnlineEstimator:
     """Make an estimator that runs on board: each IMU sample gives one estimate.
 
     Parameters
@@ -25,6 +29,10 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     overrides
         The sensors and the tuning, as on the command line, e.g. `["tuning=paper",
         "sensors.gnss.delay=0.3"]`. Without an override, the tuning is `matched`.
+    origin
+        The point about which the scheme starts from zero, x and y in m, in the coordinates of the
+        fixes; it must lie near the hub. None stands for the first fix: until it comes, estimates
+        are NaN. Estimates are in the coordinates of the fixes for any origin.
 
     Returns
     -------
@@ -36,7 +44,7 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     Raises
     ------
     InputError
-        If the scheme cannot run on board, or the overrides are wrong.
+        If the scheme cannot run on board, or the overrides or the origin are wrong.
     """
     from owtsweep.studies import compose
     from owtsweep.studies.hub.config import HubConfig
@@ -53,5 +61,5 @@ def online(scheme: str, overrides: Sequence[str] = ()) -> OnlineEstimator:
     config = compose(overrides)
     if not isinstance(config, HubConfig):
         raise InputError(f"study: {config.study!r} has no schemes to run online; use study=hub")
-    estimator: OnlineEstimator = registered.stream(sensors(config.sensors), config)
+    estimator: OnlineEstimator = registered.stream(sensors(config.sensors), config, origin=origin)
     return estimator

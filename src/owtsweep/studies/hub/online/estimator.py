@@ -1,4 +1,8 @@
-"""Runs a scheme as on board: one compiled call per IMU sample, gains for the fixes that arrived."""
+"""Runs a scheme as on board: one compiled call per IMU sample, gains for the fixes that arrived.
+
+The kernels work in coordinates about an origin. Here, at their boundary, the origin is subtracted
+from the fixes and added to the estimates.
+"""
 
 from __future__ import annotations
 
@@ -18,20 +22,20 @@ from owtsweep.studies.hub.kernels.online_layout import (
     OnlineEstimates,
     OnlineRegisters,
 )
-from owtsweep.studies.hub.models import axis_filter, input_model
-from owtsweep.studies.hub.online.registers import (
-    filter_settings,
-    horizon_settings,
-    new_registers,
-)
+from owtsweep.studies.hub.online.coordinates import FARTHEST, make_estimates
+from owtsweep.studies.hub.online.registers import new_registers
 
 if TYPE_CHECKING:
     from owtsweep.studies.hub.horizon import Horizon
-    from owtsweep.studies.hub.sections import FilterTuning
 
 OFF_GRID = (
     "position: a fix came at step {step}, but HME2 takes fixes only at multiples of {interval} "
-    "IMU steps; give the fix at the next multiple, or leave the fix out"
+    "IMU steps{after}; give the fix at the next multiple, or leave the fix out"
+)
+TOO_FAR = (
+    "position: the first fix lies {distance:.6g} m from the origin ({x:g}, {y:g}), but the schemes "
+    "start within some metres of it; state an origin near the hub, or none: then it is the first "
+    "fix"
 )
 _EYE = np.eye(2)
 
@@ -41,6 +45,10 @@ class OnlineEstimator:
 
     Any position fix may be missing. EKF, MKF and HME1 take fixes at any step, HME2 only at
     multiples of the fix interval. A fix reports a past position, as old as the delay of the GNSS.
+
+    Fixes and estimates are in the caller's coordinates, e.g. of a map. Where the origin is the
+    first fix, the estimator starts with this fix: until then, estimates are NaN and their variances
+    infinite, and HME2 counts its multiples from there.
 
     Parameters
     ----------
@@ -53,6 +61,9 @@ class OnlineEstimator:
         The moving horizon estimator; None for a scheme without one.
     solver
         Name of the solver for the MHE's windows that break a constraint.
+    origin
+        The point about which the schemes start from zero, shape (2,), m in NED; None for the first
+        fix.
     """
 
     def __init__(
@@ -62,6 +73,7 @@ class OnlineEstimator:
         horizon: HorizonSettings,
         mhe: Horizon | None,
         solver: str,
+        origin: Array | None,
     ) -> None:
         self._sensors, self._mhe, self._solver = sensors, mhe, solver
         self._filter, self._horizon = settings, horizon
@@ -70,6 +82,14 @@ class OnlineEstimator:
         #: How often the MHE's window was solved with constraints, because they were violated.
         self.solved = 0
         self._lost = ""
+        self._origin = origin
+        self._located = False  # no fix has come yet
+        self._skipped = 0  # samples before the first fix, where that is the origin
+
+    @property
+    def origin(self) -> Array | None:
+        """The point about which the schemes start from zero, m; None if no fix told it yet."""
+        return None if self._origin is None else self._origin.copy()
 
     @property
     def step(self) -> float:
@@ -92,13 +112,15 @@ class OnlineEstimator:
         Estimate
             Position (m) and velocity (m/s) in NED, covariance (4, 4) of x, y, v_x, v_y, and the
             innovation of the position; None in place of an innovation if the filter took no
-            position at this step.
+            position at this step. Where the origin is the first fix, position and velocity are NaN
+            and their variances infinite until the first fix comes.
 
         Raises
         ------
         ValueError
-            If a sample is not two finite numbers, or a fix comes at a step at which HME2 cannot
-            take fixes. The estimator is left unchanged.
+            If a sample is not two finite numbers, a fix comes at a step at which HME2 cannot take
+            fixes, or the first fix lies more than 100 km from a stated origin. The estimator is
+            left unchanged.
         ArithmeticError
             If the solver cannot meet the constraints of the moving horizon estimator. The sample is
             then only partly processed, so every later call raises this error too: start a new
@@ -137,8 +159,8 @@ class OnlineEstimator:
         ------
         ValueError
             If the shapes are wrong, a number is infinite, a specific force is NaN, only one
-            component of a fix is NaN, or a fix comes at a step at which HME2 cannot take fixes. The
-            estimator is left unchanged.
+            component of a fix is NaN, a fix comes at a step at which HME2 cannot take fixes, or the
+            first fix lies more than 100 km from a stated origin. The estimator is left unchanged.
         ArithmeticError
             If the solver cannot meet the constraints of the moving horizon estimator. Some samples
             are then processed already, so every later call raises this error too: start a new
@@ -148,23 +170,29 @@ class OnlineEstimator:
 
         specific_force = np.ascontiguousarray(specific_force, dtype=float)
         positions = np.ascontiguousarray(positions, dtype=float)
-        self._check(specific_force, positions)
-        steps, samples = len(specific_force), (specific_force, positions)
-        out = OnlineEstimates(
-            np.empty((steps, 4)), np.empty((steps, 2, 2)), np.empty((steps, 2)), np.empty(steps)
-        )
-        done, resume = 0, False
-        while True:
-            done = advance(done, resume, samples, self._filter, self._horizon, self._registers, out)
+        unknown = self._check(specific_force, positions)
+        out = make_estimates(len(specific_force), unknown)
+        self._skipped += unknown
+        if self._origin is None:  # still no fix
+            return out
+        samples = specific_force[unknown:], positions[unknown:] - self._origin
+        part = OnlineEstimates(*(series[unknown:] for series in out)) if unknown else out
+        done, resume, steps = 0, False, len(samples[0])
+        while done < steps:
+            done = advance(
+                done, resume, samples, self._filter, self._horizon, self._registers, part
+            )
             if done == steps:
-                return out
+                break
             try:
                 self._solve_with_constraints()
             except ArithmeticError as error:
-                step = int(self._registers.counter[STEP])
+                step = self._skipped + int(self._registers.counter[STEP])
                 self._lost = f"{error}, at step {step}; start a new estimator"
                 raise ArithmeticError(self._lost) from error
             resume = True
+        part.state[:, :2] += self._origin
+        return out
 
     def run_record(self, specific_force: Array, positions: Array) -> Trajectory:
         """Take many IMU samples at once, as `run` does; return the estimates as a `Trajectory`.
@@ -180,7 +208,14 @@ class OnlineEstimator:
             out.innovation_variance[:, None, None] * _EYE,
         )
 
-    def _check(self, force: Array, positions: Array) -> None:
+    def _check(self, force: Array, positions: Array) -> int:
+        """Check the samples of some steps; take the first fix as origin if there is no other.
+
+        Returns
+        -------
+        int
+            Number of steps before the first fix, if that fix is the origin or will be; else 0.
+        """
         if self._lost:
             raise ArithmeticError(self._lost)
         if force.ndim != 2 or force.shape[1] != 2 or force.shape != positions.shape:
@@ -188,7 +223,7 @@ class OnlineEstimator:
                 f"specific_force, positions: their shapes are {force.shape} and "
                 f"{positions.shape}; give both the shape (steps, 2)"
             )
-        first = int(self._registers.counter[STEP])
+        first = self._skipped + int(self._registers.counter[STEP])
         if not np.isfinite(force).all():
             step = first + int(np.argmax(~np.isfinite(force).all(axis=1)))
             raise ValueError(
@@ -196,17 +231,34 @@ class OnlineEstimator:
             )
         there = positions == positions  # not NaN
         if not there.any():
-            return
+            return 0 if self._origin is not None else len(force)
         if not np.array_equal(there[:, 0], there[:, 1]) or np.isinf(positions).any():
             raise ValueError(
                 "position: a fix has a component that is missing or infinite; give both components "
                 "as finite numbers, or leave the fix out"
             )
+        at = np.flatnonzero(there[:, 0])
+        unknown = int(at[0]) if self._origin is None else 0
         if self._horizon.active:
-            at = first + np.flatnonzero(there[:, 0])
-            off = at[at % self._sensors.fix_interval != 0]
+            begin = self._skipped + unknown
+            off = first + at[(first + at - begin) % self._sensors.fix_interval != 0]
             if len(off):
-                raise ValueError(OFF_GRID.format(step=off[0], interval=self._sensors.fix_interval))
+                after = f" after the first one, at step {begin}" if begin else ""
+                interval = self._sensors.fix_interval
+                raise ValueError(OFF_GRID.format(step=off[0], interval=interval, after=after))
+        if not self._located:
+            self._locate(positions[at[0]])
+        return unknown
+
+    def _locate(self, fix: Array) -> None:
+        """Take the first fix (2,): it becomes the origin, or must lie near the stated one."""
+        if self._origin is None:
+            self._origin = fix.copy()
+        distance = float(np.linalg.norm(fix - self._origin))
+        if distance > FARTHEST:
+            x, y = self._origin
+            raise ValueError(TOO_FAR.format(distance=distance, x=x, y=y))
+        self._located = True
 
     def _solve_with_constraints(self) -> None:
         """Solve the MHE's present window with its constraints; put the result into the registers.
@@ -248,41 +300,6 @@ class OnlineEstimator:
             m.node[:] = last
         m.given[:] = last[0]
         self.solved += 1
-
-
-def online_chain(
-    tuning: FilterTuning,
-    sensors: Sensors,
-    *,
-    window: int = 0,
-    delay: int | None = None,
-    mhe: Horizon | None = None,
-    solver: str = "qrqp",
-) -> OnlineEstimator:
-    """Make a new online estimator from settings: [MHE ->] filter [-> smoother -> predictor].
-
-    Parts in brackets may be absent.
-
-    Parameters
-    ----------
-    tuning
-        The filter's tuning.
-    window
-        Length N_s of the smoother's window, in steps.
-    delay
-        Number of steps by which the specific force is delayed in register 1 of Ren et al. (2019).
-        The predictor predicts over these steps and the smoother's window. None means that there is
-        no predictor: the filter takes the specific force without delay, and the filter's state is
-        the estimate.
-    mhe
-        The moving horizon estimator; None for a scheme without one.
-    solver
-        Name of the solver for the MHE's windows that break a constraint.
-    """
-    axis = axis_filter(tuning, sensors)
-    predict = None if delay is None else input_model(tuning, sensors)
-    settings = filter_settings(axis, sensors, tuning.update_rule, delay or 0, window, predict)
-    return OnlineEstimator(sensors, settings, horizon_settings(mhe, sensors), mhe, solver)
 
 
 def _check_pair(name: str, value: Array) -> None:

@@ -10,6 +10,7 @@ from collections import deque
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.predictor import predict
@@ -18,7 +19,9 @@ from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import axis_filter, input_model
-from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
+from owtsweep.studies.hub.online.chain import online_chain
+from owtsweep.studies.hub.online.coordinates import ZERO
+from owtsweep.studies.hub.online.estimator import OnlineEstimator
 from owtsweep.studies.hub.schemes.multirate import FilterStep, MultirateKalmanFilter
 from owtsweep.studies.hub.schemes.uncertainty import predicted_covariance
 from owtsweep.studies.hub.sections import FilterTuning
@@ -146,10 +149,16 @@ class HME1:
         """Return a new estimator that runs step by step."""
         return HME1Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
-    def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Return a new compiled estimator that runs step by step."""
+    def stream(
+        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
+    ) -> OnlineEstimator:
+        """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`."""
         return online_chain(
-            tuning.hme1, sensors, window=tuning.hme.smoother_window, delay=sensors.delay
+            tuning.hme1,
+            sensors,
+            window=tuning.hme.smoother_window,
+            delay=sensors.delay,
+            origin=origin,
         )
 
     @shared

@@ -9,6 +9,7 @@ from collections import deque
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from owtsweep.arrays import Array
 from owtsweep.estimation.discretisation import discretise
@@ -19,7 +20,9 @@ from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.horizon import Horizon, horizon
 from owtsweep.studies.hub.models import SIGMA_2_STATES, axis_filter, input_model, sigma_2
-from owtsweep.studies.hub.online.estimator import OFF_GRID, OnlineEstimator, online_chain
+from owtsweep.studies.hub.online.chain import online_chain
+from owtsweep.studies.hub.online.coordinates import ZERO
+from owtsweep.studies.hub.online.estimator import OFF_GRID, OnlineEstimator
 from owtsweep.studies.hub.schemes.hme1 import DelayedChain
 from owtsweep.studies.hub.schemes.multirate import FilterStep
 
@@ -163,7 +166,9 @@ class HME2Estimator:
         """
         since_fix = self.step % self.sensors.fix_interval
         if position is not None and since_fix:
-            raise ValueError(OFF_GRID.format(step=self.step, interval=self.sensors.fix_interval))
+            raise ValueError(
+                OFF_GRID.format(step=self.step, interval=self.sensors.fix_interval, after="")
+            )
         delayed = self.chain.push(specific_force)
         if since_fix == 0:
             if position is None:
@@ -207,8 +212,10 @@ class HME2:
         """Return a new estimator that runs step by step."""
         return HME2Estimator(sensors, tuning, self.kernel(sensors, tuning))
 
-    def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Return a new compiled estimator that runs step by step."""
+    def stream(
+        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
+    ) -> OnlineEstimator:
+        """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`."""
         return online_chain(
             tuning.hme2,
             sensors,
@@ -216,6 +223,7 @@ class HME2:
             delay=sensors.delay,
             mhe=horizon(tuning.hme.mhe, sensors),
             solver=tuning.hme.mhe.solver,
+            origin=origin,
         )
 
     def under(self, tuning: Any) -> HME2 | ConstrainedHME2:
@@ -249,13 +257,15 @@ class ConstrainedHME2:
         """Return a new estimator that solves every window with its constraints."""
         return SCHEME.start(sensors, tuning)
 
-    def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Return a new compiled estimator that runs step by step.
+    def stream(
+        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
+    ) -> OnlineEstimator:
+        """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`.
 
         Each window of the MHE is solved without constraints first. If this solution breaks a
         constraint, the window is solved again, with constraints, by CasADi.
         """
-        return SCHEME.stream(sensors, tuning)
+        return SCHEME.stream(sensors, tuning, origin)
 
 
 SCHEME = HME2()

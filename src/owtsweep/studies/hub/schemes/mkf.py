@@ -9,12 +9,16 @@ from __future__ import annotations
 
 from typing import Any
 
+from numpy.typing import ArrayLike
+
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 from owtsweep.studies.hub.chain import LONGEST_TRANSIENT, Chain, chain, shared
 from owtsweep.studies.hub.contract import Sensors
 from owtsweep.studies.hub.models import axis_filter
-from owtsweep.studies.hub.online.estimator import OnlineEstimator, online_chain
+from owtsweep.studies.hub.online.chain import online_chain
+from owtsweep.studies.hub.online.coordinates import ZERO
+from owtsweep.studies.hub.online.estimator import OnlineEstimator
 from owtsweep.studies.hub.schemes.multirate import MultirateKalmanFilter
 from owtsweep.studies.hub.sections import FilterTuning
 
@@ -52,9 +56,11 @@ class FilterScheme:
         """Return a new estimator that runs step by step."""
         return FilterEstimator(self._choose(tuning), sensors)
 
-    def stream(self, sensors: Sensors, tuning: Any) -> OnlineEstimator:
-        """Return a new compiled estimator that runs step by step."""
-        return online_chain(self._choose(tuning), sensors)
+    def stream(
+        self, sensors: Sensors, tuning: Any, origin: ArrayLike | None = ZERO
+    ) -> OnlineEstimator:
+        """Return a new compiled estimator that runs step by step; `origin` as in `online_chain`."""
+        return online_chain(self._choose(tuning), sensors, origin=origin)
 
     @shared
     def kernel(self, sensors: Sensors, tuning: Any, steps: int = LONGEST_TRANSIENT) -> Chain:

@@ -1,0 +1,93 @@
+"""Says in whose coordinates an online estimator works: about an origin, stated or the first fix.
+
+The schemes of Ren et al. (2019) start from zero with a standard deviation of about a metre. So
+positions far from zero, such as map coordinates, must be taken about an origin near the hub.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError
+from owtsweep.studies.hub.horizon import Horizon
+from owtsweep.studies.hub.kernels.online_layout import OnlineEstimates
+from owtsweep.studies.hub.models import AxisFilter
+
+#: Where the coordinates of the studies begin. An origin of None stands for the first fix.
+ZERO = (0.0, 0.0)
+#: Largest distance in m of the first fix from a stated origin: no motion goes so far, so the fixes
+#: are in coordinates of a map and the origin is not.
+FARTHEST = 1e5
+#: Least ratio of the first position's variance to the variance of a fix, if the first fix is the
+#: origin. Nothing but this fix tells where the hub is. The filter weighs the fix with the first
+#: position's variance, so it states a variance that is too small by a part of 1 / LEAST_RATIO.
+LEAST_RATIO = 100.0
+
+
+def check_origin(origin: object) -> Array | None:
+    """Return the origin as an array (2,) in m, or None for the first fix.
+
+    Raises
+    ------
+    InputError
+        If the origin is neither None nor two finite numbers.
+    """
+    if origin is None:
+        return None
+    wrong = f"origin: {origin!r} is not two finite numbers; give x and y in m, e.g. origin=(0, 0)"
+    try:
+        point = np.array(origin, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(wrong) from None
+    if point.shape != (2,) or not np.isfinite(point).all():
+        raise InputError(wrong)
+    return point
+
+
+def start_at_first_fix(axis: AxisFilter, mhe: Horizon | None) -> tuple[AxisFilter, Horizon | None]:
+    """Raise the variance of the first position, so that the first fix alone decides the position.
+
+    Parameters
+    ----------
+    axis
+        The filter's model and variances for one axis.
+    mhe
+        The moving horizon estimator (MHE); None for a scheme without one.
+
+    Returns
+    -------
+    tuple
+        The arguments with other initial covariances, or unchanged where the variance of the first
+        position is already at least `LEAST_RATIO` times that of a fix.
+    """
+    first = _raise_variance(axis.initial_covariance, axis.position_variance)
+    axis = replace(axis, initial_covariance=first)
+    if mhe is not None:
+        first = _raise_variance(mhe.initial_covariance, mhe.weights.fix_variance)
+        mhe = replace(mhe, initial_covariance=first)
+    return axis, mhe
+
+
+def _raise_variance(covariance: Array, fix_variance: float) -> Array:
+    raised: Array = np.array(covariance)
+    raised[0, 0] = max(raised[0, 0], LEAST_RATIO * fix_variance)
+    return raised
+
+
+def make_estimates(steps: int, unknown: int = 0) -> OnlineEstimates:
+    """Make arrays for the estimates of some steps; nothing is known in the first `unknown` steps.
+
+    In these steps the state is NaN, the variances are infinite, and there is no innovation. The
+    values of the other steps are arbitrary: they are still to be filled.
+    """
+    out = OnlineEstimates(
+        np.empty((steps, 4)), np.empty((steps, 2, 2)), np.empty((steps, 2)), np.empty(steps)
+    )
+    if unknown:
+        for series in (out.state, out.innovation, out.innovation_variance):
+            series[:unknown] = np.nan
+        out.covariance[:unknown] = np.diag([np.inf, np.inf])
+    return out
