@@ -36,10 +36,12 @@ def describe_one_record(config: HubConfig) -> str:
 
 
 def list_origin(config: HubConfig) -> dict[str, str]:
-    """Return name -> value, in words, of tuning, truth, records per cell and seed of a run."""
-    imu = config.sensors.imu
+    """Return name -> value, in words, of a run's tuning, sensors, truth, records and seed."""
+    gnss, imu = config.sensors.gnss, config.sensors.imu
     told = {
         "tuning": config.tuning_name,
+        "GNSS": f"{gnss.sigma:g} m {gnss.rate:g} Hz delay {gnss.delay:g} s",
+        "IMU": f"{imu.sigma:g} m/s² {imu.rate:g} Hz",
         "record length": f"{config.record.duration:g} s",
         "IMU bias": f"{imu.bias_initial:g} m/s²",
         "bias walk": f"{imu.bias_walk:g} m/s²/√s",
