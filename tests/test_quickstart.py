@@ -11,6 +11,7 @@ import io
 import re
 import shlex
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +53,7 @@ def list_fragments(text: str) -> list[str]:
 
 
 @pytest.fixture
-def walk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kernels: None) -> Path:
+def walk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kernels: None) -> Iterator[Path]:
     """An empty folder with the README's scheme in it; `figures` draws a single figure."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
@@ -67,7 +68,8 @@ def walk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kernels: None) -> Path
         return draw(run, None if asked else only, **asked)
 
     monkeypatch.setattr(Run, "draw", draw_less)
-    return tmp_path
+    yield tmp_path
+    sys.modules.pop("mine", None)  # other tests have modules of this name
 
 
 def test_every_command_of_the_page_says_what_the_page_quotes(walk):
