@@ -12,6 +12,7 @@ import pytest
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.compare import compare
 from owtsweep.comparing.comparison import Candidate, Comparison, Findings, Pair
+from owtsweep.comparing.origin import describe_origins
 from owtsweep.errors import InputError
 from owtsweep.results.conditions import Condition
 from soil_study import FACTOR, GRID, NOISE, SCHEMES, SOIL, make_rows
@@ -101,6 +102,15 @@ def test_what_cannot_be_compared_is_refused(tmp_path):
     for key, say in describe.items():
         with pytest.raises(InputError, match=rf"^{key}: "):
             compare_runs(tmp_path, rows, say)
+
+
+def test_settings_that_differ_are_listed_up_to_four_values():
+    told = [aspects((NOISE,), origin={"soil": "clay", "depth": f"{i} m"}) for i in range(6)]
+    assert (
+        describe_origins(told[:2]) == "In all runs: soil clay. The runs differ in depth (0 m, 1 m)."
+    )
+    assert describe_origins(told).endswith("depth (0 m, 1 m, 2 m, 3 m, ...).")
+    assert describe_origins([aspects((NOISE,))] * 2) == ""
 
 
 def test_another_seed_is_not_paired(tmp_path):

@@ -118,6 +118,22 @@ def test_boundaries_are_those_of_each_run(folder, compared):
         pd.testing.assert_frame_equal(own[list(expected.columns)], expected)
 
 
+def test_the_report_says_what_all_runs_share_and_in_what_they_differ(folder, compared):
+    told = (
+        "In all runs: tuning paper, IMU 0.15 m/s² 20 Hz, record length 30 s, IMU bias 0.05 m/s², "
+        "bias walk 0.001 m/s²/√s, records per cell 5, seed 2019. The runs differ in "
+        "GNSS (0.03 m 2 Hz delay 0.1 s, 0.03 m 2 Hz delay 0.5 s)."
+    )
+    assert compared.findings.origin == told
+    assert told in (compared.folder / "comparison.md").read_text().splitlines()
+    for path in compared.findings.figures:
+        if path.suffix == ".svg":
+            assert "In all runs: tuning paper, " in path.read_text()
+    other = compare([str(folder / "late"), str(folder / "seed")]).findings.origin
+    assert "seed" not in other.split("The runs differ")[0]
+    assert other.endswith(". The runs differ in seed (7, 2019).")
+
+
 def test_other_grids_and_schemes_leave_the_common_cells(folder):
     compared = compare([str(folder / "late"), str(folder / "small")])
     notes = "\n".join(compared.notes)

@@ -27,6 +27,8 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
 
     with refuse_in_one_line(Path(options.runs[0])):
         compared = compare(options.runs, load)
+    if compared.findings.origin:
+        print(printable(compared.findings.origin))
     if sys.stdout.isatty():
         from rich import box
         from rich.console import Console

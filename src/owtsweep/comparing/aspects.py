@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from owtsweep.results.conditions import Condition, Grid
@@ -37,6 +37,9 @@ class Aspects:
     boundary
         Names of two schemes: the first is expected to be better at small values of the last
         condition, the second at large values. None if no two schemes are expected to differ so.
+    origin
+        Name of a setting -> its value in words, for the settings that a reader must know to read
+        the run's numbers: tuning, truth, records per cell and seed. It is shown in titles.
     best_of
         For a run with expected values instead of records: a function that makes the table of best
         schemes. The arguments of the function are the run's rows, the values of the conditions
@@ -51,6 +54,7 @@ class Aspects:
     window: str
     pairing: Mapping[str, Any]
     boundary: tuple[str, str] | None = None
+    origin: Mapping[str, str] = field(default_factory=dict)
     best_of: Callable[[pd.DataFrame, Grid, Sequence[str], str], pd.DataFrame] | None = None
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.comparing.aspects import Aspects
 from owtsweep.comparing.common import Judged, find_common, judge
 from owtsweep.comparing.comparison import Candidate, Comparison, Findings, Pair
+from owtsweep.comparing.origin import describe_origins
 from owtsweep.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 
 def compare(
@@ -60,12 +63,13 @@ def compare(
     tables |= pair_tables
     if shared.boundary is None:
         tables = {name: table for name, table in tables.items() if not name.startswith("boundar")}
-    figures, undrawn = _draw(comparison, shared, runs, folder, metadata)
+    origin = describe_origins(aspects)
+    figures, undrawn = _draw(comparison, shared, runs, folder, metadata, origin)
     overview = report.make_overview(runs, shared, tables["changed_cells"])
     text = report.write_sections(shared, tables)
     no_boundary = [run.no_boundary for run in runs if run.no_boundary]
     notes = (*left_out, *no_boundary, *unpaired, *undrawn)
-    return Findings(tables, overview, notes, text, tuple(figures))
+    return Findings(tables, overview, notes, text, tuple(figures), origin)
 
 
 def _gather(runs: Sequence[Candidate], tables: Sequence[pd.DataFrame | None]) -> pd.DataFrame:
@@ -153,9 +157,11 @@ def _draw(
     runs: Sequence[Judged],
     folder: Path,
     metadata: Mapping[str, str],
+    origin: str,
 ) -> tuple[list[Path], list[str]]:
     """Draw and save the figures of a comparison.
 
+    `origin` is the text above each figure: where its numbers come from.
     Return the files, and sentences that name each figure that was not drawn, with the reason.
     """
     import pandas as pd
@@ -180,6 +186,7 @@ def _draw(
         notes.append(f"no maps ({error})")
     else:
         figure = maps.draw(panels, runs, shared, plane, subtitle=subtitle)
+        _add_origin(figure, origin)
         files += style.save(figure, folder, "best_scheme_maps", metadata)
     if shared.boundary is None:
         return files, notes
@@ -193,4 +200,14 @@ def _draw(
         return files, notes
     boundaries = pd.concat(parts, ignore_index=True)
     figure = boundary_figure.draw(boundaries, comparison, shared, subtitle=subtitle)
+    _add_origin(figure, origin)
     return files + style.save(figure, folder, "boundary", metadata), notes
+
+
+def _add_origin(figure: Figure, origin: str) -> None:
+    """Write `origin` above a figure in lines that fit its width; do nothing if it is empty."""
+    from owtsweep.figures import style
+
+    if origin:
+        letters = int(12.5 * figure.get_figwidth())  # of the size of the legend's title
+        style.add_origin(figure, "\n".join(textwrap.wrap(origin, letters)))

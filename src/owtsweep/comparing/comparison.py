@@ -160,6 +160,9 @@ class Findings:
         Sections of the file `comparison.md`, in Markdown.
     figures
         Paths of the figures' files, which have been written.
+    origin
+        Sentences on where the numbers come from: settings that all runs share, and settings that
+        differ. They stand at the head of the report and above the terminal's table.
     """
 
     tables: Mapping[str, pd.DataFrame]
@@ -167,6 +170,7 @@ class Findings:
     notes: tuple[str, ...] = ()
     report: str = ""
     figures: tuple[Path, ...] = ()
+    origin: str = ""
 
 
 @runtime_checkable

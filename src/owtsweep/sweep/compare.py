@@ -238,7 +238,10 @@ def _report(
     table = markdown.table(
         [*overview.columns, "run folder"], [[*row, run.name] for row, run in rows]
     )
-    parts = ["# Comparison of " + f"{len(comparison.runs)} runs", table]
+    head = [f"# Comparison of {len(comparison.runs)} runs"]
+    if findings.origin:
+        head.append(markdown.escape(printable(findings.origin)))
+    parts = [*head, table]
     if comparison.following:
         keys = ", ".join(f"`{key}`" for key in comparison.following)
         parts.append(f"Changing along with these keys: {keys}.")

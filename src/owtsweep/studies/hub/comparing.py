@@ -9,6 +9,7 @@ from owtsweep.studies.hub.conditions import BOUNDARY, CONDITIONS, get_grid
 from owtsweep.studies.hub.config import HubConfig
 from owtsweep.studies.hub.engines import ENGINES
 from owtsweep.studies.hub.expected import answers
+from owtsweep.studies.hub.origin import list_origin
 
 #: The keys on which a record's motion depends, besides natural period and replicate. Changing
 #: sigma, delay, rate, bias or tuning changes neither the motion's phases nor the draws of the
@@ -33,6 +34,7 @@ def describe_run(run: Candidate) -> Aspects:
         window=window,
         pairing={key: getattr(config, key) for key in PAIRING},
         boundary=BOUNDARY,
+        origin=list_origin(config),
         best_of=None
         if samples
         else lambda rows, grid, schemes, criterion: answers.best_scheme(

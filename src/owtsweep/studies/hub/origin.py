@@ -33,3 +33,19 @@ def describe_origin(config: HubConfig) -> str:
 def describe_one_record(config: HubConfig) -> str:
     """Return in one line the truth and the seed, for a figure that shows a single record."""
     return f"Truth: {describe_truth(config)}; seed {config.seed}"
+
+
+def list_origin(config: HubConfig) -> dict[str, str]:
+    """Return name -> value, in words, of a run's tuning, sensors, truth, records and seed."""
+    gnss, imu = config.sensors.gnss, config.sensors.imu
+    told = {
+        "tuning": config.tuning_name,
+        "GNSS": f"{gnss.sigma:g} m {gnss.rate:g} Hz delay {gnss.delay:g} s",
+        "IMU": f"{imu.sigma:g} m/s² {imu.rate:g} Hz",
+        "record length": f"{config.record.duration:g} s",
+        "IMU bias": f"{imu.bias_initial:g} m/s²",
+        "bias walk": f"{imu.bias_walk:g} m/s²/√s",
+    }
+    if config.engine == "expected":
+        return told | {"records per cell": "infinitely many (expected value)"}
+    return told | {"records per cell": str(config.grid.replicates), "seed": str(config.seed)}
