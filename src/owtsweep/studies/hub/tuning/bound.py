@@ -27,13 +27,18 @@ from owtsweep.studies.hub.models import sigma_2
 
 def kalman_bound(config: HubConfig) -> float:
     """Compute the bound of the MSE that the key `measures.criterion` names, m^2 or (m/s)^2."""
+    return kalman_bounds(config)[config.measures.criterion]
+
+
+def kalman_bounds(config: HubConfig) -> dict[str, float]:
+    """Compute measure -> bound of its MSE, m^2 or (m/s)^2, for the sensors of a configuration."""
     position, velocity = bound_of_axis(sensing.sensors(config.sensors))
     return {
         "position": 2.0 * position,
         "velocity": 2.0 * velocity,
         "x": position,
         "y": position,
-    }[config.measures.criterion]
+    }
 
 
 def bound_of_axis(sensors: Sensors) -> tuple[float, float]:
