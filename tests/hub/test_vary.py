@@ -23,6 +23,7 @@ from owtsweep.statistics.student import t_quantile
 from owtsweep.studies.hub.tuning.bound import kalman_bounds
 from owtsweep.studies.hub.tuning.judging import errors_on_records
 from owtsweep.studies.hub.varying.errors import Errors, compute
+from owtsweep.studies.hub.varying.facts import list_common_facts
 from owtsweep.studies.hub.varying.sentences import answer_each
 
 RATE = Condition("value", "sensors.gnss.rate", "Hz", "log")
@@ -104,11 +105,13 @@ def test_flags_that_compute_nothing(
         (["grid=small", "seed=1,2"], "grid: 20 motions are too many for a figure; give at most 6"),
         (["seed=1,2", "engine=batch"], "engine: `vary` computes means over all records, and "),
         (["seed=1,2", "name=x"], "name: `vary` names its folder by what is asked"),
+        (["sensors.imu.sigma=1e-20,1e20", "tuning=printed", "schemes=[MKF]", "record.duration=50"],
+         "sensors: the Kalman bound cannot be computed for noise of 0.03 m (GNSS) and 1e+20"),
         (["hme.mhe.constraints.bias=null,1"], "schemes: HME2 has no kernel or is not linear"),
         (["seed=1,2", "study=readings"], "study: 'readings' cannot vary a key; leave out "),
         (["seed=1,2", "hydra.verbose=true"], "Hydra's own settings work with `sweep --multirun`"),
     ],
-)
+)  # fmt: skip
 def test_bad_input_is_one_line_and_writes_nothing(
     words: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -117,6 +120,13 @@ def test_bad_input_is_one_line_and_writes_nothing(
     assert says in err
     assert err.count("\n") == 1
     assert not (tmp_path / "r").exists()
+
+
+def test_a_fact_that_differs_is_left_out() -> None:
+    _, configs = compose_each([*QUICK, "sensors.accuracy=sigma,bound"])
+    facts = list_common_facts(list(configs.values()))  # type: ignore[arg-type]
+    assert {"tuning matched", "GNSS rate 2 Hz", "IMU bias 0.05 m/s²"} < set(facts)
+    assert not any("noise" in fact for fact in facts)
 
 
 def test_the_sentences_say_what_the_numbers_are() -> None:

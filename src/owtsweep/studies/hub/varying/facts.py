@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.tuning.rules import take_facts
 
 
 def list_common_facts(configs: Sequence[HubConfig]) -> tuple[str, ...]:
@@ -17,14 +18,14 @@ def list_common_facts(configs: Sequence[HubConfig]) -> tuple[str, ...]:
 
 
 def _list_facts(config: HubConfig) -> list[str]:
-    gnss, imu = config.sensors.gnss, config.sensors.imu
+    imu, known = config.sensors.imu, take_facts(config.sensors)
     return [
         f"tuning {config.tuning_name}",
-        f"GNSS noise {gnss.sigma:g} m",
-        f"GNSS rate {gnss.rate:g} Hz",
-        f"GNSS delay {gnss.delay:g} s",
-        f"IMU noise {imu.sigma:g} m/s²",
-        f"IMU rate {imu.rate:g} Hz",
+        f"GNSS noise {known.gnss_sigma:g} m",
+        f"GNSS rate {known.gnss_rate:g} Hz",
+        f"GNSS delay {known.delay:g} s",
+        f"IMU noise {known.imu_sigma:g} m/s²",
+        f"IMU rate {known.imu_rate:g} Hz",
         f"IMU bias {imu.bias_initial:g} m/s²",
         f"bias walk {imu.bias_walk:g} m/s²/√s",
         f"mean over all records of {config.record.duration:g} s, without the first "
