@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import hashlib
 import logging
-import math
 import os
 import shlex
 import shutil
@@ -16,12 +15,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from owtsweep.cli.combinations import Combination, combine, count_runs, parse
 from owtsweep.cli.dry_run import foretell
 from owtsweep.cli.job_outcome import OUTCOMES, JobOutcome, read_outcome, write_outcome
 from owtsweep.cli.program import BAD_INPUT, DONE, FAILED, program_here, raise_interrupt
 from owtsweep.cli.running import run_one
 from owtsweep.config import Config, Tree, changed, dump_with_units
-from owtsweep.config.composition import compose_hydra, quote_home, require_readable
+from owtsweep.config.composition import compose_hydra, require_readable
 from owtsweep.config.hydra_errors import hydra_in_one_line
 from owtsweep.config.tuning_files import names_file
 from owtsweep.config.tunings import GROUP
@@ -250,8 +250,8 @@ def _check_folders(configs: Sequence[Config], combinations: Sequence[Sequence[st
         seen[folder] = overrides
 
 
-def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str], dict[str, str]]]:
-    """Return, for each run, the run's overrides and the run's values of the swept keys.
+def _combinations(overrides: Sequence[str], tree: Tree) -> list[Combination]:
+    """Return the overrides and the values of the swept keys of each run.
 
     The list is empty if the overrides choose another sweeper than Hydra's basic one, because the
     combinations of other sweepers are not known in advance.
@@ -261,42 +261,17 @@ def _combinations(overrides: Sequence[str], tree: Tree) -> list[tuple[list[str],
     InputError
         If an override cannot be read, or there are more than `MOST_RUNS` combinations.
     """
-    from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
-    from hydra.core.override_parser.overrides_parser import OverridesParser
-
     require_readable(overrides)
     if any(o.startswith("hydra/sweeper=") and o != "hydra/sweeper=basic" for o in overrides):
         return []
-    with hydra_in_one_line(tree):
-        parsed = OverridesParser.create().parse_overrides([quote_home(o) for o in overrides])
-        keys = [o for o in parsed if not str(o.key_or_group).startswith("hydra")]
-        number = math.prod(map(_count_values, keys))
-        require(
-            number <= MOST_RUNS,
-            f"--multirun: the overrides ask for {number:.6g} runs, and a multirun has at most "
-            f"{MOST_RUNS}; give fewer values",
-        )
-        batches = BasicSweeper.split_arguments(keys, max_batch_size=None)
-    swept = {o.get_key_element() for o in keys if o.is_sweep_override()}
-    combinations = []
-    for words in (list(job) for batch in batches for job in batch):
-        pairs = [word.partition("=")[::2] for word in words]
-        combinations.append((words, {key: value for key, value in pairs if key in swept}))
-    return combinations
-
-
-def _count_values(override: Any) -> float:
-    """Return how many values an override that Hydra has parsed gives its key; infinite: no end.
-
-    The values themselves are not made.
-    """
-    value = override.value()
-    if override.is_range_sweep():
-        try:
-            return float(max(math.ceil((value.stop - value.start) / value.step), 0))
-        except (ArithmeticError, ValueError):  # a step of zero, an end that is infinite or NaN
-            return math.inf
-    return float(len(value.list)) if hasattr(value, "list") else 1.0
+    parsed = parse(overrides, tree)
+    number = count_runs(parsed)
+    require(
+        number <= MOST_RUNS,
+        f"--multirun: the overrides ask for {number:.6g} runs, and a multirun has at most "
+        f"{MOST_RUNS}; give fewer values",
+    )
+    return combine(parsed, tree)
 
 
 def _through_hydra(job: Job, options: argparse.Namespace, folder: Path, located: Located) -> None:

@@ -78,6 +78,13 @@ def _add_tune(parser: Parser) -> None:
     )
 
 
+def _add_vary(parser: Parser) -> None:
+    _add_overrides(parser, "sensors.gnss.rate=1,2,5,10")
+    _add_flag(parser, "--cfg", help="print the configuration of each value with units and stop")
+    _add_flag(parser, "--dry-run", help="say what would be computed, and stop")
+    _add_config_dir(parser)
+
+
 def _add_run(parser: Parser) -> None:
     parser.add_argument("run", metavar="RUN", help="folder of a run, e.g. results/study-0a1b2c3d4e")
 
@@ -146,6 +153,11 @@ COMMANDS = {
         "Search each scheme's best numbers for these sensors; writes a file for tuning=FILE.",
         "tune sensors.gnss.rate=5 tune.amplitude=[0.2,3] --output mine.yaml",
         _add_tune,
+    ),
+    "vary": (
+        "Draw each scheme's error over the values of one key, e.g. what a faster receiver buys.",
+        "vary sensors.gnss.rate=1,2,5,10 grid.natural_period=[4] grid.amplitude=[0.5]",
+        _add_vary,
     ),
     "show": (
         "Tell what a run is: versions, seed, command line, times, cases, failures.",

@@ -128,7 +128,7 @@ def draw(
                 rows = points[(points["scheme"] == name) & (points["measure"] == measure)]
                 place = _place(rows[along.name], levels)
                 axes.plot(place, rows["value"], color=look.color, marker=look.marker, **HOLLOW)
-        _scale(axes, along, levels)
+        scale_axes(axes, along, levels)
         limits = axes.get_ylim()
         for name in thin:
             rows = shown[(shown["scheme"] == name) & (shown["measure"] == measure)]
@@ -138,7 +138,7 @@ def draw(
     figure.suptitle(title, x=0.01, ha="left", fontsize=11)
     handles = _make_legend(shown, schemes, points_label)
     handles += [
-        Line2D([], [], label=style.label_of(name), **_thin_line(style_of(name, thin)))
+        Line2D([], [], label=style.label_of(name), **thin_line(style_of(name, thin)))
         for name in thin
     ]
     figure.legend(handles=handles, loc="outside right center", frameon=False)
@@ -170,14 +170,19 @@ def _draw_curve(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -
 
 def _draw_thin(axes: Axes, place: Any, rows: pd.DataFrame, look: SchemeStyle) -> None:
     order = np.argsort(place, kind="stable")
-    axes.plot(place[order], rows["mean"].iloc[order], **_thin_line(look))
+    axes.plot(place[order], rows["mean"].iloc[order], **thin_line(look))
 
 
-def _thin_line(look: SchemeStyle) -> dict[str, Any]:
+def thin_line(look: SchemeStyle) -> dict[str, Any]:
+    """Return the look of a baseline's line, as arguments of `Axes.plot`."""
     return {"color": look.color, "linestyle": look.line, "linewidth": 1.1, "zorder": 1.5}
 
 
-def _scale(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:
+def scale_axes(axes: Axes, along: Condition, levels: Sequence[Value]) -> None:
+    """Set scales, ticks and label: values of a condition to the right, a logarithmic axis upwards.
+
+    `levels` are the distinct values of the condition in order.
+    """
     axes.set_yscale("log")
     axes.set_xlabel(along.title)
     axes.tick_params(axis="x", labelsize=8)

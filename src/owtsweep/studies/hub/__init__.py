@@ -17,9 +17,10 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from owtsweep.comparing.comparison import Comparison, Findings
-    from owtsweep.results.conditions import Condition
+    from owtsweep.results.conditions import Condition, Value
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.sweep.study import Engine, Tuned
+    from owtsweep.sweep.varying import Varied
 
 __all__ = ["HubStudy"]
 
@@ -134,6 +135,22 @@ class HubStudy:
         from owtsweep.studies.hub.tuning.tuned import tune
 
         return tune(config, advance)
+
+    def list_vary_defaults(self) -> list[str]:
+        """Return the overrides of `vary`: a tuning that follows the sensors, and one motion."""
+        from owtsweep.studies.hub.varying.errors import DEFAULTS
+
+        return DEFAULTS
+
+    def vary(self, along: Condition, configs: Mapping[Value, HubConfig]) -> Varied:
+        """Compute the settled errors of all schemes and baselines with each configuration.
+
+        `along` describes the key that is varied; `configs` maps its values to configurations.
+        """
+        from owtsweep.studies.hub.varying.errors import compute
+        from owtsweep.studies.hub.varying.varied import VariedErrors
+
+        return VariedErrors(compute(along, configs))
 
 
 def criteria(config: HubConfig) -> tuple[str, ...]:

@@ -125,8 +125,8 @@ def _check_expected(config: HubConfig, schemes: Sequence[Scheme]) -> None:
         require(
             scheme.linear and hasattr(scheme, "kernel"),
             f"schemes: {scheme.name} has no kernel or is not linear, and engine=expected needs a "
-            "linear scheme with a kernel; use engine=batch, or leave the scheme out (HME2 is "
-            "linear if hme.mhe.constraints is null)",
+            "linear scheme with a kernel; use `sweep` with engine=batch, or leave the scheme out "
+            "(HME2 is linear if hme.mhe.constraints is null)",
         )
 
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.errors import InputError
 from owtsweep.estimation.discretisation import discretise
 from owtsweep.studies.hub import sensors as sensing
 from owtsweep.studies.hub.config import HubConfig
@@ -27,19 +28,29 @@ from owtsweep.studies.hub.models import sigma_2
 
 def kalman_bound(config: HubConfig) -> float:
     """Compute the bound of the MSE that the key `measures.criterion` names, m^2 or (m/s)^2."""
+    return kalman_bounds(config)[config.measures.criterion]
+
+
+def kalman_bounds(config: HubConfig) -> dict[str, float]:
+    """Compute measure -> bound of its MSE, m^2 or (m/s)^2, for the sensors of a configuration."""
     position, velocity = bound_of_axis(sensing.sensors(config.sensors))
     return {
         "position": 2.0 * position,
         "velocity": 2.0 * velocity,
         "x": position,
         "y": position,
-    }[config.measures.criterion]
+    }
 
 
 def bound_of_axis(sensors: Sensors) -> tuple[float, float]:
     """Compute the bounds along one axis, of position (m^2) and of velocity ((m/s)^2).
 
     The bounds are means over the time between two fixes.
+
+    Raises
+    ------
+    InputError
+        If the sensors' numbers differ too much in magnitude to compute with.
     """
     from scipy.linalg import solve_discrete_are
 
@@ -49,7 +60,14 @@ def bound_of_axis(sensors: Sensors) -> tuple[float, float]:
     A, Q = _over(model.A, noise, sensors.fix_interval)
     H = np.array([[1.0, 0.0, 0.0]])
     R = np.array([[sensors.position_sigma**2]])
-    before = solve_discrete_are(A.T, H.T, Q, R)
+    try:
+        before = solve_discrete_are(A.T, H.T, Q, R)
+    except np.linalg.LinAlgError as error:
+        raise InputError(
+            f"sensors: the Kalman bound cannot be computed for noise of {sensors.position_sigma:g} "
+            f"m (GNSS) and {sensors.force_sigma:g} m/s^2 (IMU) with a bias walk of "
+            f"{sensors.bias_walk:g} m/s^2/sqrt(s); use less extreme values"
+        ) from error
     gain = before @ H.T / (before[0, 0] + R[0, 0])
     P: Array = before - gain @ H @ before
     A_delay, Q_delay = _over(model.A, noise, sensors.delay)

@@ -1,0 +1,217 @@
+"""The command `vary`: compute the schemes' errors over the values of one key; draw one figure."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from owtsweep.cli.combinations import combine, count_runs, list_swept, parse
+from owtsweep.cli.program import DONE
+from owtsweep.config import Config, dump, dump_with_units
+from owtsweep.config.section import unit_of
+from owtsweep.config.tunings import GROUP
+from owtsweep.errors import InputError, printable, require
+from owtsweep.results.conditions import Condition, Value
+from owtsweep.studies import compose, get_study, locate
+from owtsweep.studies.registry import DEFAULT
+from owtsweep.sweep.keys import NOT_IDENTIFYING, question_hash
+from owtsweep.sweep.study import Study, blame
+from owtsweep.sweep.varying import Varying
+
+EXAMPLE = "sensors.gnss.rate=1,2,5,10"
+#: Most values of a key: more can be told apart neither in the table nor in the figure.
+MOST_VALUES = 100
+#: From this ratio of the largest to the smallest value on, the figure's axis is logarithmic.
+WIDE = 4.0
+#: The configurations of all values, one YAML document each.
+CONFIGURATIONS = "configurations.yaml"
+
+
+def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
+    """Compute the errors, write table and figure, print the answer, and return 0.
+
+    With `--cfg`, print the configuration of each value and compute nothing; with `--dry-run`, print
+    what would be computed.
+
+    Raises
+    ------
+    InputError
+        If not exactly one override has several values, the study cannot vary a key, or a
+        configuration is refused.
+    """
+    from owtsweep.io.files import check_writable, refuse_in_one_line, write_atomically
+    from owtsweep.io.steps import show_steps
+
+    key, configs = compose_each(options.overrides, options.config_dir)
+    if options.cfg:
+        print("---\n".join(dump_with_units(config) for config in configs.values()), end="")
+        return DONE
+    one = next(iter(configs.values()))
+    folder = choose_folder(key, configs)
+    if options.dry_run:
+        print("Nothing was computed or written. This command without --dry-run would do:")
+        print(f"folder  {printable(str(folder))}/")
+        print(f"values  {len(configs)} of {key}; each takes some seconds the first time")
+        return DONE
+    study: Any = get_study(one.study)
+    check_writable(folder)
+    along = Condition("value", key, _find_unit(one, key), _choose_scale(list(configs)))
+    with blame(study):
+        with show_steps():
+            varied = study.vary(along, configs)
+        with refuse_in_one_line(folder):
+            files = varied.write(folder, {"vary": folder.name, "key": key})
+            text = "---\n".join(dump(config) for config in configs.values())
+            write_atomically(folder / CONFIGURATIONS, text)
+        answer = varied.answer()
+    from rich.console import Console
+
+    Console(width=None if sys.stdout.isatty() else 120).print(answer)
+    print(f"{len(files) + 1} files: {printable(str(folder))}/")
+    return DONE
+
+
+def compose_each(
+    overrides: Sequence[str], config_dir: str | None = None
+) -> tuple[str, dict[Value, Config]]:
+    """Compose a configuration for each value of the one key that has several.
+
+    Return the key, and value -> configuration. The values are numbers in increasing order if the
+    key holds numbers; otherwise texts as typed.
+
+    Raises
+    ------
+    InputError
+        If not exactly one override has several values, the study cannot vary a key, or a
+        configuration is refused.
+    """
+    located = locate(overrides)
+    for word in overrides:
+        require(
+            not word.lstrip("+~").startswith("hydra"),
+            f"{word}: Hydra's own settings work with `sweep --multirun` only",
+        )
+    parsed = parse(overrides, located.tree)
+    swept = [key.lstrip("+") for key in list_swept(parsed)]
+    require(
+        bool(swept),
+        f"overrides: none has several values; give one key its values, e.g. {EXAMPLE}",
+    )
+    key = swept[0]
+    require(
+        len(swept) == 1,
+        f"{' and '.join(swept)}: `vary` takes several values of one key only; give each other key "
+        "one value",
+    )
+    require(
+        key.partition(".")[0] not in (*NOT_IDENTIFYING, "study"),
+        f"{key}: `vary` compares sensors, tunings and truths; give this key one value",
+    )
+    require(
+        all(
+            o.is_range_sweep() or hasattr(o.value(), "list")
+            for o in parsed
+            if o.is_sweep_override()
+        ),
+        f"{key}: list its values, e.g. {EXAMPLE}, or give a range, e.g. {key}=range(1,5)",
+    )
+    number = count_runs(parsed)
+    require(
+        number <= MOST_VALUES,
+        f"{key}: {number:.6g} values are too many; give at most {MOST_VALUES}",
+    )
+    study = get_study(located.study or DEFAULT)
+    start = _leave_out_given(_list_defaults(study), overrides)
+    composed = [
+        (next(iter(values.values())), compose([*start, *words], config_dir))
+        for words, values in combine(parsed, located.tree)
+    ]
+    for _, config in composed:
+        _list_defaults(get_study(config.study))  # an experiment may name another study
+        _check(config)
+    return key, _by_value(key, composed)
+
+
+def _list_defaults(study: Study) -> Sequence[str]:
+    """Return the overrides that `vary` puts before those of the user.
+
+    Raises
+    ------
+    InputError
+        If the study cannot vary a key.
+    """
+    if not isinstance(study, Varying):
+        raise InputError(f"study: {study.name!r} cannot vary a key; leave out study={study.name}")
+    return study.list_vary_defaults()
+
+
+def _leave_out_given(defaults: Sequence[str], overrides: Sequence[str]) -> list[str]:
+    """Return the overrides of `defaults` whose key, or a section of it, is in no override."""
+    given = {word.lstrip("+~").partition("=")[0] for word in overrides}
+    kept = []
+    for word in defaults:
+        parts = word.partition("=")[0].split(".")
+        above = {".".join(parts[: n + 1]) for n in range(len(parts))}
+        if not above & given:
+            kept.append(word)
+    return kept
+
+
+def _check(config: Config) -> None:
+    require(
+        "" in config.by_tuning(),
+        f"{GROUP}: `vary` takes one tuning for each value; to compare tunings, give "
+        f"{GROUP}=paper,matched without brackets",
+    )
+    require(
+        config.name is None,
+        "name: `vary` names its folder by what is asked; leave out name, or choose another place "
+        "by results=FOLDER",
+    )
+
+
+def _by_value(key: str, composed: Sequence[tuple[str, Config]]) -> dict[Value, Config]:
+    """Return value -> configuration, from each value as typed with its configuration."""
+    numbers = [_read_number(config, key) for _, config in composed]
+    found: dict[Value, Config] = {}
+    for number, (text, config) in zip(numbers, composed, strict=True):
+        value: Value = text if None in numbers or number is None else number
+        require(value not in found, f"{key}: {text} stands there twice; give each value once")
+        found[value] = config
+    require(len(found) > 1, f"{key}: it has one value only; give several, e.g. {EXAMPLE}")
+    return found if None in numbers else dict(sorted(found.items()))
+
+
+def _read_number(config: Any, key: str) -> float | None:
+    """Return the number that a configuration holds at a key; None if the key holds something else.
+
+    The key of a config group, e.g. `sensors`, holds a section.
+    """
+    value = config
+    for name in key.split("."):
+        value = getattr(value, name, None)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if is_number else None
+
+
+def _find_unit(config: Config, key: str) -> str:
+    """Return the unit of a key as it is drawn, e.g. "m/s²" for "m/s^2"; "" if it has none."""
+    unit = unit_of(type(config), key)
+    return unit.replace("^2", "²").replace("^3", "³").replace("sqrt(s)", "√s")
+
+
+def _choose_scale(values: Sequence[Value]) -> Any:
+    numbers = [value for value in values if not isinstance(value, str)]
+    wide = bool(numbers) and min(numbers) > 0.0 and max(numbers) >= WIDE * min(numbers)
+    return "log" if wide else "linear"
+
+
+def choose_folder(key: str, configs: Mapping[Value, Config]) -> Path:
+    """Return the folder for the files: its name is a hash of the key and of what is asked."""
+    asked = [key, *(f"{value} {question_hash(config)}" for value, config in configs.items())]
+    digest = hashlib.blake2b("\n".join(asked).encode(), digest_size=5).hexdigest()
+    return Path(next(iter(configs.values())).results) / f"vary-{digest}"

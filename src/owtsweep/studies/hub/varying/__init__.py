@@ -1,0 +1,1 @@
+"""What the schemes' errors are over the values of one key, for the command `vary`."""

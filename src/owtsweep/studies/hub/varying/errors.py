@@ -1,0 +1,194 @@
+"""Computes the errors of all schemes and baselines over the values of one key.
+
+The errors are expected ones (`studies.hub.expected`), of the settled part of a record. No record is
+simulated.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+import pandas as pd
+
+from owtsweep.arrays import Array
+from owtsweep.errors import InputError, as_text, require
+from owtsweep.io.steps import tell_step
+from owtsweep.results.conditions import Condition, Value
+from owtsweep.results.status import OK
+from owtsweep.studies.hub import baseline_names, criteria, scheme_names
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.expected.answers import expected
+from owtsweep.studies.hub.expected.engine import rows
+from owtsweep.studies.hub.tuning.bound import kalman_bounds
+from owtsweep.studies.hub.varying.facts import list_common_facts
+from owtsweep.studies.hub.varying.notes import list_notes
+
+#: The overrides that the command puts before the user's: a tuning whose numbers follow from the
+#: sensors, and one motion in the middle of the grid, at which an estimator is needed.
+DEFAULTS = [
+    "tuning=matched", "engine=expected", "grid.natural_period=[4]", "grid.amplitude=[0.5]",
+]  # fmt: skip
+#: Most motions (natural period and amplitude): each has a panel and a table of its own.
+MOST_MOTIONS = 6
+#: The part of a record whose error is compared: how an estimator starts is another question.
+WINDOW = "settled"
+
+
+@dataclass(frozen=True)
+class Errors:
+    """The expected settled MSE of schemes over the values of one key.
+
+    Attributes
+    ----------
+    along
+        The key that is varied.
+    values
+        The values of the key, in the order of tables and figure.
+    schemes, baselines
+        Names of the schemes and of the baselines.
+    motions
+        The motions, as pairs of natural period (s) and amplitude (m).
+    criterion
+        The measure that is shown: "position", "velocity", "x" or "y".
+    mse
+        Measure -> MSE, m^2 or (m/s)^2, shape (schemes and then baselines, values, motions).
+    bounds
+        Measure -> Kalman bound of the MSE at each value, shape (values,).
+    facts
+        What holds at every value, e.g. the tuning and the sensors' properties that do not vary.
+    notes
+        Sentences that a reader of the errors needs.
+    """
+
+    along: Condition
+    values: tuple[Value, ...]
+    schemes: tuple[str, ...]
+    baselines: tuple[str, ...]
+    motions: tuple[tuple[float, float], ...]
+    criterion: str
+    mse: Mapping[str, Array]
+    bounds: Mapping[str, Array]
+    facts: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the schemes, then those of the baselines."""
+        return (*self.schemes, *self.baselines)
+
+    def rms(self) -> Array:
+        """Return the square roots of the MSE of the criterion, m or m/s, in the shape of `mse`."""
+        return np.sqrt(self.mse[self.criterion])
+
+    def rms_of_bound(self) -> Array:
+        """Return the square roots of the bounds of the criterion, m or m/s, shape (values,)."""
+        return np.sqrt(self.bounds[self.criterion])
+
+    def table(self) -> pd.DataFrame:
+        """Make the table vary.csv: a row per value, scheme and motion."""
+        lines = []
+        places = product(enumerate(self.values), enumerate(self.names), enumerate(self.motions))
+        for (v, value), (s, name), (m, (period, amplitude)) in places:
+            errors = {f"mse_{measure}": mse[s, v, m] for measure, mse in self.mse.items()}
+            bounds = {f"bound_{measure}": bound[v] for measure, bound in self.bounds.items()}
+            place = {"value": value, "scheme": name}
+            motion = {"natural_period": period, "amplitude": amplitude}
+            lines.append({**place, **motion, **errors, **bounds})
+        return pd.DataFrame(lines)
+
+
+def compute(along: Condition, configs: Mapping[Value, HubConfig]) -> Errors:
+    """Compute the errors of all schemes and baselines, and the Kalman bound, at each value.
+
+    Raises
+    ------
+    InputError
+        If the configurations ask for records, or for other motions, schemes or criteria than the
+        first; or if a scheme cannot be computed.
+    """
+    one = next(iter(configs.values()))
+    _check(along, list(configs.values()))
+    schemes, baselines, measures = scheme_names(one), baseline_names(one), criteria(one)
+    amplitudes = np.array(one.grid.amplitude, dtype=float)
+    periods = sorted(one.grid.natural_period)
+    errors: dict[str, list[Array]] = {measure: [] for measure in measures}
+    bounds: dict[str, list[float]] = {measure: [] for measure in measures}
+    names = [*schemes, *baselines]
+    for number, (value, config) in enumerate(configs.items(), 1):
+        place = f"{along.label}={along.show(value)}"
+        tell_step(f"value {number} of {len(configs)}: {place}")
+        table = _compute_rows(config, names, periods, place)
+        bound = kalman_bounds(config)
+        for measure in measures:
+            at = expected(table, names, measure, WINDOW).at(amplitudes)
+            errors[measure].append(at.reshape(len(names), -1))
+            bounds[measure].append(bound[measure])
+    mse = {measure: np.stack(parts, axis=1) for measure, parts in errors.items()}
+    of_schemes = mse[one.measures.criterion][: len(schemes)]
+    return Errors(
+        along=along,
+        values=tuple(configs),
+        schemes=tuple(schemes),
+        baselines=tuple(baselines),
+        motions=tuple(product(periods, amplitudes.tolist())),
+        criterion=one.measures.criterion,
+        mse=mse,
+        bounds={measure: np.array(parts) for measure, parts in bounds.items()},
+        facts=list_common_facts(list(configs.values())),
+        notes=list_notes(along, configs, schemes, of_schemes),
+    )
+
+
+def _check(along: Condition, configs: Sequence[HubConfig]) -> None:
+    one = configs[0]
+    for config in configs:
+        require(
+            config.engine == "expected",
+            f"engine: `vary` computes means over all records, and engine={config.engine} simulates "
+            "records; leave out engine",
+        )
+        require(
+            (config.grid, config.measures, config.schemes, config.baselines)
+            == (one.grid, one.measures, one.schemes, one.baselines),
+            f"{along.label}: its values differ in grid, measures, schemes or baselines, which "
+            "`vary` needs to be the same; set those keys by overrides of their own",
+        )
+    count = len(one.grid.natural_period) * len(one.grid.amplitude)
+    require(
+        count <= MOST_MOTIONS,
+        f"grid: {count} motions are too many for a figure; give at most {MOST_MOTIONS}, e.g. "
+        "grid.natural_period=[4] grid.amplitude=[0.2,1]",
+    )
+
+
+def _compute_rows(
+    config: HubConfig, names: Sequence[str], periods: Sequence[float], place: str
+) -> pd.DataFrame:
+    """Compute the rows of all schemes, on all cores; `place` says in messages which value it is.
+
+    Raises
+    ------
+    InputError
+        If a scheme cannot be computed, or its error is not finite.
+    """
+
+    def compute_one(name: str) -> pd.DataFrame:
+        try:
+            made = rows(config, name, periods)
+        except Exception as error:  # a scheme of the user's may raise anything
+            told = str(error) if isinstance(error, InputError) else as_text(error)
+            raise InputError(f"schemes: {name} cannot be computed at {place}: {told}") from error
+        require(
+            bool((made["status"] == OK).all()),
+            f"schemes: the error of {name} is not finite at {place}; leave out the scheme or the "
+            "value",
+        )
+        return made
+
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        return pd.concat(list(pool.map(compute_one, names)), ignore_index=True)

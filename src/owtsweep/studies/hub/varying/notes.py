@@ -1,0 +1,48 @@
+"""Writes what a reader of the errors over a key's values has to know besides the numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from owtsweep.arrays import Array
+from owtsweep.config.typed import as_plain
+from owtsweep.results.conditions import Condition, Value
+from owtsweep.statistics.contest import agree, group_coinciding
+from owtsweep.studies.hub.config import HubConfig
+from owtsweep.studies.hub.tuning.rules import RECORDED
+
+BOUND = (
+    "The Kalman bound is the least error of an estimator that assumes nothing about the motion; an "
+    "estimator that does assume something may have less."
+)
+
+
+def list_notes(
+    along: Condition, configs: Mapping[Value, HubConfig], schemes: Sequence[str], mse: Array
+) -> tuple[str, ...]:
+    """Return sentences on schemes that coincide, on HME2's numbers, and on the bound.
+
+    `mse` are the MSE of `schemes`, shape (schemes, values, motions).
+    """
+    groups = group_coinciding(schemes, lambda i, j: bool(agree(mse[i], mse[j]).all()))
+    told = [f"{' and '.join(group)} have the same errors." for group in groups]
+    recorded = [value for value, config in configs.items() if _has_recorded_numbers(config)]
+    one_tuning = len({config.tuning_name for config in configs.values()}) == 1
+    if "HME2" in schemes and one_tuning and 0 < len(recorded) < len(configs):
+        places = " and ".join(along.show(value) for value in recorded)
+        told.append(
+            f"At {places}, HME2 has the numbers that tuning=matched keeps for the paper's sensors; "
+            "elsewhere its numbers follow a rule (docs/tuning.md)."
+        )
+    return (*told, BOUND)
+
+
+def _has_recorded_numbers(config: HubConfig) -> bool:
+    for key, number in RECORDED.items():
+        value: Any = as_plain(config)
+        for name in key.split("."):
+            value = value[name]
+        if value != number:
+            return False
+    return True
