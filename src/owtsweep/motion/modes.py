@@ -32,7 +32,8 @@ class Mode:
     Attributes
     ----------
     frequency
-        The frequency of the peak in Hz.
+        The frequency of the peak in Hz: the mean over the part that is at least half as high as the
+        top, weighted with the height.
     share
         The share (0 to 1) of the record's variance between the valleys on either side of the peak.
     p
@@ -119,14 +120,27 @@ def find_modes(position: Array, step: float) -> Modes:
     valleys = [a + int(np.argmin(height[a:b])) for a, b in itertools.pairwise(at)]
     shares = np.add.reduceat(power, [0, *valleys]) / np.sum(power)
     p = np.minimum(pairs * f_distribution.sf(np.exp(prominence), nu, nu), 1.0)
-    slow = frequency[at] < resolution
+    slow, enough = frequency[at] < resolution, shares >= LEAST_SHARE
     found = [
-        Mode(float(frequency[i]), float(share), float(chance))
-        for i, share, chance, is_slow in zip(at, shares, p, slow, strict=True)
-        if share >= LEAST_SHARE and not is_slow
+        Mode(_locate(frequency, power, i), float(share), float(chance))
+        for i, share, chance in zip(
+            *(series[enough & ~slow] for series in (at, shares, p)), strict=True
+        )
     ]
     found.sort(key=lambda mode: -mode.share)
-    return Modes(tuple(found), float(np.sum(shares[slow])), resolution)
+    return Modes(tuple(found), float(np.sum(shares[enough & slow])), resolution)
+
+
+def _locate(frequency: Array, power: Array, top: int) -> float:
+    """Return the frequency of a peak, which lies in the middle of a flat top, in Hz.
+
+    A line spectrum's peak is as wide as the tapers make it, and flat. `top` is the place of the
+    peak in `power`.
+    """
+    low = np.flatnonzero(power < 0.5 * power[top])
+    begin = int(np.max(low[low < top], initial=-1)) + 1
+    end = int(np.min(low[low > top], initial=len(power)))
+    return float(np.average(frequency[begin:end], weights=power[begin:end]))
 
 
 def smooth_spectrum(position: Array, step: float) -> tuple[Array, Array, int]:

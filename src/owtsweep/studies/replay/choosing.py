@@ -1,9 +1,10 @@
 """Choose what to recommend: the simplest of those schemes and baselines that are not worse.
 
-The order of simplicity is NONE, HOLD, DELTA, EKF and MKF, HME1, HME2, then schemes of a user. What
-has a larger error than another one is worse if the difference matters: by `LEAST_MARGIN` at least,
-with a 95 % interval above zero. So a scheme is not recommended where a baseline has less error, and
-where a scheme and a baseline cannot be told apart, the baseline is.
+The order of simplicity is NONE, HOLD, DELTA, EKF and MKF, HME1, HME2, then schemes of a user. A
+scheme or baseline is worse if its error is larger than the least error by a difference that
+matters: by `LEAST_MARGIN` at least, with a 95 % interval above zero, or by `LARGE_MARGIN`. So a
+scheme is not recommended where a baseline has less error. Where a scheme and a baseline cannot be
+told apart, the baseline is recommended.
 """
 
 from __future__ import annotations
@@ -19,14 +20,18 @@ from owtsweep.statistics.sums import mean_and_error
 
 #: A margin (an error / the least error - 1) below this does not matter for the choice.
 LEAST_MARGIN = 0.05
+#: A margin of at least this matters even if the interval holds zero. The errors of a gap of fixes
+#: lie in one part of a record, and make the interval wide whatever the mean says.
+LARGE_MARGIN = 1.0
 #: With fewer pairs than this, an interval says too little, and only the margin decides.
 FEWEST_PAIRS = 5
 #: Name -> place in the order of simplicity; other schemes come after these.
 SIMPLICITY = {"NONE": 0, "HOLD": 1, "DELTA": 2, "EKF": 3, "MKF": 3, "HME1": 4, "HME2": 5}
 #: The baselines, the simplest first.
 BASELINES = ("NONE", "HOLD", "DELTA")
-#: The map advises for a record only if the fitted spectrum covers this share of its variance.
-LEAST_COVERED = 0.5
+#: The map advises for a record only if the fitted spectrum covers this share of its variance. A
+#: curve of the right shape covers 0.87, and a curve fitted to one of two equal peaks some 0.56.
+LEAST_COVERED = 0.6
 
 #: Columns that the table of advice has for the choice.
 COLUMNS = (
@@ -94,9 +99,10 @@ def _is_worse(samples: Array, means: Array, one: int, other: int) -> bool:
     `one` and `other` are rows of `samples` and places in `means`.
     """
     difference, half = _compare(samples, means, one, other)
-    if not difference >= LEAST_MARGIN * means[other] or difference == 0.0:
+    if difference == 0.0 or not difference >= LEAST_MARGIN * means[other]:
         return False
-    return samples.shape[1] < FEWEST_PAIRS or bool(difference > half)
+    few = samples.shape[1] < FEWEST_PAIRS
+    return few or bool(difference > half or difference >= LARGE_MARGIN * means[other])
 
 
 def _compare(samples: Array, means: Array, one: int, other: int) -> tuple[float, float]:

@@ -127,8 +127,8 @@ def _state_facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
             + ", ".join(f"{name} = {line[name]:.4g}" for name in "abc")
             + f"; {100 * line['band_share']:.0f} % of the variance lies in the band "
             f"[{config.fit_band[0]:g}, {config.fit_band[1]:g}] Hz, and "
-            f"{100 * compute_fit_share(line):.0f} % under the curve, which is what the expected map "
-            "judges"
+            f"{100 * compute_fit_share(line):.0f} % under the curve, which is what the expected "
+            "map judges"
         )
         facts += [
             f"the fit of Eq. (1): {warning}"

@@ -54,7 +54,10 @@ def _recommend(row: dict[str, Any]) -> str:
     best = _name(row["best"], same)
     more = f"; {rival}" if (rival := _describe_rival(row)) else ""
     if chosen != row["best"] and chosen not in same:
-        less = f"{best} has {_describe_difference(row['value_best'] - value, value)}"
+        ends = []
+        if chosen == row["runner_up"] and row["source"] != "map" and "ci_low" in row:
+            ends = [-row["ci_high"], -row["ci_low"]]
+        less = f"{best} has {_describe_difference(row['value_best'] - value, value, *ends)}"
         return f"no difference that matters: run {chosen}, the simplest, {size}; {less}{more}"
     if not row["runner_up"]:
         return f"{best}, {size}; there is nothing to compare it with{more}"

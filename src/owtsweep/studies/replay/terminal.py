@@ -25,7 +25,9 @@ SHOWN = {
     "innovation_white_p": "white p",
 }
 #: What the table of errors says below it.
-BASELINES_TOLD = "NONE, HOLD and DELTA do without the IMU: zero, the last fix, the line through the last two fixes"
+BASELINES_TOLD = (
+    "NONE, HOLD, DELTA: no IMU, but zero, the last fix, or the line through the last two fixes"
+)
 
 #: With more records than this the terminal prints counts of the advice, not each advice.
 MOST_RECORDS = 8

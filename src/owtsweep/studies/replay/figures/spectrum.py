@@ -86,8 +86,8 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             share = f"; it holds {100 * record['band_share']:.0f} % of the variance"
         style.footnote(
             figure,
-            f"{shown_modes}Horizontal displacement, from {summary.source}. Grey: band [{low:g}, {high:g}] Hz, "
-            f"where Eq. (1) is fitted by Whittle likelihood{share}.",
+            f"{shown_modes}Horizontal displacement, from {summary.source}. Grey: band "
+            f"[{low:g}, {high:g}] Hz, where Eq. (1) is fitted by Whittle likelihood{share}.",
         )
     return figure
 
