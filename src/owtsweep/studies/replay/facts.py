@@ -28,7 +28,7 @@ BEYOND = 2.0
 FACTS = (
     "duration", "rms", "peak", "direction", "direction_share", "natural_period",
     "natural_period_error", "half_bandwidth", "half_bandwidth_error", "a", "b", "c", "band_share",
-    "fit_p", "fit_share", "slow_share",
+    "fit_p", "fit_share", "slow_share", "slow_period",
     *(f"mode_{number}_{what}" for number in (1, 2, 3) for what in ("period", "share", "p")),
 )  # fmt: skip
 #: At most this many peaks of the spectrum are facts about a record.
@@ -182,7 +182,8 @@ def measure_record(config: ReplayConfig, record: ReplayRecord) -> Iterator[Measu
     share of the variance, all of the displacement; and the spectrum of Eq. (1) of Ren et al.
     (2019), if it could be fitted. The facts `..._error` are standard errors of the fit. The facts
     `mode_...` are the peaks of the spectrum at all frequencies, at most `MOST_MODES`, the one with
-    the largest share of the variance first.
+    the largest share of the variance first. `slow_share` is the share of the variance of motion
+    with periods longer than `slow_period` (s), which a record of this duration cannot time.
     """
     summary = summarise_motion(config, record.file)
     facts = {"duration": record.steps * record.step, **summary.size}
@@ -201,6 +202,7 @@ def measure_record(config: ReplayConfig, record: ReplayRecord) -> Iterator[Measu
             "fit_share": fitted.band_share * fitted.explained,
         }
     facts["slow_share"] = summary.modes.slow_share
+    facts["slow_period"] = 1.0 / summary.modes.resolution
     for number, mode in enumerate(summary.modes.found[:MOST_MODES], start=1):
         facts |= {
             f"mode_{number}_period": mode.period,

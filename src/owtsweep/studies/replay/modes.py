@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from owtsweep.motion.modes import LEVEL
+from owtsweep.motion.modes import LEAST_SHARE, LEVEL
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import MOST_MODES
 
@@ -27,10 +27,11 @@ def describe_modes(config: ReplayConfig, record: Any) -> str:
             outside = "" if low <= 1.0 / period <= high else ", outside the band"
             share = 100.0 * record[f"mode_{number}_share"]
             told.append(f"{period:.3g} s ({share:.0f} % of the variance{outside})")
+    text = f"peaks of the spectrum: {', '.join(told)}"
+    if not told:
+        text = f"the spectrum has no peak that is more than scatter (p < {LEVEL:g})"
     slow = float(record["slow_share"])
-    parts = [f"peaks of the spectrum: {', '.join(told)}"] if told else []
-    if slow > 0.0:
-        parts.append(f"{100.0 * slow:.0f} % of the variance is too slow for this record to time")
-    if not parts:
-        return f"the spectrum has no peak that is more than scatter (p < {LEVEL:g})"
-    return "; ".join(parts)
+    if slow >= LEAST_SHARE:
+        text += f"; {100.0 * slow:.0f} % of the variance has periods beyond "
+        text += f"{record['slow_period']:.3g} s, too long for this record to time"
+    return text

@@ -45,11 +45,9 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
     parts: list[Any] = []
     if len(config.grid.files) == 1:
         parts.append(_make_table(config, tables["errors"]))
-        parts += [
-            Text(f"motion: {modes}")
-            for record in tables["records"].to_dict("records")
-            if (modes := describe_modes(config, record))
-        ]
+        for record in tables["records"].to_dict("records"):
+            if modes := describe_modes(config, record):
+                parts.append(Text(f"motion: {modes}"))
     if len(config.grid.files) <= MOST_RECORDS:
         parts += [Text(line) for line in make_sentences(tables["advice"])]
     else:

@@ -14,7 +14,7 @@ from owtsweep.motion.modes import LEVEL, Modes
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.facts import BEYOND, MOST_MODES, summarise_motion
 from owtsweep.studies.replay.figures.words import name_file
-from owtsweep.studies.replay.place import read_fit
+from owtsweep.studies.replay.place import compute_fit_share, read_fit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -131,5 +131,6 @@ def _describe_fit(record: Any, has_fit: bool) -> str:
     return (
         f"natural period {record['natural_period']:.3g} ± "
         f"{1.96 * record['natural_period_error']:.1g} s, half-bandwidth "
-        f"{record['half_bandwidth']:.2g} ± {1.96 * record['half_bandwidth_error']:.1g} Hz"
+        f"{record['half_bandwidth']:.2g} ± {1.96 * record['half_bandwidth_error']:.1g} Hz; "
+        f"the fit covers {100.0 * compute_fit_share(record):.0f} % of the variance"
     )
