@@ -271,6 +271,6 @@ def test_the_baseline_hold_is_the_last_fix_and_describes_no_record():
     assert not {"nees", "nis"} & set(errors["HOLD"].index.get_level_values("measure"))
     assert facts.choose_describer(replayed.run.config) == 0
     with pytest.raises(
-        owtsweep.InputError, match=r"^baselines: a replay has one of its own, last_fix"
+        owtsweep.InputError, match=r"^baselines: a replay always judges NONE, HOLD and DELTA"
     ):
         owtsweep.replay("tower.csv", ["baselines=[NONE]"])

@@ -21,7 +21,7 @@ SHORT = 120.0
 #: Longer records are cut into segments of this duration, s.
 SEGMENT = 300.0
 #: A peak is more than scatter if scatter makes one as high, anywhere in a spectrum, with at most
-#: this probability. In 100 records of white noise each, 8 of 30 s, 2 of 60 s and of 300 s, and 17 of
+#: this probability. Of 100 records of white noise each, 8 of 30 s, 2 of 60 s, 2 of 300 s and 17 of
 #: 1000 s had such a peak. None of 320 records with one peak of Eq. (1) had a second one.
 LEVEL = 0.05
 #: Peaks with less of the variance are not listed.

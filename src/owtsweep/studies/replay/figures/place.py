@@ -108,11 +108,14 @@ def _make_field(
     amplitudes = np.geomspace(small, large, AMPLITUDES)
     expected = expect_map(config, record, periods, amplitudes)
     baselines = [name for name in expected if name in BASELINES and name not in config.schemes]
-    rivals = np.array([expected.pop(name) for name in baselines])
+    rivals = np.array([expected.pop(name) for name in baselines]).reshape(
+        len(baselines), PERIODS, AMPLITUDES
+    )
     values = np.array(list(expected.values()))
     judged, shape = contest(values.reshape(len(values), -1, 1)), values.shape[1:]
     excess = (judged.difference / judged.mse_best).reshape(shape)
-    ratio = judged.mse_best.reshape(shape) / rivals.min(axis=0, initial=np.inf)
+    lead = np.log(judged.mse_best.reshape(shape) / rivals.min(axis=0, initial=np.inf))
+    beaten, none = lead > LEAST_MARGIN, np.full(shape, -1)
     return (
         list(expected),
         baselines,
@@ -122,12 +125,12 @@ def _make_field(
             columns=periods,
             lines=amplitudes,
             values=values,
-            best=judged.best.reshape(shape),
+            best=np.where(beaten, -1, judged.best.reshape(shape)),
             excess=100.0 * excess,
             distinguishable=~(excess < LEAST_MARGIN),
             resolution=LEAST_MARGIN,
-            baseline=np.where(ratio - 1.0 >= LEAST_MARGIN, np.argmin(rivals, axis=0), -1),
-            lead=np.log(ratio),
+            baseline=np.where(beaten, np.argmin(rivals, axis=0), -1) if baselines else none,
+            lead=lead,
         ),
     )
 
