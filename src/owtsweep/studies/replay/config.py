@@ -93,8 +93,8 @@ class ReplayConfig(HubConfig):
         super().check()
         require(
             not self.baselines,
-            "baselines: a replay always judges NONE, HOLD and DELTA; leave the key out, or name them "
-            "in schemes to see their estimates too",
+            "baselines: a replay always judges NONE, HOLD and DELTA; leave the key out, or name "
+            "them in schemes to see their estimates too",
         )
         band = self.replay.band
         require(
