@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from owtsweep.studies.replay import advice
+from owtsweep.studies.replay import advice, sentences
 
 NAMES = ["EKF", "MKF", "HME1"]
 
@@ -31,7 +31,7 @@ def test_too_small_a_margin_does_not_matter():
     assert found["best"] == "HME1"
     assert found["ci_low"] > 0.0
     assert not found["matters"]
-    line = advice.write_sentence({"source": "record", "criterion": "position", **found})
+    line = sentences.write_sentence({"source": "record", "criterion": "position", **found})
     assert "no difference that matters" in line
 
 
@@ -83,7 +83,7 @@ def test_without_errors_the_fixes_advise():
         rows("fix_residual", 1), ["MKF", "HME1"], "position", "settled"
     )
     assert (found["source"], found["criterion"]) == ("fixes", "fix_residual")
-    assert "from a fix" in advice.write_sentence(found)
+    assert "from a fix" in sentences.write_sentence(found)
 
 
 def test_large_margins_are_told_in_times():
@@ -92,7 +92,7 @@ def test_large_margins_are_told_in_times():
         "runner_up": "MKF", "value_best": 0.01, "margin": 4.0, "ci_low": 0.03, "ci_high": 0.05,
         "matters": True,
     }  # fmt: skip
-    assert "MKF has 5 times as much (95 %: 4 to 6 times)" in advice.write_sentence(row)
-    assert "MKF has 5 times as much" in advice.write_sentence({**row, "source": "map"})
+    assert "MKF has 5 times as much (95 %: 4 to 6 times)" in sentences.write_sentence(row)
+    assert "MKF has 5 times as much" in sentences.write_sentence({**row, "source": "map"})
     near = {**row, "margin": 0.5, "ci_low": 0.004, "ci_high": 0.006}
-    assert "MKF has 50 % more (95 %: 40 to 60 %)" in advice.write_sentence(near)
+    assert "MKF has 50 % more (95 %: 40 to 60 %)" in sentences.write_sentence(near)

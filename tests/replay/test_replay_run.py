@@ -14,6 +14,7 @@ from replay_tools import motion_file, sensor_file
 import owtsweep
 from owtsweep.cli import main
 from owtsweep.studies.replay import facts
+from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.running import configure, execute, expand
 from owtsweep.sweep.keys import run_folder, run_hash
 from owtsweep.sweep.runs import Run
@@ -69,7 +70,7 @@ def test_outputs(capsys):
 def test_python_interface():
     motion_file(Path("a.csv"), duration=30.0)
     replay = owtsweep.replay("a.csv", QUICK)
-    assert set(replay.errors().scheme) == {"MKF", "HME1", "last_fix"}
+    assert set(replay.errors().scheme) == {"MKF", "HME1", *BASELINE_ROWS}
     assert list(replay.advice().source) == ["record", "map"]
     assert replay.records().loc[0, "natural_period"] > 0.0
     assert set(replay.estimates().scheme) == {"MKF", "HME1"}
@@ -272,6 +273,6 @@ def test_the_baseline_hold_is_the_last_fix_and_describes_no_record():
     assert not {"nees", "nis"} & set(errors["HOLD"].index.get_level_values("measure"))
     assert facts.choose_describer(replayed.run.config) == 0
     with pytest.raises(
-        owtsweep.InputError, match=r"^baselines: a replay has one of its own, last_fix"
+        owtsweep.InputError, match=r"^baselines: a replay always judges NONE, HOLD and DELTA"
     ):
         owtsweep.replay("tower.csv", ["baselines=[NONE]"])

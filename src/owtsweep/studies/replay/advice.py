@@ -16,18 +16,17 @@ from owtsweep.arrays import Array
 from owtsweep.statistics.contest import find_alike, rank
 from owtsweep.statistics.student import t_quantile
 from owtsweep.statistics.sums import mean_and_error
+from owtsweep.studies.replay import choosing
+from owtsweep.studies.replay.baselines import BASELINE_ROWS
+from owtsweep.studies.replay.choosing import LEAST_MARGIN
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A margin (runner-up's MSE / best MSE - 1) of at least this is stated as a factor, not in percent.
-MARGIN_IN_TIMES = 2.0
-#: A smaller margin does not matter for the choice of a scheme.
-LEAST_MARGIN = 0.05
-
 COLUMNS = (
     "file", "source", "criterion", "window", "best", "same_as", "runner_up", "value_best",
     "value_runner_up", "margin", "difference", "ci_low", "ci_high", "n", "matters",
+    *choosing.COLUMNS,
 )  # fmt: skip
 
 
@@ -110,7 +109,8 @@ def advise_from_record(
     ----------
     values
         The rows of results on the record, with the columns scheme, replicate, measure, window,
-        value.
+        value. Rows of baselines have a value of scheme that is in `BASELINE_ROWS`; without such
+        rows, baselines are not considered.
     schemes
         Names of the schemes to compare.
     criterion
@@ -123,59 +123,25 @@ def advise_from_record(
     if criterion not in measures:
         criterion, source = "fix_residual", "fixes"
     rows = values[values["measure"] == criterion]
-    samples = _pivot(rows[rows["window"] == window], schemes, "replicate")
+    entrants = [*schemes, *BASELINE_ROWS]
+    samples = _pivot(rows[rows["window"] == window], entrants, "replicate")
     whole = None
     if samples.shape[1] == 1:  # one replicate: use the parts of the settled record
-        parts = _pivot(rows[rows["window"].str.startswith("part_")], schemes, "window")
+        parts = _pivot(rows[rows["window"].str.startswith("part_")], entrants, "window")
         if parts.shape[1] > 1:
             window = "settled"
-            whole = _pivot(rows[rows["window"] == window], schemes, "replicate")[:, 0]
+            whole = _pivot(rows[rows["window"] == window], entrants, "replicate")[:, 0]
             samples = parts
-    compared = compare(samples, schemes, whole=whole)
+    count = len(schemes)
+    compared = compare(samples[:count], schemes, whole=None if whole is None else whole[:count])
     if compared is None:
         return None
-    return {"source": source, "criterion": criterion, "window": window, **compared}
+    names = [*schemes, *BASELINE_ROWS.values()]
+    chosen = choosing.recommend(samples, names, compared["best"], whole=whole)
+    told = {"source": source, "criterion": criterion, "window": window}
+    return {**told, **compared, **chosen, "advises": True}
 
 
 def _pivot(rows: pd.DataFrame, schemes: Sequence[str], column: str) -> Array:
     table = rows.pivot_table(index="scheme", columns=column, values="value", sort=True)
     return np.asarray(table.reindex(list(schemes)).to_numpy(dtype=float))
-
-
-def write_sentence(row: Any) -> str:
-    """Write one row of the table of advice as a sentence, for the report and the terminal."""
-    where = {
-        "record": "this record's own errors",
-        "fixes": "the distance from the fixes that came later",
-        "map": "the expected map at its period and amplitude",
-    }[row["source"]]
-    best = row["best"] + (f" (= {row['same_as'].replace(' ', ' = ')})" if row["same_as"] else "")
-    root = np.sqrt(row["value_best"])
-    unit = "m/s" if row["criterion"] == "velocity" else "m"
-    size = f"{row['value_best']:.3g} {unit.replace('m', 'm²', 1).replace('/s', '/s²')}"
-    if row["criterion"] == "fix_residual":
-        size += f" from a fix, its noise included (root {root:.2g} {unit})"
-    else:
-        size += f" {row['criterion']} MSE (root {root:.2g} {unit})"
-    if not row["runner_up"]:
-        return f"by {where}: {best}, {size}; there is nothing to compare it with"
-    margin = f"{row['runner_up']} has {_describe_margin(row)}"
-    if not row["matters"]:
-        return f"by {where}: no difference that matters; {best}, {size}; {margin}"
-    return f"by {where}: run {best}, {size}; {margin}"
-
-
-def _describe_margin(row: Any) -> str:
-    """Say how much larger the runner-up's MSE is: in per cent, or as a factor for a large margin.
-
-    `row` is a row of the table of advice.
-    """
-    parts = [row["margin"]]
-    if row["source"] != "map" and np.isfinite(row["ci_low"]):
-        parts += [row[key] / row["value_best"] for key in ("ci_low", "ci_high")]
-    if row["margin"] >= MARGIN_IN_TIMES:
-        told, unit, word = [f"{1.0 + part:.3g}" for part in parts], "times", "as much"
-    else:
-        told, unit, word = [f"{100.0 * part:.3g}" for part in parts], "%", "more"
-    interval = f" (95 %: {told[1]} to {told[2]} {unit})" if len(told) > 1 else ""
-    return f"{told[0]} {unit} {word}{interval}"

@@ -24,6 +24,7 @@ from owtsweep.studies.hub.public import (
     scheme_content,
 )
 from owtsweep.studies.replay import facts, measures
+from owtsweep.studies.replay.baselines import measure_baselines, sum_motion
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
 from owtsweep.studies.replay.loading import hash_file, label_files, load_record, may_read
@@ -42,9 +43,9 @@ Row = tuple[str, str, str, str, int, float, int, str, str]
 STEPS_AT_ONCE = 2_000_000
 #: At most two schemes run on long records at once, to save memory.
 _LONG_RUNS = BoundedSemaphore(2)
-#: Values in the column `scheme`: for facts about the record itself, and for the baseline that takes
-#: the last position fix as its estimate.
-RECORD, LAST_FIX = "", "last_fix"
+#: Value in the column `scheme` for facts about the record itself. The values for the errors of
+#: baselines, which are in the record's block too, are `baselines.BASELINE_ROWS`.
+RECORD = ""
 
 
 def plan(config: ReplayConfig) -> list[Block]:
@@ -130,10 +131,7 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
 def _describe_record(
     config: ReplayConfig, record: ReplayRecord, label: str, sensors: Sensors, settled: int
 ) -> list[Row]:
-    """Make the rows of facts about a record, and the rows of errors of holding the last fix.
-
-    To hold the last position fix, as the estimate until the next fix comes, is a baseline for
-    schemes.
+    """Make the rows of facts about a record, and the rows of errors of the baselines.
 
     Parameters
     ----------
@@ -147,10 +145,11 @@ def _describe_record(
         The first step after the settling time.
     """
     rows = [_make_row(label, RECORD, 0, fact) for fact in facts.measure_record(config, record)]
+    sums = sum_motion(record, sensors, settled)
     for replicate in range(count_replicates(config, record)):
         fixes = listen(config, sensors, record, replicate).fixes
-        errors = measures.measure_last_fix(record, fixes, sensors, settled)
-        rows += [_make_row(label, LAST_FIX, replicate, error) for error in errors]
+        errors = measure_baselines(record, sums, fixes, sensors, settled)
+        rows += [_make_row(label, name, replicate, error) for name, error in errors]
     return rows
 
 

@@ -137,8 +137,8 @@ class ReplayConfig(HubConfig):
         super().check()
         require(
             not self.baselines,
-            "baselines: a replay has one of its own, last_fix; to see NONE, HOLD or DELTA too, "
-            "name them in schemes",
+            "baselines: a replay always judges NONE, HOLD and DELTA; leave the key out, or name "
+            "them in schemes to see their estimates too",
         )
         band = self.replay.band
         require(

@@ -10,6 +10,7 @@ import numpy as np
 
 from owtsweep.arrays import Array
 from owtsweep.errors import InputError
+from owtsweep.motion.modes import Modes, find_modes
 from owtsweep.motion.whittle import Fit, fit_lines, periodogram
 from owtsweep.studies.hub.public import BASELINES, Scheme, make_sensors, resolve_all
 from owtsweep.studies.replay.config import ReplayConfig
@@ -27,8 +28,11 @@ BEYOND = 2.0
 FACTS = (
     "duration", "rms", "peak", "direction", "direction_share", "natural_period",
     "natural_period_error", "half_bandwidth", "half_bandwidth_error", "a", "b", "c", "band_share",
-    "fit_p",
+    "fit_p", "fit_share", "slow_share", "slow_period",
+    *(f"mode_{number}_{what}" for number in (1, 2, 3) for what in ("period", "share", "p")),
 )  # fmt: skip
+#: At most this many peaks of the spectrum are facts about a record.
+MOST_MODES = 3
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,8 @@ class MotionSummary:
     frequency, power
         The periodogram of the displacement: frequencies in Hz and power in m^2/Hz, each of shape
         (n,). It ends a little above `BEYOND` times the upper edge of the band.
+    modes
+        The peaks of the spectrum at all frequencies.
     fit
         The spectrum of Eq. (1) of Ren et al. (2019) fitted to the periodogram inside the band, or
         the reason why it cannot be fitted.
@@ -57,6 +63,7 @@ class MotionSummary:
     size: Mapping[str, float]
     frequency: Array
     power: Array
+    modes: Modes
     fit: Fit | str
 
 
@@ -92,9 +99,10 @@ def _summarise(config: ReplayConfig, file: str) -> MotionSummary:
         fitted: Fit | str = fit_lines(frequency, power, band=config.fit_band)
     except InputError as error:
         fitted = str(error)
+    modes = find_modes(xy, record.step)
     release_memory(record)
     return MotionSummary(
-        source, len(xy), size, frequency[:shown].copy(), power[:shown].copy(), fitted
+        source, len(xy), size, frequency[:shown].copy(), power[:shown].copy(), modes, fitted
     )
 
 
@@ -172,7 +180,10 @@ def measure_record(config: ReplayConfig, record: ReplayRecord) -> Iterator[Measu
 
     The facts are the duration (s); rms and peak (m), direction (degrees from the x axis) and its
     share of the variance, all of the displacement; and the spectrum of Eq. (1) of Ren et al.
-    (2019), if it could be fitted. The facts `..._error` are standard errors of the fit.
+    (2019), if it could be fitted. The facts `..._error` are standard errors of the fit. The facts
+    `mode_...` are the peaks of the spectrum at all frequencies, at most `MOST_MODES`, the one with
+    the largest share of the variance first. `slow_share` is the share of the variance of motion
+    with periods longer than `slow_period` (s), which a record of this duration cannot time.
     """
     summary = summarise_motion(config, record.file)
     facts = {"duration": record.steps * record.step, **summary.size}
@@ -188,6 +199,15 @@ def measure_record(config: ReplayConfig, record: ReplayRecord) -> Iterator[Measu
             "c": fitted.spectrum.c,
             "band_share": fitted.band_share,
             "fit_p": fitted.probability,
+            "fit_share": fitted.band_share * fitted.explained,
+        }
+    facts["slow_share"] = summary.modes.slow_share
+    facts["slow_period"] = 1.0 / summary.modes.resolution
+    for number, mode in enumerate(summary.modes.found[:MOST_MODES], start=1):
+        facts |= {
+            f"mode_{number}_period": mode.period,
+            f"mode_{number}_share": mode.share,
+            f"mode_{number}_p": mode.p,
         }
     for name, value in facts.items():
         yield (name, "full", float(value), summary.samples)

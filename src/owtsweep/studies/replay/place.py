@@ -15,6 +15,7 @@ from owtsweep.errors import InputError
 from owtsweep.motion.spectra import Spectrum, spectrum
 from owtsweep.results.superposition import superpose
 from owtsweep.studies.hub.public import (
+    BASELINES,
     Chain,
     ErrorSpectrum,
     HubConfig,
@@ -163,6 +164,18 @@ def compute_rms_in_band(record: Any) -> float:
     return float(record["rms"]) * float(np.sqrt(record["band_share"]))
 
 
+def compute_fit_share(record: Any) -> float:
+    """Compute the share (0 to 1) of a record's variance that the fitted spectrum covers.
+
+    This is the share of the variance inside the band, times the share of the band's variance that
+    lies under the fitted curve (`Fit.explained`). A curve of the right shape covers about 0.87 of
+    the band's share, because the periodogram scatters. `record` is the record's row of records.csv,
+    with a fitted spectrum. A row stored before the column fit_share existed gives the band's share.
+    """
+    share = float(record.get("fit_share", np.nan))
+    return share if np.isfinite(share) else float(record["band_share"])
+
+
 def compute_rms_error(config: ReplayConfig, record: Any, shape: Spectrum) -> float:
     """Compute the relative standard error of the rms displacement of records of a sea state.
 
@@ -188,7 +201,7 @@ def compute_rms_error(config: ReplayConfig, record: Any, shape: Spectrum) -> flo
 
 
 def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float, float]] | None:
-    """Compute the settled errors that are expected of each scheme for a record's motion.
+    """Compute the settled errors expected of each scheme and baseline for a record's motion.
 
     The motion has the spectrum fitted to the record, Eq. (1) of Ren et al. (2019). `record` is the
     record's row of records.csv.
@@ -196,8 +209,8 @@ def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float
     Returns
     -------
     dict or None
-        Scheme -> expected MSE of position (m^2) and of velocity (m^2/s^2). None if the record has
-        no fitted spectrum with a peak inside the band.
+        Scheme or baseline -> expected MSE of position (m^2) and of velocity (m^2/s^2). None if the
+        record has no fitted spectrum with a peak inside the band.
 
     Raises
     ------
@@ -217,7 +230,7 @@ def expect_at_record(config: ReplayConfig, record: Any) -> dict[str, tuple[float
 def expect_map(
     config: ReplayConfig, record: Any, periods: Array, amplitudes: Array
 ) -> dict[str, Array]:
-    """Compute the settled MSE expected of each scheme for motions of many periods and amplitudes.
+    """Compute the settled MSE expected for motions of many periods and amplitudes.
 
     The MSE is that of velocity if `measures.criterion` is "velocity", otherwise that of position.
     The motions have spectra of the kind "translated" with the configuration's bandwidth. The ratio
@@ -237,7 +250,7 @@ def expect_map(
     Returns
     -------
     dict
-        Scheme -> expected MSE, shape (periods, amplitudes).
+        Scheme or baseline -> expected MSE, shape (periods, amplitudes).
 
     Raises
     ------
@@ -259,11 +272,14 @@ def expect_map(
 
 
 def _expect_all(config: ReplayConfig, record: Any) -> Iterator[tuple[str, Expectation]]:
-    """Yield the name and the expected errors of each scheme, for motions as long as a record.
+    """Yield the names and expected errors of schemes, then baselines, for motions as long as a
+    record.
 
-    `record` is the record's row of records.csv.
+    A baseline that stands among the schemes comes once. `record` is the record's row of
+    records.csv.
     """
     sensors = make_sensors(config.sensors)
     steps = round(float(record["duration"]) / sensors.step)
-    for scheme in resolve_all(config.schemes, config):
+    baselines = [name for name in BASELINES if name not in config.schemes]
+    for scheme in resolve_all([*config.schemes, *baselines], config):
         yield scheme.name, expect_errors(config, scheme, sensors, steps, config.fit_band)

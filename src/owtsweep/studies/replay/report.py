@@ -14,8 +14,15 @@ from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import load_record
+from owtsweep.studies.replay.modes import describe_modes
+from owtsweep.studies.replay.place import compute_fit_share
 from owtsweep.studies.replay.record import ReplayRecord
-from owtsweep.studies.replay.terminal import list_fit_warnings, make_error_cells, make_sentences
+from owtsweep.studies.replay.terminal import (
+    BASELINES_TOLD,
+    list_fit_warnings,
+    make_error_cells,
+    make_sentences,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -98,7 +105,7 @@ def _describe_one(
         "much of the position error lies within what the scheme states (95 % if it knows its "
         "noise). *To later fix*: squared distance of the estimate from the fix that tells of the "
         "same moment later, noise of the fix included. *NIS* is 2 and *white p* not small where "
-        "the filter's innovations are as it expects them to be.",
+        f"the filter's innovations are as it expects them to be. {BASELINES_TOLD}.",
     ]
 
 
@@ -111,6 +118,8 @@ def _state_facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
         f"{line['direction']:.0f} deg from x, which carries "
         f"{100 * line['direction_share']:.0f} % of the variance"
     ]
+    if modes := describe_modes(config, line):
+        facts.append(modes)
     if np.isfinite(line.get("natural_period", np.nan)):
         facts.append(
             f"Eq. (1): natural period {line['natural_period']:.4g} ± "
@@ -118,7 +127,9 @@ def _state_facts(config: ReplayConfig, records: pd.DataFrame) -> list[str]:
             f"{line['half_bandwidth']:.3g} ± {1.96 * line['half_bandwidth_error']:.2g} Hz, "
             + ", ".join(f"{name} = {line[name]:.4g}" for name in "abc")
             + f"; {100 * line['band_share']:.0f} % of the variance lies in the band "
-            f"[{config.fit_band[0]:g}, {config.fit_band[1]:g}] Hz"
+            f"[{config.fit_band[0]:g}, {config.fit_band[1]:g}] Hz, and "
+            f"{100 * compute_fit_share(line):.0f} % under the curve, which is what the expected "
+            "map judges"
         )
         facts += [
             f"the fit of Eq. (1): {warning}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +12,9 @@ from owtsweep.errors import InputError
 from owtsweep.statistics.student import t_quantile
 from owtsweep.statistics.sums import mean_and_error
 from owtsweep.studies.hub.public import resolve_all
-from owtsweep.studies.replay import advice
-from owtsweep.studies.replay.blocks import LAST_FIX, RECORD
+from owtsweep.studies.replay import advice, choosing
+from owtsweep.studies.replay.baselines import BASELINE_ROWS
+from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.loading import label_files
 from owtsweep.studies.replay.measures import WINDOWS
@@ -34,7 +35,7 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     done = rows[rows["status"] == OK]
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     labels = list(label_files(config.grid.files))
-    errors = average_errors(done[done["scheme"] != RECORD], labels, [*names, LAST_FIX])
+    errors = average_errors(done[done["scheme"] != RECORD], labels, [*names, *BASELINE_ROWS])
     kept = ["scheme", "measure", "window", "mean"]
     values = errors[kept if len(labels) == 1 else ["file", *kept]]
     records = list_records(config, done[done["scheme"] == RECORD], labels)
@@ -130,19 +131,23 @@ def _advise(
 ) -> Iterator[dict[str, Any]]:
     for file in files:
         advised = []
-        values = rows[(rows["file"] == file) & rows["scheme"].isin(schemes)]
-        if not values.empty:
+        values = rows[(rows["file"] == file) & rows["scheme"].isin([*schemes, *BASELINE_ROWS])]
+        if values["scheme"].isin(schemes).any():
             criterion, window = config.measures.criterion, config.measures.window
             advised.append(advice.advise_from_record(values, schemes, criterion, window))
         record = records[records["file"] == file]
         if not record.empty:
+            by_record = advised[0] if advised else None
             with suppress(InputError):  # a scheme has no expectation; the report says so
-                advised.append(advise_from_map(config, schemes, record.iloc[0]))
+                advised.append(advise_from_map(config, schemes, record.iloc[0], by_record))
         yield from ({"file": file, **row} for row in advised if row is not None)
 
 
 def advise_from_map(
-    config: ReplayConfig, schemes: Sequence[str], record: Any
+    config: ReplayConfig,
+    schemes: Sequence[str],
+    record: Any,
+    by_record: Mapping[str, Any] | None = None,
 ) -> dict[str, Any] | None:
     """Advise which scheme to run, by the settled errors expected for a record's motion.
 
@@ -154,6 +159,8 @@ def advise_from_map(
         Names of the schemes to compare.
     record
         The record's row of records.csv.
+    by_record
+        The row of the table of advice by the record's own errors; None if there is none.
 
     Returns
     -------
@@ -166,14 +173,22 @@ def advise_from_map(
     InputError
         If no errors can be computed for one of the schemes.
     """
-    from owtsweep.studies.replay.place import expect_at_record
+    from owtsweep.studies.replay.place import compute_fit_share, expect_at_record
 
     expected = expect_at_record(config, record)
     if expected is None:
         return None
     criterion = "velocity" if config.measures.criterion == "velocity" else "position"
-    values = np.array([[expected[name][criterion == "velocity"]] for name in schemes])
-    compared = advice.compare(values, schemes)
+    errors = {name: both[criterion == "velocity"] for name, both in expected.items()}
+    compared = advice.compare(np.array([[errors[name]] for name in schemes]), schemes)
     if compared is None:
         return None
-    return {"source": "map", "criterion": criterion, "window": "settled", **compared}
+    samples = np.array([[error] for error in errors.values()])
+    return {
+        "source": "map",
+        "criterion": criterion,
+        "window": "settled",
+        **compared,
+        **choosing.recommend(samples, list(errors), compared["best"]),
+        **choosing.relate_to_record(errors, by_record, compute_fit_share(record)),
+    }

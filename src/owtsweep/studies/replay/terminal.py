@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from owtsweep.studies.replay import advice
-from owtsweep.studies.replay.blocks import LAST_FIX
+from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.modes import describe_modes
+from owtsweep.studies.replay.sentences import write_sentence
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,7 +24,10 @@ SHOWN = {
     "innovation_lag_1": "innov. lag 1",
     "innovation_white_p": "white p",
 }
-
+#: What the table of errors says below it.
+BASELINES_TOLD = (
+    "NONE, HOLD, DELTA: no IMU, but zero, the last fix, or the line through the last two fixes"
+)
 
 #: With more records than this the terminal prints counts of the advice, not each advice.
 MOST_RECORDS = 8
@@ -41,6 +45,9 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
     parts: list[Any] = []
     if len(config.grid.files) == 1:
         parts.append(_make_table(config, tables["errors"]))
+        for record in tables["records"].to_dict("records"):
+            if modes := describe_modes(config, record):
+                parts.append(Text(f"motion: {modes}"))
     if len(config.grid.files) <= MOST_RECORDS:
         parts += [Text(line) for line in make_sentences(tables["advice"])]
     else:
@@ -62,16 +69,18 @@ def list_left_out(refused: pd.DataFrame) -> list[str]:
 
 
 def _count_advice(advised: pd.DataFrame) -> str:
-    """Say in one sentence on how many records each scheme is best, by the errors on these records.
+    """Say in one sentence on how many records what is recommended, by the errors on these records.
 
     `advised` is the run's table of advice. Rows by expected errors are not counted.
     """
     by_record = advised[advised["source"] != "map"]
-    counts = by_record["best"].value_counts()
+    choice = "recommended" if "recommended" in by_record else "best"
+    counts = by_record[choice].value_counts()
     best = ", ".join(f"{name} in {count}" for name, count in counts.items())
     alike = int((~by_record["matters"].astype(bool)).sum())
     return (
-        f"{len(by_record)} records; best: {best}; in {alike} no difference that matters (report.md)"
+        f"{len(by_record)} records; recommended: {best}; in {alike} no difference between schemes "
+        "that matters (report.md)"
     )
 
 
@@ -80,11 +89,12 @@ def make_sentences(advised: pd.DataFrame) -> list[str]:
 
     If the table has several records, each sentence begins with the name of its record.
     """
-    texts = ["same_as", "runner_up"]  # NaN where a file that was read back has no text
+    # a table stored before has fewer columns; one that was read back has NaN for no text
+    texts = {"same_as", "runner_up", "baseline", "recommended"} & set(advised.columns)
     clean = advised.astype(dict.fromkeys(texts, object)).fillna(dict.fromkeys(texts, ""))
     many = clean["file"].nunique() > 1
     return [
-        (f"{row['file']}: " if many else "") + advice.write_sentence(row)
+        (f"{row['file']}: " if many else "") + write_sentence(row)
         for row in clean.to_dict("records")
     ]
 
@@ -123,7 +133,9 @@ def make_error_cells(
     rows = []
     for scheme, group in shown.groupby("scheme", sort=False):
         by_measure = group.set_index("measure")
-        row = ["hold the last fix" if scheme == LAST_FIX else str(scheme)]
+        if (baseline := BASELINE_ROWS.get(str(scheme))) in config.schemes:
+            continue  # the baseline has a row among the schemes
+        row = [baseline or str(scheme)]
         for name in names:
             row.append(_format(name, by_measure.loc[name]) if name in by_measure.index else "")
         rows.append(row)
@@ -143,7 +155,8 @@ def _make_table(config: ReplayConfig, errors: pd.DataFrame) -> RenderableType:
     from rich.table import Table
 
     headings, rows = make_error_cells(config, errors)
-    table = Table(title=f"errors, {config.measures.window} record, tuning {config.tuning}")
+    title = f"errors, {config.measures.window} record, tuning {config.tuning}"
+    table = Table(title=title, caption=BASELINES_TOLD)
     for heading in headings:
         table.add_column(heading, justify="left" if heading == "scheme" else "right")
     for row in rows:

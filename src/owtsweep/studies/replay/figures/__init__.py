@@ -67,7 +67,9 @@ def _figures_of_one(
     recorded = cache(lambda: run_session(config, config.grid.files[0]))
     states = cache(lambda: collect_filter_states(config, recorded()))
     advice = tables["advice"]
-    advised = str(advice.iloc[0]["best"]) if len(advice) else None
+    # a baseline has no lines in the figures; a table stored before has no column `recommended`
+    choice = "recommended" if "recommended" in advice else "best"
+    advised = str(advice.iloc[0][choice]) if len(advice) else None
 
     def history(name: str) -> Callable[[], Figure]:
         quantity, zoom = name.removesuffix("_zoom"), name.endswith("_zoom")

@@ -10,11 +10,12 @@ from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.results.conditions import Condition
 from owtsweep.statistics.contest import agree, contest, group_coinciding
-from owtsweep.studies.replay.advice import LEAST_MARGIN
+from owtsweep.studies.replay.choosing import BASELINES, LEAST_COVERED, LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.words import name_file
 from owtsweep.studies.replay.measures import QUANTILE
 from owtsweep.studies.replay.place import (
+    compute_fit_share,
     compute_rms_error,
     compute_rms_in_band,
     expect_map,
@@ -57,7 +58,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
         QUANTILE * float(record["natural_period_error"]),
         QUANTILE * compute_rms_error(config, record, shape),
     )
-    names, field = _make_field(config, record, (period, amplitude))
+    names, baselines, field = _make_field(config, record, (period, amplitude))
     ratio = amplitude / compute_rms_in_band(record)
     alike = group_coinciding(names, lambda i, j: bool(np.all(agree(*field.values[[i, j]]))))
     with style.context():
@@ -65,7 +66,8 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             field,
             names,
             title=f"Place of {name_file(str(record['file']))} in the map of the best scheme\n"
-            f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}",
+            f"by expected settled {config.measures.criterion} MSE, tuning: {config.tuning}\n"
+            f"{_describe_coverage(record)}",
             origin="Bars of the star: 95 % intervals. That of the period comes from the fit of Eq."
             " (1), that of the amplitude from how far the rms of records of this length scatters in"
             " one sea state. The map: motions of the spectrum translated (bandwidth"
@@ -73,15 +75,26 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             f" band [{band[0]:g}, {band[1]:g}] Hz, with this record's ratio of the largest to the"
             f" rms displacement in the band, {ratio:.2f}.",
             coinciding=alike,
+            baselines=baselines,
         )
         _mark(figure.axes[0], (period, amplitude), ends)
     return figure
 
 
+def _describe_coverage(record: Any) -> str:
+    """Say in a title how much of a record's variance the fitted spectrum covers.
+
+    `record` is the record's row of records.csv.
+    """
+    share = compute_fit_share(record)
+    told = f"the fit of Eq. (1) covers {100.0 * share:.0f} % of this record's variance"
+    return told if share >= LEAST_COVERED else f"{told}: no advice for the record"
+
+
 def _make_field(
     config: ReplayConfig, record: Any, place: tuple[float, float]
-) -> tuple[list[str], Field]:
-    """Make the schemes' names and the data of the map, which holds the grid and the place.
+) -> tuple[list[str], list[str], Field]:
+    """Make the names of the schemes, those of the baselines, and the data of the map.
 
     `place` is natural period (s) and amplitude (m) of the record.
     """
@@ -94,21 +107,31 @@ def _make_field(
     small, large = min([*grid.amplitude, 0.7 * amplitude]), max([*grid.amplitude, 1.5 * amplitude])
     amplitudes = np.geomspace(small, large, AMPLITUDES)
     expected = expect_map(config, record, periods, amplitudes)
+    baselines = [name for name in expected if name in BASELINES and name not in config.schemes]
+    rivals = np.array([expected.pop(name) for name in baselines]).reshape(
+        len(baselines), PERIODS, AMPLITUDES
+    )
     values = np.array(list(expected.values()))
     judged, shape = contest(values.reshape(len(values), -1, 1)), values.shape[1:]
     excess = (judged.difference / judged.mse_best).reshape(shape)
-    return list(expected), Field(
-        across=ACROSS,
-        upwards=UPWARDS,
-        columns=periods,
-        lines=amplitudes,
-        values=values,
-        best=judged.best.reshape(shape),
-        excess=100.0 * excess,
-        distinguishable=~(excess < LEAST_MARGIN),
-        resolution=LEAST_MARGIN,
-        baseline=np.full(shape, -1),  # a replay has no baselines beside its schemes
-        lead=np.full(shape, -np.inf),
+    lead = np.log(judged.mse_best.reshape(shape) / rivals.min(axis=0, initial=np.inf))
+    beaten, none = lead > LEAST_MARGIN, np.full(shape, -1)
+    return (
+        list(expected),
+        baselines,
+        Field(
+            across=ACROSS,
+            upwards=UPWARDS,
+            columns=periods,
+            lines=amplitudes,
+            values=values,
+            best=np.where(beaten, -1, judged.best.reshape(shape)),
+            excess=100.0 * excess,
+            distinguishable=~(excess < LEAST_MARGIN),
+            resolution=LEAST_MARGIN,
+            baseline=np.where(beaten, np.argmin(rivals, axis=0), -1) if baselines else none,
+            lead=lead,
+        ),
     )
 
 

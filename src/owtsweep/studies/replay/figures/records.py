@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.errors import InputError
 from owtsweep.figures import margin, style
 from owtsweep.figures.palette import style_of, text_color_on
-from owtsweep.studies.replay.advice import LEAST_MARGIN
+from owtsweep.studies.replay.choosing import BASELINES, LEAST_MARGIN
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.figures.words import as_plain
 from owtsweep.studies.replay.seastates import find_axes, read_sea_states
@@ -90,7 +90,8 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
             figure,
             f"Second line: the runner-up, and by how much its MSE is larger."
             f" Hatched: it is larger by less than {100.0 * LEAST_MARGIN:g} %, or the paired"
-            " interval (95 %) of the difference holds zero.",
+            " interval (95 %) of the difference holds zero."
+            " NONE!, HOLD!, DELTA!: no scheme is better than this baseline.",
         )
     return figure
 
@@ -161,5 +162,7 @@ def _mark(
     text = line["best"]
     if line["margin"] == line["margin"]:
         text += f"\n{line['runner_up']} +{100.0 * line['margin']:.0f} %"
+    if line.get("recommended") in BASELINES and line["recommended"] != line["best"]:
+        text = f"{line['recommended']}!\n{text}"
     box = {"facecolor": fill, "edgecolor": "none", "pad": 1.0} if not line["matters"] else None
     axes.text(x, y, text, ha="center", va="center", color=color, fontsize=9, bbox=box)

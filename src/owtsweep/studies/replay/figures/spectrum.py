@@ -10,12 +10,14 @@ from owtsweep.arrays import Array
 from owtsweep.errors import InputError
 from owtsweep.figures import style
 from owtsweep.figures.lines import decimate
+from owtsweep.motion.modes import LEVEL, Modes
 from owtsweep.studies.replay.config import ReplayConfig
-from owtsweep.studies.replay.facts import BEYOND, summarise_motion
+from owtsweep.studies.replay.facts import BEYOND, MOST_MODES, summarise_motion
 from owtsweep.studies.replay.figures.words import name_file
-from owtsweep.studies.replay.place import read_fit
+from owtsweep.studies.replay.place import compute_fit_share, read_fit
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 #: The running mean is over 1 / `SHARE` of the periodogram's lines inside the band, but at least
@@ -70,6 +72,7 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
         top = float(np.max(power[shown]))
         axes.set_ylim(1e-6 * top, 3.0 * top)
         axes.set_xlim(low / 2.0, BEYOND * high)
+        shown_modes = _mark_modes(axes, summary.modes)
         axes.set_xlabel("frequency (Hz)")
         axes.set_ylabel("displacement spectrum, x + y (m²/Hz)")
         axes.legend(loc="upper right", frameon=False)
@@ -83,10 +86,39 @@ def draw(config: ReplayConfig, record: Any) -> Figure:
             share = f"; it holds {100 * record['band_share']:.0f} % of the variance"
         style.footnote(
             figure,
-            f"Horizontal displacement, from {summary.source}. Grey: band [{low:g}, {high:g}] Hz, "
-            f"where Eq. (1) is fitted by Whittle likelihood{share}.",
+            f"{shown_modes}Horizontal displacement, from {summary.source}. Grey: band "
+            f"[{low:g}, {high:g}] Hz, where Eq. (1) is fitted by Whittle likelihood{share}.",
         )
     return figure
+
+
+def _mark_modes(axes: Axes, modes: Modes) -> str:
+    """Mark the peaks of the spectrum by their periods and shares of the variance.
+
+    Peaks beyond the axis are named at its edge. Returns a sentence for the footnote, which ends
+    with a space; "" if there is no peak.
+    """
+    left, right = axes.get_xlim()
+    for number, mode in enumerate(modes.found[:MOST_MODES]):
+        inside = left <= mode.frequency <= right
+        at = min(max(mode.frequency, left), right)
+        if inside:
+            axes.axvline(at, color="#D55E00", linewidth=1.0, linestyle=(0, (4, 3)), zorder=1)
+        arrow = "" if inside else "→ " if mode.frequency > right else "← "
+        near_right = at > 0.5 * (left + right)
+        axes.annotate(
+            f"{arrow}{mode.period:.3g} s, {100.0 * mode.share:.0f} %", (at, 0.04 + 0.07 * number),
+            (-4 if near_right else 4, 0), xycoords=("data", "axes fraction"),
+            textcoords="offset points", ha="right" if near_right else "left", fontsize=9,
+            color="#D55E00",
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0},
+        )  # fmt: skip
+    if not modes.found:
+        return ""
+    return (
+        f"Dashed: peaks that are more than scatter (p < {LEVEL:g}), with their shares of the "
+        "variance. "
+    )
 
 
 def _smooth(power: Array, count: int) -> Array:
@@ -99,5 +131,6 @@ def _describe_fit(record: Any, has_fit: bool) -> str:
     return (
         f"natural period {record['natural_period']:.3g} ± "
         f"{1.96 * record['natural_period_error']:.1g} s, half-bandwidth "
-        f"{record['half_bandwidth']:.2g} ± {1.96 * record['half_bandwidth_error']:.1g} Hz"
+        f"{record['half_bandwidth']:.2g} ± {1.96 * record['half_bandwidth_error']:.1g} Hz; "
+        f"the fit covers {100.0 * compute_fit_share(record):.0f} % of the variance"
     )
