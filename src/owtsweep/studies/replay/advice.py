@@ -27,7 +27,7 @@ LEAST_MARGIN = 0.05
 
 COLUMNS = (
     "file", "source", "criterion", "window", "best", "same_as", "runner_up", "value_best",
-    "value_runner_up", "margin", "difference", "ci_low", "ci_high", "n", "matters",
+    "value_runner_up", "margin", "difference", "ci_low", "ci_high", "n", "matters", "noise",
 )  # fmt: skip
 
 
@@ -149,6 +149,8 @@ def write_sentence(row: Any) -> str:
         "fixes": "the distance from the fixes that came later",
         "map": "the expected map at its period and amplitude",
     }[row["source"]]
+    if row.get("noise") == "estimated":
+        where += " with the estimated noise"
     best = row["best"] + (f" (= {row['same_as'].replace(' ', ' = ')})" if row["same_as"] else "")
     root = np.sqrt(row["value_best"])
     unit = "m/s" if row["criterion"] == "velocity" else "m"

@@ -15,6 +15,12 @@ from owtsweep.studies.hub.public import resolve_all
 from owtsweep.studies.replay import advice
 from owtsweep.studies.replay.blocks import LAST_FIX, RECORD
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.identification.rows import (
+    ESTIMATED,
+    STATED,
+    pick_second_run,
+    tabulate_noise,
+)
 from owtsweep.studies.replay.loading import label_files
 from owtsweep.studies.replay.measures import WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
@@ -25,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Make the tables "replay", "errors", "records" and "advice" from a replay's rows of results.
+    """Make the tables of a replay from its rows of results.
 
     docs/replay.md describes the columns.
     """
@@ -34,7 +40,8 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     done = rows[rows["status"] == OK]
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     labels = list(label_files(config.grid.files))
-    errors = average_errors(done[done["scheme"] != RECORD], labels, [*names, LAST_FIX])
+    shown = [*names, LAST_FIX]
+    errors = average_errors(done[done["scheme"].isin(shown)], labels, shown)
     kept = ["scheme", "measure", "window", "mean"]
     values = errors[kept if len(labels) == 1 else ["file", *kept]]
     records = list_records(config, done[done["scheme"] == RECORD], labels)
@@ -43,6 +50,7 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
         "replay": values.rename(columns={"mean": "value"}),
         "errors": errors,
         "records": records,
+        "noise": tabulate_noise(done, labels),
         "advice": pd.DataFrame(advised, columns=list(advice.COLUMNS)),
     }
 
@@ -112,17 +120,22 @@ def _advise(
     files: Sequence[str],
     records: pd.DataFrame,
 ) -> Iterator[dict[str, Any]]:
+    criterion, window = config.measures.criterion, config.measures.window
     for file in files:
         advised = []
         values = rows[(rows["file"] == file) & rows["scheme"].isin(schemes)]
         if not values.empty:
-            criterion, window = config.measures.criterion, config.measures.window
             advised.append(advice.advise_from_record(values, schemes, criterion, window))
         record = records[records["file"] == file]
         if not record.empty:
             with suppress(InputError):  # a scheme has no expectation; the report says so
                 advised.append(advise_from_map(config, schemes, record.iloc[0]))
-        yield from ({"file": file, **row} for row in advised if row is not None)
+        yield from ({"file": file, **row, "noise": STATED} for row in advised if row is not None)
+        again = pick_second_run(rows[rows["file"] == file], schemes)
+        if not again.empty:
+            row = advice.advise_from_record(again, schemes, criterion, window)
+            if row is not None:
+                yield {"file": file, **row, "noise": ESTIMATED}
 
 
 def advise_from_map(

@@ -17,6 +17,7 @@ from owtsweep.io.files import refuse_in_one_line
 from owtsweep.io.reading import require_regular
 from owtsweep.studies import compose, get_study
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.identification.of_record import estimate_noise
 from owtsweep.studies.replay.loading import label_files, load_record
 from owtsweep.studies.replay.seastates import read_sea_states, read_table
 
@@ -143,6 +144,10 @@ def verify(config: ReplayConfig) -> list[str]:
     for file in config.grid.files:
         name = f"{printable(Path(file).name)}: " if len(config.grid.files) > 1 else ""
         notes |= {f"{name}{note}": None for note in load_record(config, file).notes}
+        if config.replay.noise == "estimate" and (
+            said := estimate_noise(config, file).disagreement
+        ):
+            notes[f"{name}{said}"] = None
     return list(notes)
 
 
@@ -231,6 +236,13 @@ class Replay:
         for the record.
         """
         return self.run.table("advice")
+
+    def noise(self) -> pd.DataFrame:
+        """Return the table of noise: what recorded sensors show of themselves, and what was stated.
+
+        Columns file, parameter, unit, source, stated, estimate, low, high (95 %), inside.
+        """
+        return self.run.table("noise")
 
     def records(self) -> pd.DataFrame:
         """Return the table of records: one row per record, with duration, motion and spectrum."""

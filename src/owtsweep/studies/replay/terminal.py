@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 from owtsweep.studies.replay import advice
 from owtsweep.studies.replay.blocks import LAST_FIX
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.identification.rows import ESTIMATED
+from owtsweep.studies.replay.identification.words import count_doubted, warn_of_noise
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,8 +44,10 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
     if len(config.grid.files) == 1:
         parts.append(_make_table(config, tables["errors"]))
     if len(config.grid.files) <= MOST_RECORDS:
+        parts += [Text(line) for line in warn_of_noise(config, tables)]
         parts += [Text(line) for line in make_sentences(tables["advice"])]
     else:
+        parts += [Text(line) for line in count_doubted(tables)]
         parts.append(Text(_count_advice(tables["advice"])))
     return Group(*parts)
 
@@ -53,7 +57,7 @@ def _count_advice(advised: pd.DataFrame) -> str:
 
     `advised` is the run's table of advice. Rows by expected errors are not counted.
     """
-    by_record = advised[advised["source"] != "map"]
+    by_record = advised[(advised["source"] != "map") & (advised["noise"] != ESTIMATED)]
     counts = by_record["best"].value_counts()
     best = ", ".join(f"{name} in {count}" for name, count in counts.items())
     alike = int((~by_record["matters"].astype(bool)).sum())
