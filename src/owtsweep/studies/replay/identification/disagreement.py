@@ -5,16 +5,23 @@ from __future__ import annotations
 import numpy as np
 
 from owtsweep.arrays import Array
-from owtsweep.studies.replay.identification.fit import Fit, decode, find_most_likely
+from owtsweep.studies.replay.identification.fit import (
+    Fit,
+    decode,
+    find_most_likely,
+    scan_delays,
+)
 from owtsweep.studies.replay.identification.likelihood import Problem
 
-#: The acceleration is doubted if this many times the stated IMU sigma would be needed at least.
+#: The acceleration is doubted if it misses the positions by this factor more than stated.
 DOUBTED = 2.0
 #: Another reading of the acceleration must raise the log likelihood by this. If the acceleration is
 #: right, any other reading does so with a probability below exp(-10).
 EVIDENCE = 10.0
-#: ... and make the IMU's noise smaller by this factor.
+#: ... and make the misfit smaller by this factor.
 SMALLER = 2.0
+#: Step between the delays at which readings are compared, s.
+COARSE = 0.1
 GRAVITY = 9.80665
 
 
@@ -50,19 +57,39 @@ def describe_disagreement(problem: Problem, stated: Array, fit: Fit, source: str
     source
         What the positions are: "fixes" or "reference".
     """
-    if not fit.low[0] > DOUBTED * stated[0]:
+    size, expected = _measure_misfit(problem, fit.values), _measure_misfit(problem, stated)
+    if not size > DOUBTED * expected:
         return ""
-    start = f"the specific force contradicts the {source}"
-    needed = f"an IMU sigma of {fit.values[0]:.2g} m/s^2 would be needed ({stated[0]:.3g} stated)"
-    best, best_value, words = fit.values[0], fit.log_likelihood + EVIDENCE, ""
-    for reading, gain in list_readings().items():
-        found, value = find_most_likely(problem, stated, gain)
-        sigma = decode(found)[0]
-        if value > best_value and SMALLER * sigma < fit.values[0]:
-            best, best_value, words = sigma, value, reading
-    if words:
-        return f"{start}: {needed}; with {words} it fits {fit.values[0] / best:.2g} times better"
     _, without = find_most_likely(problem, stated, np.zeros((2, 2)))
+    readings = list_readings()
+    likely = {
+        reading: scan_delays(problem, stated, gain, COARSE)[1] for reading, gain in readings.items()
+    }
+    words = max(likely, key=lambda reading: likely[reading])
+    found, value = find_most_likely(problem, stated, readings[words])
+    best = _measure_misfit(problem, decode(found))
+    if value < max(fit.log_likelihood, without) + EVIDENCE or SMALLER * best > size:
+        words = ""
+    start = (
+        f"the specific force contradicts the {source}: its double integral misses them by "
+        f"{size:.2g} m where the stated noise explains {expected:.2g} m"
+    )
+    if words:
+        return f"{start}; with {words} it fits {size / best:.2g} times better"
     if without > fit.log_likelihood + EVIDENCE:
-        return f"{start}: {needed}, and without the force the {source} are explained better"
+        return f"{start}; without the force they are explained better"
     return ""
+
+
+def _measure_misfit(problem: Problem, values: Array) -> float:
+    """Return how far a position lies from what its neighbours and the IMU say, m, for some noise.
+
+    It is the rms of the third differences for this noise, in units of that of positions with white
+    noise of 1 m.
+    """
+    parts = problem.differences
+    variance = (
+        problem.integral.step * values[0] ** 2 * parts.of_white[0]
+        + values[1] ** 2 * parts.of_position[0] + values[2] ** 2 * parts.of_walk[0]
+    )  # fmt: skip
+    return float(np.sqrt(np.mean(variance / parts.of_position[0])))

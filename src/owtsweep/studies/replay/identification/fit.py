@@ -92,19 +92,33 @@ def find_most_likely(
     gain
         Matrix (2, 2) by which the acceleration is multiplied first; None for the unit matrix.
     """
-    delays = np.arange(-REACH, REACH + 0.5 * SCAN, SCAN) + stated[3]
-    residuals = [problem.residual(delay, gain) for delay in delays]
     best: Array = np.empty(0)
     value = -np.inf
-    noise = np.maximum(stated[:3], LEAST)
-    # a delay can be recognised only at about the right size of the noise
-    for scale in (1.0, 10.0):
-        tried = [problem.whiten(scale * noise, residual)[1] for residual in residuals]
-        start = encode(np.append(scale * noise, delays[int(np.argmax(tried))]))
+    for start in scan_delays(problem, stated, gain, SCAN)[0]:
         found, reached = _climb(problem, start, _bounds(stated[3]), gain=gain)
         if reached > value:
             best, value = found, reached
     return best, value
+
+
+def scan_delays(
+    problem: Problem, stated: Array, gain: Array | None, step: float
+) -> tuple[list[Array], float]:
+    """Return the most likely delays, without any search for the noise.
+
+    Returns the encoded parameters with the most likely delay for the stated noise, and those for a
+    noise ten times larger: a delay can be recognised only at about the right size of the noise.
+    Then the larger log likelihood of these two. `step` is the time between delays that are tried.
+    """
+    delays = np.arange(-REACH, REACH + 0.5 * step, step) + stated[3]
+    residuals = [problem.residual(delay, gain) for delay in delays]
+    starts, largest = [], -np.inf
+    for scale in (1.0, 10.0):
+        noise = scale * np.maximum(stated[:3], LEAST)
+        tried = [problem.whiten(noise, residual)[1] for residual in residuals]
+        starts.append(encode(np.append(noise, delays[int(np.argmax(tried))])))
+        largest = max(largest, *tried)
+    return starts, largest
 
 
 def encode(values: Array) -> Array:

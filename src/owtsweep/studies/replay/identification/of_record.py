@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.arrays import Array
+from owtsweep.config import changed
 from owtsweep.errors import InputError
 from owtsweep.studies.hub.public import Sensors, make_sensors
 from owtsweep.studies.replay.config import ReplayConfig
@@ -110,7 +111,8 @@ def estimate_noise(config: ReplayConfig, file: str) -> Noise:
         If the file cannot be read; or if specific force and positions contradict each other,
         unless `replay.disagreement` is "accept".
     """
-    settings = (config.columns, config.units, config.gaps, config.replay, config.sensors)
+    replay = changed(config.replay, disagreement="accept", noise="estimate")
+    settings = (config.columns, config.units, config.gaps, replay, config.sensors)
     key = (file, hash_file(file), repr(settings), config.measures.settling_time)
     with _LOCK:
         noise = _KEPT.get(key)
