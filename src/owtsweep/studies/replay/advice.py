@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     "file", "source", "criterion", "window", "best", "same_as", "runner_up", "value_best",
-    "value_runner_up", "margin", "difference", "ci_low", "ci_high", "n", "matters",
+    "value_runner_up", "margin", "difference", "ci_low", "ci_high", "n", "matters", "noise",
     *choosing.COLUMNS,
 )  # fmt: skip
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from threading import BoundedSemaphore
 from typing import TYPE_CHECKING, Any
@@ -27,6 +27,14 @@ from owtsweep.studies.replay import facts, measures
 from owtsweep.studies.replay.baselines import measure_baselines, sum_motion
 from owtsweep.studies.replay.config import ReplayConfig
 from owtsweep.studies.replay.estimating import estimate_pieces
+from owtsweep.studies.replay.identification.estimated import use_estimates
+from owtsweep.studies.replay.identification.of_record import Noise, estimate_noise
+from owtsweep.studies.replay.identification.rows import (
+    ESTIMATED,
+    NOISE,
+    list_values,
+    name_second_run,
+)
 from owtsweep.studies.replay.loading import hash_file, label_files, load_record, may_read
 from owtsweep.studies.replay.measuring import count_replicates, listen
 from owtsweep.studies.replay.record import LONG, ReplayRecord, release_memory
@@ -46,6 +54,8 @@ _LONG_RUNS = BoundedSemaphore(2)
 #: Value in the column `scheme` for facts about the record itself. The values for the errors of
 #: baselines, which are in the record's block too, are `baselines.BASELINE_ROWS`.
 RECORD = ""
+#: Keys of the section `replay` on which no row of a scheme depends.
+NOT_SHARED = ("table", "noise", "disagreement")
 
 
 def plan(config: ReplayConfig) -> list[Block]:
@@ -75,14 +85,43 @@ def plan(config: ReplayConfig) -> list[Block]:
             name, anew = f"{label}, {scheme.name}", explain_anew(entry, scheme)
             group = name if apart else label
             blocks.append(Block(group, name, {**content, **part}, 1, anew=anew))
+        blocks += _plan_noise(config, label, file, content, apart=apart)
     return blocks
+
+
+def _plan_noise(
+    config: ReplayConfig, label: str, file: str, content: Mapping[str, Any], *, apart: bool
+) -> Iterator[Block]:
+    """Yield a block on a record's noise, and one per scheme if the stated noise is not that.
+
+    `content` is what the record's blocks have in common; `apart` says whether each scheme is a
+    group.
+    """
+    noise = Noise()
+    with suppress(InputError):  # `verify` says so before anything runs
+        if config.replay.noise == "estimate":
+            noise = estimate_noise(config, file)
+    if not noise.parameters:
+        return
+    first = {**content, "scheme": NOISE, "noise": "estimate"}
+    yield Block(label, f"{label}, its noise", first, 1)
+    if noise.agrees:
+        return
+    other = use_estimates(config, noise)
+    shared = {**content, **_collect_shared_content(other), "noise": ESTIMATED}
+    for scheme, entry in zip(resolve_all(other.schemes, other), other.schemes, strict=True):
+        name, anew = f"{label}, {name_second_run(scheme.name)}", explain_anew(entry, scheme)
+        second = {**shared, **scheme_content(other, entry, scheme)}
+        yield Block(name if apart else label, name, second, 1, anew=anew)
 
 
 def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
     whole = as_mapping(config)
     content = {key: whole[key] for key in ("seed", "engine", "sensors", "band", "gaps")}
     content["columns"], content["units"] = config.columns.given(), config.units.given()
-    content["replay"] = {key: item for key, item in whole["replay"].items() if key != "table"}
+    content["replay"] = {
+        key: item for key, item in whole["replay"].items() if key not in NOT_SHARED
+    }
     content["settling_time"] = config.measures.settling_time
     return content
 
@@ -119,7 +158,17 @@ def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, 
         except InputError as error:  # one bad file of many
             rows = [_make_failed_row(label, name, 0, str(error))]
         else:
-            if name == RECORD:
+            noise = block.content.get("noise")
+            if noise == "estimate":
+                found = list_values(estimate_noise(config, files[label]))
+                rows = [_make_row(label, NOISE, 0, one) for one in found]
+            elif noise == ESTIMATED:
+                other = use_estimates(config, estimate_noise(config, files[label]))
+                scheme = {one.name: one for one in resolve_all(other.schemes, other)}[name]
+                known = make_sensors(other.sensors)
+                rows = _run_scheme(other, record, label, scheme, known, settled)
+                rows = [(row[0], name_second_run(row[1]), *row[2:]) for row in rows]
+            elif name == RECORD:
                 rows = _describe_record(config, record, label, sensors, settled)
             else:
                 rows = _run_scheme(config, record, label, schemes[name], sensors, settled)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from owtsweep.errors import InputError, printable
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.identification.of_record import estimate_noise
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.place import check_band
 from owtsweep.studies.replay.seastates import read_sea_states
@@ -54,6 +55,10 @@ def verify(config: ReplayConfig) -> Verified:
         name = f"{printable(Path(file).name)}: " if len(files) > 1 else ""
         try:
             notes |= {f"{name}{note}": None for note in load_record(config, file).notes}
+            if config.replay.noise == "estimate" and (
+                said := estimate_noise(config, file).disagreement
+            ):
+                notes[f"{name}{said}"] = None
         except InputError as error:
             refused[file] = str(error)
     if len(refused) == len(files):

@@ -111,6 +111,17 @@ class ReplaySettings(Section):
     )
     remove_mean: bool = key("put the local origin at the mean of the motion, reference or fixes")
     table: str | None = key("CSV with the column file and others (Hs, Tp), the axes of the map")
+    noise: Literal["estimate", "stated"] = key(
+        "of recorded sensors; estimate: from the record too, with advice for both; stated: taken "
+        "as it is",
+        default="estimate",
+        younger=True,
+    )
+    disagreement: Literal["refuse", "accept"] = key(
+        "what to do if specific force and positions contradict each other",
+        default="refuse",
+        younger=True,
+    )
 
 
 class ReplayConfig(HubConfig):

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from owtsweep.studies.replay.sentences import INSTEAD
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -26,13 +28,17 @@ def recommend(advised: pd.DataFrame) -> str:
     if advised.empty:
         return ""
     own = advised[advised["source"] != "map"]
-    row = (own if len(own) else advised).iloc[0]
+    row = (own if len(own) else advised).iloc[0].dropna().to_dict()
     unit = "m/s" if row["criterion"] == "velocity" else "m"
     what = ERRORS.get(row["criterion"], f"error of {row['criterion']}")
-    size = f"its {what} is {np.sqrt(row['value_best']):.3g} {unit} (root mean square)"
-    if not isinstance(row["runner_up"], str) or not row["runner_up"]:
-        return f"recommended: run {row['best']}; {size}"
-    other = f"that of {row['runner_up']} {np.sqrt(row['value_runner_up']):.3g} {unit}"
-    if row["matters"]:
-        return f"recommended: run {row['best']}; {size}, {other}"
-    return f"recommended: run {row['best']}, but the difference does not matter; {size}, {other}"
+    chosen = row.get("recommended", row["best"])
+    size = np.sqrt(row.get("value_recommended", row["value_best"]))
+    told = f"{INSTEAD.get(chosen, f'run {chosen}')}; its {what} is {size:.3g} {unit}"
+    told = f"recommended: {told} (root mean square)"
+    best = [row["best"], *row["same_as"].split()]
+    if chosen not in best:
+        return f"{told}, that of {row['best']} {np.sqrt(row['value_best']):.3g} {unit}"
+    if not row["runner_up"]:
+        return told
+    told += f", that of {row['runner_up']} {np.sqrt(row['value_runner_up']):.3g} {unit}"
+    return told if row["matters"] else f"{told}; the difference does not matter"

@@ -13,6 +13,7 @@ from owtsweep.errors import printable
 from owtsweep.io import markdown
 from owtsweep.io.files import write_atomically
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.identification.words import describe_table, warn_of_noise
 from owtsweep.studies.replay.loading import load_record
 from owtsweep.studies.replay.modes import describe_modes
 from owtsweep.studies.replay.place import compute_fit_share
@@ -63,6 +64,7 @@ def write(
         The run folder.
     """
     parts = ["# Replay\n", "## Advice\n"]
+    parts += [f"- {_escape(line)}" for line in warn_of_noise(config, tables)]
     parts += [f"- {_escape(line)}" for line in make_sentences(tables["advice"])] or [
         "- none: no scheme ran"
     ]
@@ -106,6 +108,7 @@ def _describe_one(
         "noise). *To later fix*: squared distance of the estimate from the fix that tells of the "
         "same moment later, noise of the fix included. *NIS* is 2 and *white p* not small where "
         f"the filter's innovations are as it expects them to be. {BASELINES_TOLD}.",
+        *describe_table(tables),
     ]
 
 

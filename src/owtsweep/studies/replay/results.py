@@ -16,6 +16,12 @@ from owtsweep.studies.replay import advice, choosing
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.blocks import RECORD
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.identification.rows import (
+    ESTIMATED,
+    STATED,
+    pick_second_run,
+    tabulate_noise,
+)
 from owtsweep.studies.replay.loading import label_files
 from owtsweep.studies.replay.measures import WINDOWS
 from owtsweep.studies.replay.seastates import read_sea_states
@@ -26,7 +32,7 @@ if TYPE_CHECKING:
 
 
 def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """Make the tables "replay", "errors", "records" and "advice" from a replay's rows of results.
+    """Make the tables of a replay from its rows of results.
 
     With several records there is also the table "refused". docs/replay.md describes the columns.
     """
@@ -35,7 +41,8 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
     done = rows[rows["status"] == OK]
     names = [scheme.name for scheme in resolve_all(config.schemes, config)]
     labels = list(label_files(config.grid.files))
-    errors = average_errors(done[done["scheme"] != RECORD], labels, [*names, *BASELINE_ROWS])
+    shown = [*names, *BASELINE_ROWS]
+    errors = average_errors(done[done["scheme"].isin(shown)], labels, shown)
     kept = ["scheme", "measure", "window", "mean"]
     values = errors[kept if len(labels) == 1 else ["file", *kept]]
     records = list_records(config, done[done["scheme"] == RECORD], labels)
@@ -44,6 +51,7 @@ def aggregate(config: ReplayConfig, rows: pd.DataFrame) -> dict[str, pd.DataFram
         "replay": values.rename(columns={"mean": "value"}),
         "errors": errors,
         "records": records,
+        "noise": tabulate_noise(done, labels),
         "advice": pd.DataFrame(advised, columns=list(advice.COLUMNS)),
     }
     if len(labels) > 1:  # a single record that cannot be used is refused before it is run
@@ -129,18 +137,27 @@ def _advise(
     files: Sequence[str],
     records: pd.DataFrame,
 ) -> Iterator[dict[str, Any]]:
+    import pandas as pd
+
+    criterion, window = config.measures.criterion, config.measures.window
     for file in files:
         advised = []
         values = rows[(rows["file"] == file) & rows["scheme"].isin([*schemes, *BASELINE_ROWS])]
         if values["scheme"].isin(schemes).any():
-            criterion, window = config.measures.criterion, config.measures.window
             advised.append(advice.advise_from_record(values, schemes, criterion, window))
         record = records[records["file"] == file]
         if not record.empty:
             by_record = advised[0] if advised else None
             with suppress(InputError):  # a scheme has no expectation; the report says so
                 advised.append(advise_from_map(config, schemes, record.iloc[0], by_record))
-        yield from ({"file": file, **row} for row in advised if row is not None)
+        yield from ({"file": file, **row, "noise": STATED} for row in advised if row is not None)
+        again = pick_second_run(rows[rows["file"] == file], schemes)
+        if not again.empty:
+            baselines = values[values["scheme"].isin(BASELINE_ROWS)]
+            again = pd.concat([again, baselines])
+            row = advice.advise_from_record(again, schemes, criterion, window)
+            if row is not None:
+                yield {"file": file, **row, "noise": ESTIMATED}
 
 
 def advise_from_map(

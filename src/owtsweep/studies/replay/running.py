@@ -216,6 +216,13 @@ class Replay:
         """
         return self.run.table("advice")
 
+    def noise(self) -> pd.DataFrame:
+        """Return the table of noise: what recorded sensors show of themselves, and what was stated.
+
+        Columns file, parameter, unit, source, stated, estimate, low, high (95 %), inside.
+        """
+        return self.run.table("noise")
+
     def records(self) -> pd.DataFrame:
         """Return the table of records: one row per record, with duration, motion and spectrum."""
         return self.run.table("records")

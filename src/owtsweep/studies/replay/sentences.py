@@ -29,7 +29,8 @@ def write_sentence(row: Any) -> str:
     Columns about baselines and coverage may be missing, as in a table stored before these existed.
     """
     clean = {name: value for name, value in row.items() if value == value}
-    text = f"by {SOURCES[row['source']]}: {_recommend(clean)}"
+    noise = " with the estimated noise" if clean.get("noise") == "estimated" else ""
+    text = f"by {SOURCES[row['source']]}{noise}: {_recommend(clean)}"
     if row["source"] != "map" or "fit_share" not in clean:
         return text
     covered = f"{100.0 * row['fit_share']:.0f} % of the variance"

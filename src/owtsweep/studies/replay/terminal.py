@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from owtsweep.studies.replay.baselines import BASELINE_ROWS
 from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.identification.rows import ESTIMATED
+from owtsweep.studies.replay.identification.words import count_doubted, warn_of_noise
 from owtsweep.studies.replay.modes import describe_modes
 from owtsweep.studies.replay.sentences import write_sentence
 
@@ -49,8 +51,10 @@ def render_answer(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> R
             if modes := describe_modes(config, record):
                 parts.append(Text(f"motion: {modes}"))
     if len(config.grid.files) <= MOST_RECORDS:
+        parts += [Text(line) for line in warn_of_noise(config, tables)]
         parts += [Text(line) for line in make_sentences(tables["advice"])]
     else:
+        parts += [Text(line) for line in count_doubted(tables)]
         parts.append(Text(_count_advice(tables["advice"])))
     if len(config.grid.files) > 1:
         parts += [Text(line) for line in list_left_out(tables["refused"])]
@@ -73,7 +77,7 @@ def _count_advice(advised: pd.DataFrame) -> str:
 
     `advised` is the run's table of advice. Rows by expected errors are not counted.
     """
-    by_record = advised[advised["source"] != "map"]
+    by_record = advised[(advised["source"] != "map") & (advised["noise"] != ESTIMATED)]
     choice = "recommended" if "recommended" in by_record else "best"
     counts = by_record[choice].value_counts()
     best = ", ".join(f"{name} in {count}" for name, count in counts.items())

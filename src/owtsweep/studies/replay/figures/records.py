@@ -47,7 +47,7 @@ def draw(config: ReplayConfig, records: pd.DataFrame, advised: pd.DataFrame) -> 
     from owtsweep.figures.shades import Shades, add_legend
 
     table, (first, second) = _choose_coordinates(config, records)
-    measured = advised[advised["source"] != "map"]
+    measured = advised[(advised["source"] != "map") & (advised["noise"] != "estimated")]
     shown = table.merge(measured, on="file").dropna(subset=[first, second])
     if shown.empty:
         raise InputError(

@@ -1,0 +1,1 @@
+"""Estimate noise, delay and clock offset of recorded sensors from the record itself."""

@@ -1,0 +1,214 @@
+"""Fit noise and delay by maximum likelihood, with 95 % intervals from the profile likelihood."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import minimize
+
+from owtsweep.arrays import Array
+from owtsweep.studies.replay.identification.likelihood import PARAMETERS, REACH, Problem
+
+#: Least and largest IMU sigma (m/s^2), position sigma (m) and bias walk (m/s^2/sqrt(s)) tried.
+LEAST, LARGEST = np.array([1e-5, 1e-5, 1e-7]), np.array([1e3, 1e4, 1e2])
+#: Delays are searched first on a grid of this step, s.
+SCAN = 0.02
+#: Unit of the delay in the search, s, so that a step of 1 matters as much as in a logarithm.
+UNIT = 0.02
+#: Half of the 95 % quantile of chi square with one degree of freedom.
+DROP = 1.9207
+#: ... and half of the 99.9 % quantile.
+ALLOWED = 5.414
+#: Steps of the search for the edge of an interval.
+MOST_STEPS = 15
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The most likely parameters and their 95 % intervals.
+
+    Attributes
+    ----------
+    values, low, high
+        Estimate and interval, shape (4,), in the order of `PARAMETERS`. `low` is 0 (for a delay
+        minus infinity) and `high` infinity where the record sets no bound.
+    log_likelihood
+        The largest log likelihood.
+    kurtosis
+        Excess kurtosis of the innovations: 0 for Gaussian noise, larger with outliers.
+    kurtosis_error
+        Standard error of that number for Gaussian noise.
+    """
+
+    values: Array
+    low: Array
+    high: Array
+    log_likelihood: float
+    kurtosis: float
+    kurtosis_error: float
+
+
+def fit_noise(problem: Problem, stated: Array, floor: float = np.nan) -> Fit:
+    """Fit IMU sigma, position sigma, bias walk and delay by maximum likelihood.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    stated
+        The stated values, at which the search begins, shape (4,).
+    floor
+        IMU sigma that the IMU's own spectrum shows, m/s^2. It is used if the positions alone do not
+        contradict it: then the IMU's noise is white, and its sigma is known to a few per cent.
+    """
+    best, value = find_most_likely(problem, stated)
+    if np.isfinite(floor) and _allows(problem, best, value, _bounds(stated[3]), np.log(floor)):
+        problem = replace(problem, floor=floor)
+        best, value = _climb(problem, best, _bounds(stated[3]))
+    bounds = _bounds(stated[3])
+    low, high = np.empty((2, len(PARAMETERS)))
+    for i in range(len(PARAMETERS)):
+        low[i] = _find_edge(problem, best, value, i, bounds, -1.0)
+        high[i] = _find_edge(problem, best, value, i, bounds, 1.0)
+    values = decode(best)
+    innovation, _ = problem.whiten(values[:3], problem.residual(values[3]))
+    scaled = innovation / np.sqrt(np.mean(innovation**2))
+    return Fit(
+        values, decode(low), decode(high), value,
+        float(np.mean(scaled**4) - 3.0), float(np.sqrt(24.0 / scaled.size)),
+    )  # fmt: skip
+
+
+def find_most_likely(
+    problem: Problem, stated: Array, gain: Array | None = None
+) -> tuple[Array, float]:
+    """Return the most likely parameters, encoded for the search, and their log likelihood.
+
+    Parameters
+    ----------
+    problem, stated
+        The problem, and the stated values, at which the search begins, shape (4,).
+    gain
+        Matrix (2, 2) by which the acceleration is multiplied first; None for the unit matrix.
+    """
+    best: Array = np.empty(0)
+    value = -np.inf
+    for start in scan_delays(problem, stated, gain, SCAN)[0]:
+        found, reached = _climb(problem, start, _bounds(stated[3]), gain=gain)
+        if reached > value:
+            best, value = found, reached
+    return best, value
+
+
+def scan_delays(
+    problem: Problem, stated: Array, gain: Array | None, step: float
+) -> tuple[list[Array], float]:
+    """Return the most likely delays, without any search for the noise.
+
+    Returns the encoded parameters with the most likely delay for the stated noise, and those for a
+    noise ten times larger: a delay can be recognised only at about the right size of the noise.
+    Then the larger log likelihood of these two. `step` is the time between delays that are tried.
+    """
+    delays = np.arange(-REACH, REACH + 0.5 * step, step) + stated[3]
+    residuals = [problem.residual(delay, gain) for delay in delays]
+    starts, largest = [], -np.inf
+    for scale in (1.0, 10.0):
+        noise = scale * np.maximum(stated[:3], LEAST)
+        tried = [problem.whiten(noise, residual)[1] for residual in residuals]
+        starts.append(encode(np.append(noise, delays[int(np.argmax(tried))])))
+        largest = max(largest, *tried)
+    return starts, largest
+
+
+def encode(values: Array) -> Array:
+    """Return parameters as the search sees them: logarithms of noise, the delay in `UNIT`."""
+    return np.append(np.log(values[:3]), values[3] / UNIT)
+
+
+def decode(parameters: Array) -> Array:
+    """Return the values of parameters of the search, shape (4,)."""
+    return np.append(np.exp(parameters[:3]), UNIT * parameters[3])
+
+
+def _allows(problem: Problem, best: Array, value: float, bounds: Array, sigma: float) -> bool:
+    """Return whether an IMU sigma, given by its logarithm, is as likely as `ALLOWED` demands."""
+    start = best.copy()
+    start[0] = sigma
+    return _climb(problem, start, bounds, fixed=0)[1] > value - ALLOWED
+
+
+def _bounds(delay: float) -> Array:
+    low = encode(np.append(LEAST, delay - REACH))
+    return np.stack([low, encode(np.append(LARGEST, delay + REACH))], axis=1)
+
+
+def _climb(
+    problem: Problem,
+    start: Array,
+    bounds: Array,
+    *,
+    fixed: int | None = None,
+    gain: Array | None = None,
+) -> tuple[Array, float]:
+    """Return the most likely parameters near `start`, and their log likelihood.
+
+    The parameter of index `fixed` keeps its value in `start`.
+    """
+    free = np.array([i for i in range(len(start)) if i != fixed])
+    whole = start.copy()
+    # with the delay fixed, residuals stay
+    kept = problem.residual(UNIT * start[3], gain) if fixed == 3 else None
+
+    def cost(part: Array) -> float:
+        whole[free] = part
+        values = decode(whole)
+        residual = problem.residual(values[3], gain) if kept is None else kept
+        value = -problem.whiten(values[:3], residual)[1]
+        return value if np.isfinite(value) else 1e12
+
+    found = minimize(cost, start[free], method="L-BFGS-B", bounds=bounds[free])
+    whole[free] = found.x
+    return whole.copy(), -float(found.fun)
+
+
+def _find_edge(
+    problem: Problem, best: Array, value: float, i: int, bounds: Array, sign: float
+) -> float:
+    """Return where the profile likelihood of parameter i falls by `DROP`, or an infinity.
+
+    `sign` is 1 for the upper edge of the interval and -1 for the lower.
+    """
+    start = best
+
+    def excess(at: float) -> float:
+        """Return a number that is nearly linear in the parameter, and zero at the edge."""
+        nonlocal start
+        start = start.copy()
+        start[i] = at
+        start, reached = _climb(problem, start, bounds, fixed=i)
+        return float(np.sqrt(max(value - reached, 0.0)) - np.sqrt(DROP))
+
+    end = bounds[i, int(sign > 0)]
+    inside, at_inside, width = best[i], -float(np.sqrt(DROP)), 0.1
+    while True:
+        outside = best[i] + sign * width
+        if sign * (outside - end) >= 0.0:
+            outside = end
+        at_outside = excess(outside)
+        if at_outside > 0.0:
+            break
+        if outside == end:
+            return float(sign * np.inf)
+        inside, at_inside, width = outside, at_outside, 2.0 * width
+    for _ in range(MOST_STEPS):
+        share = float(np.clip(-at_inside / (at_outside - at_inside), 0.05, 0.95))
+        middle = inside + share * (outside - inside)
+        at_middle = excess(middle)
+        if abs(at_middle) < 0.01:
+            return float(middle)
+        if at_middle > 0.0:
+            outside, at_outside = middle, at_middle
+        else:
+            inside, at_inside = middle, at_middle
+    return float(outside)

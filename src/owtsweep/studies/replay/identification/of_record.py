@@ -1,0 +1,190 @@
+"""Estimate noise, delay and clock offset of the recorded sensors in a replay's record."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import changed
+from owtsweep.errors import InputError
+from owtsweep.studies.hub.public import Sensors, make_sensors
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.identification.disagreement import describe_disagreement
+from owtsweep.studies.replay.identification.fit import Fit, fit_noise
+from owtsweep.studies.replay.identification.floor import measure_floor
+from owtsweep.studies.replay.identification.integral import integrate_twice
+from owtsweep.studies.replay.identification.likelihood import pose
+from owtsweep.studies.replay.loading import hash_file, load_record
+from owtsweep.studies.replay.record import ReplayRecord
+
+#: Positions and IMU samples that are used; of a longer record, the first ones.
+MOST_POSITIONS, MOST_STEPS = 2000, 1 << 20
+#: Time between the reference's positions that are used, s. A faster reference is thinned.
+REFERENCE_STEP = 0.5
+#: The least bias walk that is taken as stated, m/s^2/sqrt(s): a logarithm needs one above zero.
+LEAST_WALK = 1e-6
+#: Units of the parameters.
+UNITS = {
+    "sensors.imu.sigma": "m/s^2",
+    "sensors.gnss.sigma": "m",
+    "sensors.imu.bias_walk": "m/s^2/sqrt(s)",
+    "sensors.gnss.delay": "s",
+    "reference.sigma": "m",
+    "clock_offset": "s",
+}
+
+
+@dataclass(frozen=True)
+class Estimated:
+    """One parameter as stated and as estimated from a record.
+
+    Attributes
+    ----------
+    parameter, source
+        A name of `UNITS`, and what the IMU was compared with: "fixes" or "reference".
+    stated, estimate, low, high
+        The stated value (NaN if nothing is stated), the estimate and its 95 % interval. `low` is 0
+        (NaN for a time) and `high` NaN where the record sets no bound.
+    """
+
+    parameter: str
+    source: str
+    stated: float
+    estimate: float
+    low: float
+    high: float
+
+    @property
+    def inside(self) -> bool:
+        """Whether the stated value lies in the interval, or nothing was stated."""
+        return not (self.stated < self.low or self.stated > self.high)
+
+    @property
+    def bounded(self) -> bool:
+        """Whether the record bounds the parameter from both sides."""
+        lowest = self.low if UNITS[self.parameter] == "s" else self.low or np.nan
+        return bool(np.isfinite(lowest) and np.isfinite(self.high))
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What a record says about its sensors.
+
+    Attributes
+    ----------
+    parameters
+        The estimated parameters; empty if nothing was recorded or the record is too short.
+    heavy_tails
+        Excess kurtosis of the innovations if it is more than Gaussian noise explains, else 0.
+    disagreement
+        Why the specific force and the positions contradict each other; "" if they do not.
+    """
+
+    parameters: tuple[Estimated, ...] = ()
+    heavy_tails: float = 0.0
+    disagreement: str = ""
+
+    @property
+    def agrees(self) -> bool:
+        """Whether all stated values of sensors lie in their intervals."""
+        return all(one.inside for one in self.parameters if one.parameter != "clock_offset")
+
+
+_KEPT: OrderedDict[Any, Noise] = OrderedDict()
+_MOST_KEPT = 256
+_LOCK = Lock()
+
+
+def estimate_noise(config: ReplayConfig, file: str) -> Noise:
+    """Estimate the noise of the sensors recorded in a file; the last results stay in memory.
+
+    Nothing is estimated for recorded motion, nor for fewer than 8 usable positions.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read; or if specific force and positions contradict each other,
+        unless `replay.disagreement` is "accept".
+    """
+    replay = changed(config.replay, disagreement="accept", noise="estimate")
+    settings = (config.columns, config.units, config.gaps, replay, config.sensors)
+    key = (file, hash_file(file), repr(settings), config.measures.settling_time)
+    with _LOCK:
+        noise = _KEPT.get(key)
+        if noise is None:
+            noise = _KEPT[key] = _estimate(config, load_record(config, file))
+            while len(_KEPT) > _MOST_KEPT:
+                _KEPT.popitem(last=False)
+    if noise.disagreement and config.replay.disagreement == "refuse":
+        raise InputError(
+            f"{file}: {noise.disagreement}; correct columns, units or sensors.yaw, or insist with "
+            "replay.disagreement=accept"
+        )
+    return noise
+
+
+def _estimate(config: ReplayConfig, record: ReplayRecord) -> Noise:
+    if record.specific_force is None:
+        return Noise()
+    sensors = make_sensors(config.sensors)
+    parameters: dict[str, Estimated] = {}
+    tails, disagreement = 0.0, ""
+    sources = [("reference", record.position, max(round(REFERENCE_STEP / record.step), 1))]
+    if record.gnss == "recorded":
+        sources.append(("fixes", record.fixes, sensors.fix_interval))
+    for source, positions, every in sources:
+        if positions is None:
+            continue
+        if source == "reference":
+            positions = positions[::every]
+        positions = positions[:MOST_POSITIONS]
+        steps = min(record.steps, MOST_STEPS, len(positions) * every + 1)
+        integral = integrate_twice(record.specific_force[:steps] @ sensors.rotation.T, record.step)
+        time = every * record.step * np.arange(len(positions))
+        stated = _state(sensors, source)
+        problem = pose(integral, time, positions, stated[3])
+        if problem is None:
+            continue
+        fit = fit_noise(problem, stated, measure_floor(record.specific_force[:steps]))
+        for one in _name(fit, sensors, source):
+            # the reference, which is more exact, was first
+            parameters.setdefault(one.parameter, one)
+        disagreement = disagreement or describe_disagreement(problem, stated, fit, source)
+        if fit.kurtosis > 4.0 * fit.kurtosis_error:
+            tails = max(tails, fit.kurtosis)
+    ordered = tuple(parameters[name] for name in UNITS if name in parameters)
+    return Noise(ordered, tails, disagreement)
+
+
+def _state(sensors: Sensors, source: str) -> Array:
+    """Return IMU sigma, position sigma, bias walk and delay at which the search begins."""
+    of_positions = (sensors.position_sigma, sensors.delay * sensors.step)
+    sigma, delay = of_positions if source == "fixes" else (0.2 * sensors.position_sigma, 0.0)
+    return np.array([sensors.force_sigma, sigma, max(sensors.bias_walk, LEAST_WALK), delay])
+
+
+def _name(fit: Fit, sensors: Sensors, source: str) -> list[Estimated]:
+    stated: dict[str, float] = {"sensors.imu.sigma": sensors.force_sigma}
+    if source == "fixes":
+        stated["sensors.gnss.sigma"] = sensors.position_sigma
+    else:
+        stated["reference.sigma"] = np.nan
+    stated["sensors.imu.bias_walk"] = sensors.bias_walk
+    if source == "fixes":
+        stated["sensors.gnss.delay"] = sensors.delay * sensors.step
+    else:
+        stated["clock_offset"] = 0.0
+    bounds = zip(fit.values, fit.low, fit.high, strict=True)
+    return [
+        Estimated(
+            name, source, value, float(found),
+            float(low) if np.isfinite(low) else np.nan,
+            float(high) if np.isfinite(high) else np.nan,
+        )
+        for (name, value), (found, low, high) in zip(stated.items(), bounds, strict=True)
+    ]  # fmt: skip

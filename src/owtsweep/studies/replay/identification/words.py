@@ -1,0 +1,129 @@
+"""Say what a record shows of its sensors: the first lines of the advice, and a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from owtsweep.io import markdown
+from owtsweep.studies.replay.config import ReplayConfig
+from owtsweep.studies.replay.identification.rows import ESTIMATED, TAILS
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: NIS per degree of freedom outside of this range is said.
+RIGHT_NIS = (0.5, 2.0)
+#: Degrees of freedom of a fix.
+FREEDOM = 2
+
+
+def warn_of_noise(config: ReplayConfig, tables: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Say where the stated noise does not fit the records: NIS first, then each parameter.
+
+    With several records each sentence begins with the name of its record.
+    """
+    lines = []
+    errors, advised, noise = tables["errors"], tables["advice"], tables.get("noise")
+    for file in dict.fromkeys(advised["file"]):
+        start = f"{file}: " if advised["file"].nunique() > 1 else ""
+        lines += [start + line for line in _warn_of_nis(config, file, errors, advised)]
+        if noise is not None and len(noise):
+            lines += [start + line for line in _compare(noise[noise["file"] == file])]
+    return lines
+
+
+def count_doubted(tables: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Say on how many records the stated noise is not what the record shows; [] if on none."""
+    noise = tables["noise"]
+    doubted = noise[~noise["inside"].astype(bool)]["file"].nunique()
+    return [f"on {doubted} records the stated noise is not the record's (noise.csv)"] * bool(
+        doubted
+    )
+
+
+def _warn_of_nis(
+    config: ReplayConfig, file: str, errors: pd.DataFrame, advised: pd.DataFrame
+) -> list[str]:
+    rows = advised[(advised["file"] == file) & (advised["source"] != "map")]
+    rows = rows[rows["noise"] != ESTIMATED]
+    lines = []
+    for best in rows["best"]:
+        chosen = (errors["file"] == file) & (errors["scheme"] == best)
+        chosen &= (errors["measure"] == "nis") & (errors["window"] == config.measures.window)
+        for nis in errors[chosen]["mean"]:
+            if not RIGHT_NIS[0] <= nis / FREEDOM <= RIGHT_NIS[1]:
+                size = "larger" if nis > FREEDOM else "smaller"
+                lines.append(
+                    f"the stated noise does not fit: {best}'s innovations are {size} than its "
+                    f"noise explains (NIS {nis:.3g}, {FREEDOM} is right)"
+                )
+    return lines
+
+
+def _compare(noise: pd.DataFrame) -> list[str]:
+    lines = []
+    rows: list[dict[Any, Any]] = noise.to_dict("records")
+    for row in rows:
+        if row["parameter"] == TAILS:
+            lines.append(
+                f"the {TAILS.replace('_', ' ')} of the innovations is {row['estimate']:.2g} (0 for "
+                "Gaussian noise): outliers or a changing quality of the positions, which no sigma "
+                "describes"
+            )
+        elif not row["inside"]:
+            also = ""
+            if row["parameter"] == "sensors.gnss.delay":
+                also = "; with the offset between the clocks of GNSS and IMU"
+            lines.append(
+                f"{row['parameter']}: {row['stated']:.4g} {row['unit']} stated, the record says "
+                f"{_format_estimate(row)}{also}"
+            )
+    if rows and not lines:
+        lines.append("the stated noise agrees with the record, so no second run with estimates")
+    return lines
+
+
+def _format_estimate(row: Mapping[Any, Any]) -> str:
+    """Return an estimate with its interval and unit, or only the bound that the record sets."""
+    low, high, unit = row["low"], row["high"], row["unit"]
+    open_below = np.isnan(low) or (low == 0.0 and unit != "s")
+    if open_below and np.isnan(high):
+        return "nothing about it"
+    if open_below:
+        return f"less than {high:.3g} {unit}"
+    if np.isnan(high):
+        return f"more than {low:.3g} {unit}"
+    return f"{row['estimate']:.3g} {unit} ({low:.3g} to {high:.3g})"
+
+
+def describe_table(tables: Mapping[str, pd.DataFrame]) -> list[str]:
+    """Return the lines of the report's section on noise; [] if nothing was estimated."""
+    noise = tables.get("noise")
+    if noise is None or noise.empty:
+        return []
+    rows: list[dict[Any, Any]] = noise.to_dict("records")
+    cells = [
+        [
+            row["parameter"],
+            row["source"],
+            "" if np.isnan(row["stated"]) else f"{row['stated']:.4g} {row['unit']}",
+            f"{row['estimate']:.2g}" if row["parameter"] == TAILS else _format_estimate(row),
+            "yes" if row["inside"] else "no",
+        ]
+        for row in rows
+    ]
+    headings = ["parameter", "from", "stated", "from the record (95 %)", "inside"]
+    return [
+        "",
+        "## Noise of the recorded sensors\n",
+        markdown.table(headings, cells),
+        "",
+        "Maximum likelihood, from the positions minus the double integral of the specific force; "
+        "nothing is assumed of the motion. The delay of recorded fixes contains the offset "
+        "between the clocks of GNSS and IMU. *clock_offset* is how much later the reference's "
+        "clock shows a moment than the IMU's. A slow disturbance, such as gravity in a tilting "
+        "IMU, counts as noise.",
+    ]
