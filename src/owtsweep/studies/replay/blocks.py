@@ -17,6 +17,7 @@ from owtsweep.studies.hub.public import (
     Scheme,
     Sensors,
     backend,
+    compile_kernels,
     explain_anew,
     make_sensors,
     resolve_all,
@@ -80,6 +81,19 @@ def _collect_shared_content(config: ReplayConfig) -> dict[str, Any]:
     content["replay"] = {key: item for key, item in whole["replay"].items() if key != "table"}
     content["settling_time"] = config.measures.settling_time
     return content
+
+
+def warm_up(config: ReplayConfig, workers: int) -> None:
+    """Compile the kernels that the schemes use, in up to `workers` processes side by side.
+
+    Whether fixes are missing, so that schemes run in their online form, is seen from the last
+    record only, because it is in memory.
+    """
+    if backend(config, resolve_all(config.schemes, config)) != "threading":
+        return  # no scheme has kernels
+    fixes = load_record(config, config.grid.files[-1]).fixes
+    uses = ["gains", "recorded"] if np.isfinite(fixes).all() else ["gains", "recorded", "online"]
+    compile_kernels(*uses, vectors=config.compute.vectors, cores=workers)
 
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:
