@@ -12,11 +12,13 @@ import tempfile
 import numpy as np
 
 import owtsweep
+from owtsweep.studies.hub.compiling import compile_kernels
 
 TINY = ("grid=small", "grid.replicates=1", "record.duration=50")
 
 
 def online() -> None:
+    compile_kernels("gains", "recorded", vectors=True)
     owtsweep.online("HME2", []).update(np.zeros(2), np.zeros(2))
 
 

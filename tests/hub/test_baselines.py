@@ -15,6 +15,7 @@ from tools import SMALL, configure, measured, ned, rows_of
 import owtsweep
 from owtsweep.errors import InputError
 from owtsweep.evaluation.loop import run_estimator
+from owtsweep.figures import best_scheme_map
 from owtsweep.studies.hub import HubStudy, batch, estimates, planning, winners
 from owtsweep.studies.hub.expected import cache, drawing
 from owtsweep.studies.hub.expected import engine as expected_engine
@@ -229,6 +230,20 @@ def test_maps_and_the_terminal_name_the_baseline(tmp_path: Path) -> None:
     )  # fmt: skip
     legend = [text.get_text() for text in figure.legends[0].get_texts()]
     assert legend[-2:] == ["NONE", "HOLD"]
+
+
+def test_a_baseline_that_is_not_told_apart_is_the_next_best(tmp_path: Path) -> None:
+    run, tables = crowned(tmp_path)
+    best = tables["best_scheme"].assign(baseline_wins=False)
+    table, names, notes = winners.find_winners(run.config, best, "position", "full")
+    small = table[table["amplitude"] == 0.05].iloc[0]
+    before = best[(best["amplitude"] == 0.05) & (best["criterion"] == "position")].iloc[0]
+    assert (small["best"], small["runner_up"]) == (before["best"], "NONE")
+    assert small["mse_runner_up"] == before["mse_baseline"] < small["mse_best"]
+    assert (names, notes) == (["MKF", "HME1"], [f"NONE: {winners.TIED}."])
+    assert not small["distinguishable"]
+    percent = 100.0 * (small["mse_runner_up"] / small["mse_best"] - 1.0)
+    assert best_scheme_map._describe_runner_up(small.to_dict()) == f"NONE {percent:+.0f} %"
 
 
 def test_baselines_belong_to_every_tuning_and_are_in_both_maps(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import owtsweep
 from owtsweep.cli import main
-from owtsweep.config import as_mapping, dump
+from owtsweep.config import as_mapping, composition, dump
 from owtsweep.errors import InputError
 from owtsweep.studies import compose
 from owtsweep.sweep.runs import Run
@@ -152,3 +152,11 @@ def test_tunings_that_cannot_share_a_run_are_refused(
     (tmp_path / "tuning/mine.yaml").write_text(text)
     with pytest.raises(InputError, match=told):
         compose(["tuning=[paper,mine]"], str(tmp_path))
+
+
+def test_one_tuning_by_name_is_composed_in_one_pass(monkeypatch: pytest.MonkeyPatch) -> None:
+    several = compose(["tuning=[matched]"])
+    monkeypatch.delattr(composition, "find_options")
+    assert compose(["tuning=matched"]) == several
+    with pytest.raises(InputError, match="there is no 'nope'"):
+        compose(["tuning=nope"])

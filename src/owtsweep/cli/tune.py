@@ -46,7 +46,9 @@ def run(options: argparse.Namespace, argv: Sequence[str]) -> int:
     path = _choose_path(options.output, config)
     check_writable(path.parent, "--output", "name another file by --output FILE")
     with blame(study):
-        with _progress(study.count_trials(config)) as advance:
+        trials = study.count_trials(config)
+        study.prepare_tuning(config)  # shows its own line, so the bar comes later
+        with _progress(trials) as advance:
             tuned = study.tune(config, advance)
         name = re.sub(r"[^\w.+=-]", "_", path.stem)
         with refuse_in_one_line(path):

@@ -222,6 +222,12 @@ def _search_path(
 
 
 def _find_tunings(tree: Tree, words: Sequence[str]) -> list[str]:
+    """Return the names of the tunings that `words` and the tree choose, in their order."""
+    given = [
+        value for key, _, value in (word.partition("=") for word in words) if key == tunings.GROUP
+    ]
+    if len(given) == 1 and re.fullmatch(r"[\w.+-]+", given[0]):
+        return given  # one name: a pass of Hydra less, a quarter of the time to compose
     with _refusing_no_names(tree, words):
         return list(dict.fromkeys(find_options(tree, words, tunings.GROUP)))
 

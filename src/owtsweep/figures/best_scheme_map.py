@@ -255,12 +255,12 @@ def _describe_runner_up(row: dict[Any, Any]) -> str:
     """Return the next best scheme of a cell and by how much its MSE is larger, e.g. "HME1 +12 %".
 
     `row` is the row of the cell in best_scheme.csv. Return "" if there is no next best scheme, or
-    if the MSE of the best scheme is not positive.
+    if the MSE of the best scheme is not positive. A percentage is negative only for a baseline.
     """
     if not row["runner_up"] or not row["mse_best"] > 0:
         return ""
-    excess = max(100.0 * row["difference"] / row["mse_best"], 0.0)
-    return f"{row['runner_up']} +{excess:.{0 if excess >= 9.95 else 1}f} %"
+    excess = 100.0 * row["difference"] / row["mse_best"]
+    return f"{row['runner_up']} {excess:+z.{0 if abs(excess) >= 9.95 else 1}f} %"
 
 
 def _count_records(replicates: int | None, failures: int) -> str:

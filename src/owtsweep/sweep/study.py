@@ -308,5 +308,8 @@ class Tunable(Protocol):
         Raise `InputError` if there is nothing to search.
         """
 
+    def prepare_tuning(self, config: Any) -> None:
+        """Do work once before the search, e.g. compile kernels."""
+
     def tune(self, config: Any, advance: Callable[[str], None]) -> Tuned:
         """Search the best numbers; call `advance` with the scheme's name after each trial."""

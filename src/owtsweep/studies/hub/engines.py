@@ -119,8 +119,9 @@ class RecordsEngine(_Engine):
 
         schemes = [s for s in resolve_all(config.schemes, config) if blocks.uses_kernels(config, s)]
         superposed = {planning.superposes(config, scheme) for scheme in schemes}
-        for evaluation in sorted("superposed" if each else "direct" for each in superposed):
-            compile_kernels(evaluation, vectors=config.compute.vectors, cores=workers)
+        uses = sorted("superposed" if each else "direct" for each in superposed)
+        if uses:
+            compile_kernels("gains", *uses, vectors=config.compute.vectors, cores=workers)
 
     def predict(
         self, config: HubConfig, blocks: Sequence[Block], workers: int
@@ -154,6 +155,12 @@ class ExpectedEngine(_Engine):
     def backend(self, config: HubConfig) -> str:
         """Return "threading": nearly all the time is spent in kernels, which release the GIL."""
         return "threading"
+
+    def warm_up(self, config: HubConfig, workers: int) -> None:
+        """Compile the kernels that the engine uses, in up to `workers` processes side by side."""
+        from owtsweep.studies.hub.compiling import compile_kernels
+
+        compile_kernels("gains", "expected", vectors=config.compute.vectors, cores=workers)
 
 
 #: Value of the key `engine` -> class of the engine.

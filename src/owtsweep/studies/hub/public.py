@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from owtsweep.studies.hub.batch import Lanes
     from owtsweep.studies.hub.blocks import backend
     from owtsweep.studies.hub.chain import Chain, chain_for_runs
+    from owtsweep.studies.hub.compiling import compile_kernels
     from owtsweep.studies.hub.config import HubConfig
     from owtsweep.studies.hub.contract import Scheme, Sensors
     from owtsweep.studies.hub.error_spectrum import (
@@ -46,11 +47,11 @@ if TYPE_CHECKING:
 __all__ = [
     "BASELINES", "ROOMS", "WIDTH", "Chain", "ErrorSpectrum", "ForceNoise", "Grid", "HubConfig",
     "Lanes", "NoiseFloor", "OnePassSeries", "Scheme", "Sensors", "at_amplitude", "backend",
-    "bias_of", "chain_for_runs", "chunks", "compare", "error_spectrum", "expected_mse",
-    "explain_anew", "fix_count", "fix_noise", "follow_sensors", "has_acceleration", "lag_of",
-    "look_constant",
-    "make_lanes", "make_sensors", "noise_floor", "require_scheme", "resolve_all", "scheme_content",
-    "scheme_products", "score", "simulate_bias", "state_chunks", "trajectories",
+    "bias_of", "chain_for_runs", "chunks", "compare", "compile_kernels", "error_spectrum",
+    "expected_mse", "explain_anew", "fix_count", "fix_noise", "follow_sensors",
+    "has_acceleration", "lag_of", "look_constant", "make_lanes", "make_sensors", "noise_floor",
+    "require_scheme", "resolve_all", "scheme_content", "scheme_products", "score",
+    "simulate_bias", "state_chunks", "trajectories",
 ]  # fmt: skip
 
 #: Module -> names that it provides.
@@ -58,6 +59,7 @@ _HOMES = {
     "batch": ["Lanes"],
     "blocks": ["backend"],
     "chain": ["Chain", "chain_for_runs"],
+    "compiling": ["compile_kernels"],
     "config": ["HubConfig"],
     "contract": ["Scheme", "Sensors"],
     "error_spectrum": ["ErrorSpectrum", "error_spectrum", "expected_mse", "look_constant"],

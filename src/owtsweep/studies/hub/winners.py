@@ -20,6 +20,12 @@ MEANING = {
     "DELTA": "a straight line through the last two fixes beats every scheme: hold the fix",
 }
 
+#: What a map says of baselines that have the least error in some cells, but do not win there.
+TIED = (
+    "the runner-up in some cells, with less error than the best scheme, but so little less that "
+    "the two cannot be told apart"
+)
+
 
 class Winners(NamedTuple):
     """What a map of best schemes shows.
@@ -29,10 +35,13 @@ class Winners(NamedTuple):
     table
         Rows of the table best_scheme, one per cell. Where a baseline beats every scheme, the
         baseline is in the place of the best scheme, and the best scheme in that of the runner-up.
+        Where a baseline has the least error, but cannot be told apart from the best scheme, the
+        baseline is in the place of the runner-up.
     names
         The schemes, and those baselines that beat every scheme in some cell.
     notes
-        A sentence on each baseline that beats every scheme in some cell.
+        A sentence on each baseline that beats every scheme in some cell, and one on each that
+        cannot be told apart from the best scheme in some cell.
     """
 
     table: pd.DataFrame
@@ -72,8 +81,22 @@ def find_winners(config: HubConfig, best: pd.DataFrame, criterion: str, window: 
     }
     for name, values in changed.items():
         table.loc[wins, name] = values
+    tied = ~wins & (table["mse_baseline"] < table["mse_best"]).to_numpy()
+    close = table[tied]
+    changed = {
+        "runner_up": close["baseline"],
+        "mse_runner_up": close["mse_baseline"],
+        "difference": close["mse_baseline"] - close["mse_best"],
+        "ci_low": np.nan,
+        "ci_high": np.nan,
+        "distinguishable": False,
+    }
+    for name, values in changed.items():
+        table.loc[tied, name] = values
+    runners_up = [name for name in baseline_names(config) if (close["baseline"] == name).any()]
+    notes = [f"{name}: {TIED}." for name in runners_up]
     winning = [name for name in baseline_names(config) if (won["baseline"] == name).any()]
-    return Winners(table, names + winning, explain(winning))
+    return Winners(table, names + winning, explain(winning) + notes)
 
 
 def explain(baselines: list[str]) -> list[str]:

@@ -18,6 +18,7 @@ from owtsweep.studies.hub.public import (
     Scheme,
     Sensors,
     backend,
+    compile_kernels,
     explain_anew,
     make_sensors,
     resolve_all,
@@ -138,6 +139,21 @@ def _identify_motion(config: ReplayConfig, file: str) -> dict[str, Any]:
         file, columns.given(), motion=columns.motion, tower_height=columns.tower_height
     )
     return {"motion": {**changed, "roles": roles}} if changed or roles is not None else {}
+
+
+def warm_up(config: ReplayConfig, workers: int) -> None:
+    """Compile the kernels that the schemes use, in up to `workers` processes side by side.
+
+    Whether fixes are missing, so that schemes run in their online form, is seen from the last
+    record only, because it is in memory.
+    """
+    if backend(config, resolve_all(config.schemes, config)) != "threading":
+        return  # no scheme has kernels
+    uses = ["gains", "recorded"]
+    with suppress(InputError):  # a record that cannot be used fails when its blocks are run
+        if not np.isfinite(load_record(config, config.grid.files[-1]).fixes).all():
+            uses.append("online")
+    compile_kernels(*uses, vectors=config.compute.vectors, cores=workers)
 
 
 def run(config: ReplayConfig, blocks: Sequence[Block]) -> Iterator[tuple[Block, pd.DataFrame]]:

@@ -1,11 +1,6 @@
 """A process that compiles some parts of the kernels, and prints the name of each finished part.
 
-`python -m owtsweep.studies.hub.compiling.share superposed vectors prepare whole`
-
-Kernels are compiled for the types of the arguments with which a study calls them. The types are
-those of small examples; nothing is run. A study that calls a kernel with other types compiles the
-kernel anew, so a wrong example costs time only. A test compares the examples with what a study
-passes.
+`python -m owtsweep.studies.hub.compiling.share vectors superposed.prepare superposed.whole`
 """
 
 from __future__ import annotations
@@ -13,124 +8,168 @@ from __future__ import annotations
 import gc
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
-from owtsweep.studies.hub.kernels.layout import (
-    WIDTH,
-    ChainArrays,
-    Fed,
-    FilterArrays,
-    HorizonArrays,
-    Memory,
-    PredictorArrays,
-    Steps,
-    Truth,
-    Weights,
-    new_output,
-    new_registers,
-    new_scratch,
-)
+from owtsweep import compiled  # in this form the module counts as no source of kernels
+from owtsweep.studies.hub.compiling.examples import list_examples
+from owtsweep.studies.hub.kernels.layout import WIDTH, Steps
 from owtsweep.vectors import choose
 
 #: Number of series that `gather` puts into lanes at once: eight replicates, and the last four of
 #: the default study's twenty.
 SERIES = (8, 4)
 
-
-def examples(evaluation: str) -> dict[str, tuple[Any, ...]]:
-    """Return name of a kernel -> example of the arguments with which a study calls the kernel."""
-    groups = 3 if evaluation == "superposed" else 2
-    C, D, row = np.zeros((1, 4, 4)), np.zeros((1, 4, 2)), np.zeros(4)
-    rows = (np.zeros((1, WIDTH)),)
-    chain = ChainArrays(
-        FilterArrays(np.zeros((4, 4)), row, row, D, np.ones(1, np.bool_), C, D, 1, 0, 1, 1),
-        PredictorArrays(0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        HorizonArrays(False, np.zeros((1, 3, 1)), 1, 1, 0, False, 0, 0.0),
-    )
-    memory = Memory(new_registers(groups, 1, 1), new_scratch(groups, 1, 1), new_output(groups, 1))
-    fed = Fed(rows * groups, 0, rows * groups)
-    truth = Truth(rows, rows, np.zeros(2))
-    weights = Weights(np.zeros((1, 3)), np.zeros(1), np.ones(1, np.bool_))
-    squared = () if evaluation == "superposed" else (rows,)
-    return {
-        evaluation: ((0, 0, 1, 0), fed, truth, chain, weights, memory, rows, *squared),
-        **_of_gains(C, D, row),
-        "keep_lead": (0, np.zeros((1, 1, WIDTH))),
-        "noise": (
-            *(0, 0, np.zeros((1, 4, 1)), False, np.zeros((1, 2))),
-            *((0.0, 0.0, 0.0, np.zeros(2)), np.zeros((3, 1, WIDTH))),
-        ),
-    }
+#: Part -> the kernels that belong to it, each with the types of its arguments.
+Parts = dict[str, list[tuple[Any, Any]]]
+Types = dict[str, tuple[Any, ...]]
 
 
-def _of_gains(C: Any, D: Any, row: Any) -> dict[str, tuple[Any, ...]]:
-    """Return the examples for the kernels of `estimation`, given two matrices and a row."""
-    from owtsweep.estimation.riccati import GainRows, Pattern, TwoRates
-    from owtsweep.estimation.windowing import FilterRows
+def compile_part(name: str) -> None:
+    """Compile the part `name`, written as use.part, or load the part if it is compiled."""
+    from numba import typeof
 
-    square = np.zeros((4, 4))
-    transition = np.zeros((5, 5))[:4, :4]  # a part of a larger matrix: not contiguous
-    model = TwoRates(transition, square, row, row, 0.0, 0.0, 0)
-    filled = GainRows(D, np.zeros(1), C, C)
-    return {
-        "recursion": (0, 0, 0, model, square, Pattern(1, 1, 0), 0.0, filled),
-        "leaving": (0, 0, C, D, 1, 1, D),
-        "covariances": (FilterRows(C, C, C), 1, row, np.zeros((1, 3)), C, np.zeros((1, 4, 3)), 0),
-    }
+    use, part = name.split(".")
+    some = {name: tuple(map(typeof, given)) for name, given in list_examples(use).items()}
+    for kernel, types in list_parts(use, some)[part]:
+        kernel.compile(types)
 
 
-def compile_part(part: str, evaluation: str) -> None:
-    """Compile one of `owtsweep.studies.hub.compiling.PARTS`, or load it if it is compiled."""
-    from numba import typeof, types
+def list_parts(use: str, some: Types) -> Parts:
+    """Return the parts of a use, given name of a kernel -> types of its arguments."""
+    if use == "gains":
+        return _of_gains(some)
+    if use == "online":
+        return _of_online(some)
+    if use in ("superposed", "direct"):
+        return _of_records(use, some)
+    return _of_given_series(use, some)
 
+
+def _of_gains(some: Types) -> Parts:
+    """List the kernels that compute the gains of filter and smoother."""
     from owtsweep.estimation import riccati, windowing
-    from owtsweep.studies.hub.kernels import chain, feeding, runs, sums
-    from owtsweep.vectors.lanes import borrowed_type
 
-    some = {name: tuple(map(typeof, given)) for name, given in examples(evaluation).items()}
-    whole = some[evaluation]
-    # inside a run, kernels take the run's arguments as borrowed
-    fed, truth, arrays, weights, memory, total, *squared = map(borrowed_type, whole[1:])
-    step, steps = types.int64, typeof(Steps(0, 0, 0, 0))
-    velocity = borrowed_type(whole[2][1])
-    if squared:  # `direct` sums into a tuple
-        total = types.Tuple((total, *squared, types.boolean))
-    series, lanes = typeof(np.zeros(1)), typeof(np.zeros((1, WIDTH)))
-    gather = [(step, step, step, types.UniTuple(series, n), lanes) for n in SERIES]
-    kernels: dict[str, list[tuple[Any, Any]]] = {
-        "prepare": [
-            (chain.prepare,
-             (step, step, fed, arrays, memory, types.literal(False), velocity)),
-        ],
-        "span": [
-            (getattr(sums, f"{evaluation}_span"),
-             (steps, fed, truth, arrays, memory, weights, total, step)),
-        ],
-        "finish": [(chain.finish, (steps, fed, arrays, memory, velocity))],
+    return {
         "recursion": [(riccati.recursion, some["recursion"])],
         "covariances": [(windowing.covariances, some["covariances"])],
         "leaving": [(windowing.leaving, some["leaving"])],
-        "feeding": [
-            (feeding.keep_lead, some["keep_lead"]),
-            (feeding.noise, some["noise"]),
-            *((feeding.gather, types_of_one) for types_of_one in gather),
-        ],
-        "whole": [(getattr(runs, evaluation), whole)],
-    }  # fmt: skip
-    for kernel, kinds in kernels[part]:
-        kernel.compile(kinds)
+    }
 
 
-def main(evaluation: str, form: str, *parts: str, tell: Callable[..., None] = print) -> None:
+def _of_online(some: Types) -> Parts:
+    """List the kernels of online estimators."""
+    from owtsweep.studies.hub.kernels import online
+
+    parts = {
+        "horizon": ["take_fix", "horizon_position", "horizon_has_position"],
+        "output": ["output"],
+        "filter": ["filter_step", "take_sample", "after_filter"],
+        "whole": ["advance"],
+    }
+    return {
+        part: [(getattr(online, name), some[name]) for name in names]
+        for part, names in parts.items()
+    }
+
+
+def _of_given_series(use: str, some: Types) -> Parts:
+    """List the kernels of a use that runs a scheme over given series, or over sinusoids."""
+    from owtsweep.studies.hub.kernels import runs
+
+    fed, chain, memory = some["estimates"][2:]
+    parts = _of_chain(fed, chain, memory, fed[0])
+    if use == "recorded":
+        parts["whole"] = [(getattr(runs, name), some[name]) for name in ("estimates", "states")]
+        return parts
+    from owtsweep.studies.hub.expected import kernels
+
+    parts["squares"] = [
+        (getattr(kernels, name), some[name]) for name in ("add_squares", "make_waves")
+    ]
+    parts["whole"] = [(kernels.advance, some["advance"])]
+    return parts
+
+
+def _of_records(use: str, some: Types) -> Parts:
+    """List the kernels that make simulated records and run a scheme over them."""
+    from numba import typeof, types
+
+    from owtsweep.studies.hub.kernels import feeding, runs, sums
+    from owtsweep.vectors.lanes import borrowed_type
+
+    fed, truth, chain, _, memory, *_ = some[use][1:]
+    parts = _of_chain(fed, chain, memory, truth[1])
+    # inside a run, kernels take the run's arguments as borrowed
+    inputs, true, arrays, weighed, work, summed, *kept = map(borrowed_type, some[use][1:])
+    if kept:  # `direct` sums into a tuple
+        summed = types.Tuple((summed, *kept, types.boolean))
+    step, steps = types.int64, typeof(Steps(0, 0, 0, 0))
+    span = (steps, inputs, true, arrays, work, weighed, summed, step)
+    series, lanes = typeof(np.zeros(1)), typeof(np.zeros((1, WIDTH)))
+    gather = [(step, step, step, types.UniTuple(series, n), lanes) for n in SERIES]
+    parts["span"] = [(getattr(sums, f"{use}_span"), span)]
+    parts["feeding"] = [
+        (feeding.keep_lead, some["keep_lead"]),
+        (feeding.noise, some["noise"]),
+        *((feeding.gather, types_of_one) for types_of_one in gather),
+    ]
+    parts["whole"] = [(getattr(runs, use), some[use])]
+    return parts
+
+
+def _of_chain(fed: Any, chain: Any, memory: Any, ahead: Any) -> Parts:
+    """List the two kernels that run a scheme over a chunk of steps, called inside a run.
+
+    The arguments are the types of series, scheme, memory and of the data that is prefetched.
+    """
+    from numba import typeof, types
+
+    from owtsweep.studies.hub.kernels.chain import finish, prepare
+    from owtsweep.vectors.lanes import borrowed_type
+
+    # inside a run, kernels take the run's arguments as borrowed
+    inside = tuple(map(borrowed_type, (fed, chain, memory)))
+    step, steps, data = types.int64, typeof(Steps(0, 0, 0, 0)), borrowed_type(ahead)
+    return {
+        "prepare": [(prepare, (step, step, *inside, types.literal(False), data))],
+        "finish": [(finish, (steps, *inside, data))],
+    }
+
+
+def write_in_turn() -> None:
+    """Let one process at a time write to the folder of compiled kernels.
+
+    numba reads the index of a kernel's compiled forms, adds a form, and writes the index. If two
+    processes did so at once, e.g. for two uses of a kernel, a form could be stored under the name
+    of another.
+    """
+    with suppress(ImportError):  # not on Windows
+        import fcntl
+
+        from numba.core.caching import IndexDataCacheFile
+
+        save = IndexDataCacheFile.save
+
+        def save_alone(self: Any, *what: Any) -> None:
+            with open(compiled.usable_directory() / "lock", "w") as lock:
+                fcntl.flock(lock, fcntl.LOCK_EX)
+                save(self, *what)
+
+        IndexDataCacheFile.save = save_alone
+
+
+def main(form: str, *parts: str, tell: Callable[..., None] = print) -> None:
     """Compile the parts one after the other, with LLVM vectors if `form` is "vectors"."""
     choose(form == "vectors")
-    gc.disable()  # collecting takes a tenth of the time, and finds little
     for part in parts:
-        compile_part(part, evaluation)
+        compile_part(part)
         tell(part, flush=True)
 
 
 if __name__ == "__main__":
+    gc.disable()  # collecting takes a tenth of the time, and finds little
+    write_in_turn()
     main(*sys.argv[1:])
