@@ -132,7 +132,8 @@ def test_the_advice_stands_for_the_stated_and_for_the_estimated_noise(tmp_path, 
         advice["value_best"]["estimated"] / advice.query("source == 'fixes'")["value_best"].min()
     )
     assert ratio <= 1.0
-    assert set(replay.errors()["scheme"]) == {"MKF"}  # tables of before stay
+    shown = set(replay.errors()["scheme"])  # the table shows the stated run
+    assert shown == {"MKF", "no_estimate", "last_fix", "last_two_fixes"}
 
 
 def test_swapped_axes_are_refused_unless_insisted_on(tmp_path):
@@ -141,7 +142,7 @@ def test_swapped_axes_are_refused_unless_insisted_on(tmp_path):
     with pytest.raises(InputError, match=r"axes swapped it fits .* times better"):
         running.verify(config)
     insisted = config_of([file], "sensors.imu.rate=50", "replay.disagreement=accept")
-    assert any("axes swapped" in note for note in running.verify(insisted))
+    assert any("axes swapped" in note for note in running.verify(insisted).notes)
 
 
 def test_matched_numbers_follow_the_sensors_and_others_stay():
@@ -171,4 +172,4 @@ def test_motion_and_short_records_have_no_noise(tmp_path):
     config = config_of([short], "sensors.imu.rate=50", "measures.settling_time=1")
     assert estimate_noise(config, str(short)).parameters == ()
     assert use_estimates(config, estimate_noise(config, str(short))) == config
-    assert isinstance(running.verify(config), list)
+    assert not running.verify(config).refused

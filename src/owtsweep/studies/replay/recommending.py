@@ -35,10 +35,10 @@ def recommend(advised: pd.DataFrame) -> str:
     size = np.sqrt(row.get("value_recommended", row["value_best"]))
     told = f"{INSTEAD.get(chosen, f'run {chosen}')}; its {what} is {size:.3g} {unit}"
     told = f"recommended: {told} (root mean square)"
-    best = [row["best"], *row["same_as"].split()]
+    best = [row["best"], *row.get("same_as", "").split()]
     if chosen not in best:
         return f"{told}, that of {row['best']} {np.sqrt(row['value_best']):.3g} {unit}"
-    if not row["runner_up"]:
+    if not row.get("runner_up"):
         return told
     told += f", that of {row['runner_up']} {np.sqrt(row['value_runner_up']):.3g} {unit}"
     return told if row["matters"] else f"{told}; the difference does not matter"
