@@ -50,6 +50,13 @@ class Imu(Section):
     rate: Positive = key("samples per second", unit="Hz")
     bias_initial: Finite = key("bias at the start of a record, per axis", unit="m/s^2")
     bias_walk: NotNegative = key("intensity of the bias' random walk", unit="m/s^2/sqrt(s)")
+    tilt: Finite = key(
+        "lean of the IMU per displacement; above zero: it leans the way that it moves, so the "
+        "specific force is a - g tilt d",
+        unit="rad/m",
+        default=0.0,
+        younger=True,
+    )
 
 
 class SensorConfig(Section):
