@@ -12,6 +12,7 @@ from owtsweep.studies.hub.noise_floor import noise_floor
 from owtsweep.studies.hub.records import make_records
 from owtsweep.studies.hub.schemes import resolve
 from owtsweep.studies.hub.sensors import observe
+from owtsweep.studies.hub.tilt_cost import compare_knowledge
 from owtsweep.studies.hub.tuning.bound import bound_of_axis
 
 pytestmark = pytest.mark.usefixtures("kernels")
@@ -117,3 +118,20 @@ def test_an_unknown_tilt_costs_what_linear_theory_says() -> None:
         total += abs(error[0]) ** 2
         error = A @ error + B * lean * turn**j
     assert found == pytest.approx(total / M, rel=0.05)
+
+
+def test_a_tilt_that_no_filter_can_follow_is_warned_of(caplog: pytest.LogCaptureFixture) -> None:
+    compose(["sensors.imu.tilt=0.6"])  # sqrt(5.9) * 1.2 s = 2.9
+    assert "sensors.imu.tilt" not in caplog.text
+    compose(["sensors.imu.tilt=0.7"])
+    assert "sensors.imu.tilt: 0.7 rad/m lets an error grow exp(3.1) times" in caplog.text
+
+
+def test_what_knowing_a_tilt_gives_back() -> None:
+    """An unknown tilt costs more at long periods and large motions; 20 % is nearly enough."""
+    config = compose(["tuning=matched", "schemes=[HME1]"])
+    costs = compare_knowledge(config, TILT, [4.0, 8.0], [0.5, 2.0])
+    costs = costs.set_index(["knowledge", "amplitude", "natural_period"])["mse_position"]
+    assert costs["unknown", 2.0, 8.0] > 5.0 * costs["level", 2.0, 8.0]
+    assert costs["20 % too large", 2.0, 8.0] < 1.25 * costs["known", 2.0, 8.0]
+    assert costs["unknown", 0.5, 4.0] < costs["known", 0.5, 4.0]  # a known lean is not free
