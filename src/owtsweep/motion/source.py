@@ -6,7 +6,7 @@ A source is anything that gives a `Motion`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -27,6 +27,9 @@ class Motion:
         (steps, axes) for a motion along several axes.
     before
         Positions before t = 0, oldest first, m; shape (history,) or (history, axes).
+    felt
+        What an accelerometer on the structure feels of this motion, m/s^2, if that is more than
+        the acceleration, because the structure leans; shape as `acceleration`, or None.
     """
 
     step: float
@@ -34,6 +37,12 @@ class Motion:
     velocity: Array
     acceleration: Array
     before: Array
+    felt: Array | None = field(default=None, kw_only=True)
+
+    @property
+    def specific_force(self) -> Array:
+        """What an accelerometer feels of the motion, m/s^2, in the shape of `acceleration`."""
+        return self.acceleration if self.felt is None else self.felt
 
     def position_at(self, first: int, stride: int, count: int) -> Array:
         """Return `count` positions, at the steps first, first + stride, first + 2 stride, ...

@@ -10,6 +10,9 @@ import numpy as np
 from owtsweep.arrays import Array
 from owtsweep.evaluation.estimate import Estimate
 
+#: Acceleration of gravity, m/s^2.
+GRAVITY = 9.81
+
 
 @dataclass(frozen=True)
 class Sensors:
@@ -31,6 +34,8 @@ class Sensors:
         Fixed yaw psi of the IMU, rad.
     gravity
         Horizontal part of gravity, north and east, m/s^2.
+    tilt
+        Lean of the IMU per displacement, rad/m. The paper neglects it (section 3, assumption 2).
     """
 
     step: float
@@ -41,6 +46,16 @@ class Sensors:
     bias_walk: float
     yaw: float
     gravity: tuple[float, float]
+    tilt: float = 0.0
+
+    @property
+    def lean(self) -> float:
+        """The specific force by leaning, g tilt, in m/s^2 per metre of displacement.
+
+        The IMU's x axis points outwards; where the tower leans outwards by theta, it points down by
+        theta. So gravity, which an IMU feels as an acceleration upwards, gives -g sin theta.
+        """
+        return GRAVITY * self.tilt
 
     @property
     def rotation(self) -> Array:

@@ -150,7 +150,7 @@ def _error_phasors(
     wave = np.exp(1j * omega * (sensors.step * np.arange(total)[:, None]))
     fix_steps = np.arange(0, total, sensors.fix_interval)[:, None] - sensors.delay
     fixes = np.exp(1j * omega * (sensors.step * fix_steps))
-    force = _lanes(-(omega**2) * wave)
+    force = _lanes(-(omega**2 + sensors.lean) * wave)
 
     answer = np.empty((2, total - steps, len(frequency)), dtype=complex)
     for k0, n, memory in estimates.chunks(chain, force, _lanes(fixes)):

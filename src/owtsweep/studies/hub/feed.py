@@ -74,7 +74,7 @@ class Lanes:
         """
         motions, noises, s = self.records.motion, self.records.noise, self.records.sensors
         direction = np.tile(self.records.direction, len(motions))
-        motion = np.stack([m.acceleration for m in motions], axis=1)
+        motion = np.stack([m.specific_force for m in motions], axis=1)
         count = len(noises[0].fixes)
         fixes = np.stack([m.position_at(-s.delay, s.fix_interval, count) for m in motions], axis=1)
         noise_force = np.concatenate([n.specific_force @ s.rotation.T for n in noises], axis=1)
@@ -148,7 +148,7 @@ class Feed:
                 for buffer in (whole, truth):
                     feeding.keep_lead(lead, buffer)
             for rows, name in ((truth[0], "position"), (truth[1], "velocity"),
-                               (apart[0], "acceleration")):  # fmt: skip
+                               (apart[0], "specific_force")):  # fmt: skip
                 sources = tuple(getattr(series, name) for series in motion)
                 feeding.gather(k0, stop - k0, lead, sources, rows)
             fill(stop - k0, lead, apart)

@@ -80,8 +80,11 @@ class Records:
         source = SpectralSource(self.spectrum, (low, high), self.config.normalise)
         sensors = self.sensors
         return tuple(
-            source.realise(
-                self.stream(index), steps=self.steps, step=sensors.step, history=sensors.delay
+            sensing.lean(
+                source.realise(
+                    self.stream(index), steps=self.steps, step=sensors.step, history=sensors.delay
+                ),
+                sensors,
             )
             for index in range(len(self.replicates))
         )

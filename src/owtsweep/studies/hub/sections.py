@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Literal
 
 from owtsweep.config import Axis, Finite, NotNegative, Positive, Section, key
+from owtsweep.studies.hub.contract import GRAVITY
 
 
 class Grid(Section):
@@ -50,6 +51,13 @@ class Imu(Section):
     rate: Positive = key("samples per second", unit="Hz")
     bias_initial: Finite = key("bias at the start of a record, per axis", unit="m/s^2")
     bias_walk: NotNegative = key("intensity of the bias' random walk", unit="m/s^2/sqrt(s)")
+    tilt: Finite = key(
+        "lean of the IMU per displacement; above zero: it leans the way that it moves, so the "
+        "specific force is a - g tilt d",
+        unit="rad/m",
+        default=0.0,
+        younger=True,
+    )
 
 
 class SensorConfig(Section):
@@ -99,6 +107,13 @@ class FilterTuning(Section):
     q_b: NotNegative | None = key(
         "density of the bias walk; null: the sensor's own bias_walk^2", unit="(m/s^2)^2/s"
     )
+    tilt: Finite = key(
+        "lean of the IMU per displacement that the filter believes in; auto (in a tuning file): "
+        "sensors.imu.tilt",
+        unit="rad/m",
+        default=0.0,
+        younger=True,
+    )
     r_gnss: Variance = key("variance of a fix")
     r_imu: Variance = key("variance of a sample")
     p0: list[Positive] = key(
@@ -107,6 +122,11 @@ class FilterTuning(Section):
         min_length=4,
         max_length=4,
     )
+
+    @property
+    def lean(self) -> float:
+        """The specific force by leaning, g tilt, in m/s^2 per metre of displacement."""
+        return GRAVITY * self.tilt
 
 
 class Constraints(Section):

@@ -8,6 +8,7 @@ the record's motion.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +44,7 @@ def sensors(config: SensorConfig) -> Sensors:
         bias_walk=config.imu.bias_walk,
         yaw=float(np.deg2rad(config.yaw)),
         gravity=(float(config.gravity[0]), float(config.gravity[1])),
+        tilt=config.imu.tilt,
     )
 
 
@@ -54,10 +56,21 @@ def fix_count(steps: int, fix_interval: int) -> int:
     return -(-steps // fix_interval)
 
 
+def lean(motion: Motion, sensors: Sensors) -> Motion:
+    """Return a motion with what an IMU feels of it that leans by `Sensors.tilt` per displacement.
+
+    Without a tilt the motion is returned unchanged.
+    """
+    if sensors.tilt == 0.0:
+        return motion
+    return replace(motion, felt=motion.acceleration - sensors.lean * motion.position)
+
+
 def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
     """Compute the part of the measurements that is due to motion, without gravity and noise.
 
     Sources: the term R' vdot in Eq. (3) and the term p(t - tau_d) in Eq. (4) of Ren et al. (2019).
+    The specific force holds the IMU's lean too, if the motion says what it is (`lean`).
 
     Parameters
     ----------
@@ -66,7 +79,7 @@ def observe(motion: Motion, direction: Array, sensors: Sensors) -> Measurements:
     direction
         Unit vector (2,) of the motion's direction, north and east.
     """
-    force = motion.acceleration[:, None] * (sensors.rotation.T @ direction)
+    force = motion.specific_force[:, None] * (sensors.rotation.T @ direction)
     count = fix_count(len(motion.position), sensors.fix_interval)
     delayed = motion.position_at(-sensors.delay, sensors.fix_interval, count)
     return Measurements(force, delayed[:, None] * direction)

@@ -72,7 +72,11 @@ def listen(config: ReplayConfig, sensors: Sensors, record: ReplayRecord, replica
     def force(size: int) -> Iterator[Array]:
         noise = ForceNoise(config.sensors, sensors, streams)
         for begin in range(0, steps, size):
-            part = acceleration[begin : begin + size] @ sensors.rotation  # R' a
+            stop = begin + size
+            felt = acceleration[begin:stop]
+            if sensors.tilt != 0.0:
+                felt = felt - sensors.lean * record.given("position")[begin:stop]
+            part = felt @ sensors.rotation  # R' (a - g tilt d)
             part += noise.next(len(part))
             yield part
 

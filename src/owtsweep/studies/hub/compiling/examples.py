@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from owtsweep.studies.hub.kernels.layout import (
+    NO_LEAN,
     WIDTH,
     ChainArrays,
     Fed,
@@ -54,8 +55,10 @@ def _of_series(use: str) -> tuple[Fed, ChainArrays, Memory]:
     groups, row = GROUPS[use], _ROW
     chain = ChainArrays(
         FilterArrays(np.zeros((4, 4)), row, row, _D, np.ones(1, np.bool_), _C, _D, 1, 0, 1, 1),
-        PredictorArrays(0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        HorizonArrays(False, np.zeros((1, 3, 1)), 1, 1, 0, False, 0, 0.0),
+        PredictorArrays(0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        HorizonArrays(
+            False, np.zeros((1, 3, 1)), 1, 1, 0, False, 0, 0.0, np.zeros((1, 2, 3)), NO_LEAN
+        ),
     )
     memory = Memory(new_registers(groups, 1, 1), new_scratch(groups, 1, 1), new_output(groups, 1))
     return Fed(_ROWS * groups, 0, _ROWS * groups), chain, memory
@@ -125,7 +128,22 @@ def _of_online() -> Examples:
         square, row, square, row, row, 0.0, 0.0, 0, square, 1, 0, 0, True,
         three, np.zeros(3), three, np.zeros((1, 3)), three, np.zeros((2, 2)), np.zeros(2),
     )  # fmt: skip
-    h = HorizonSettings(False, 1, 1, 0, 0, 0.0, three, three, 0.0, three, False, np.zeros(3))
+    h = HorizonSettings(
+        False,
+        1,
+        1,
+        0,
+        0,
+        0.0,
+        three,
+        three,
+        0.0,
+        three,
+        False,
+        np.zeros(3),
+        np.zeros((1, 2, 3)),
+        NO_LEAN,
+    )
     m = new_registers(f, h)
     estimates = OnlineEstimates(np.zeros((1, 4)), np.zeros((1, 2, 2)), two, np.zeros(1))
     return {

@@ -55,7 +55,7 @@ def motion(frequency: Array, sensors: Sensors) -> Probe:
     `frequency` are the sinusoids' frequencies, Hz, shape (n,).
     """
     omega = 2.0 * np.pi * frequency
-    return Probe(omega * sensors.step, -(omega**2), np.ones(len(omega)), truth=True)
+    return Probe(omega * sensors.step, -(omega**2) - sensors.lean, np.ones(len(omega)), truth=True)
 
 
 def forces(number: Array, steps: int) -> Probe:

@@ -1,0 +1,179 @@
+"""Motion of a structure's hub under irregular waves: the plant of Ren et al. (2019), section 2.
+
+The structure's modes answer to the waves' loads. Loads act on the structure at rest, in the
+direction of the waves, and the structure is symmetric, so the hub moves along that direction. The
+answer is the steady one: it repeats with the waves, and a record is the first half of the period.
+
+There is no wind. On the parked tower without blades its gusts at the first natural frequency move
+the hub by some millimetres (docs/plant.md has the estimate), against .1 to .3 m by the waves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from owtsweep.arrays import Array
+from owtsweep.errors import require
+from owtsweep.motion.source import Motion
+from owtsweep.motion.transform import interleaved
+from owtsweep.structures import Modes, Structure, compute_modes
+from owtsweep.waves import Cylinder, Sea, Waves, drag_force, draw_waves, inertia_force
+
+#: Points of the Gauss rule over the depth; they crowd where waves are strongest, at the surface.
+DEPTH_POINTS = 24
+#: Highest frequency (Hz) of loads and motion: drag has overtones of the waves, which reach 1 Hz.
+HIGHEST = 2.0
+#: Samples per second at which drag is computed: twice the highest frequency, and some room.
+DRAG_RATE = 5.0
+
+
+@dataclass(frozen=True)
+class PlantMotion(Motion):
+    """A motion of the hub, with the tower's rotation there.
+
+    Attributes
+    ----------
+    slope
+        Rotation of the hub in rad from t = 0 on, shape (steps,). Positive: it leans the way that
+        positions count.
+    """
+
+    slope: Array
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A source of hub motion along the waves: a structure in a sea.
+
+    Attributes
+    ----------
+    structure
+        The structure; it must stand in water.
+    sea
+        The sea state.
+    blades
+        Number of mounted blades.
+    modes
+        Number of modes that answer.
+    """
+
+    structure: Structure
+    sea: Sea
+    blades: int = 0
+    modes: int = 4
+    streams: ClassVar[tuple[str, ...]] = ("phase",)
+    duration: ClassVar[None] = None
+
+    def __post_init__(self) -> None:
+        require(
+            self.structure.water is not None and self.structure.mudline < 0.0,
+            f"structure {self.structure.name}: it does not stand in water; give structure.water "
+            "and a mudline below 0",
+        )
+
+    @cached_property
+    def vibration(self) -> Modes:
+        """The modes of the structure with its blades."""
+        return compute_modes(self.structure, self.modes, self.blades)
+
+    def realise(
+        self,
+        stream: Callable[[str], np.random.Generator],
+        *,
+        steps: int,
+        step: float,
+        history: int = 0,
+    ) -> PlantMotion:
+        """Draw one record of the hub's motion, of any length.
+
+        Parameters
+        ----------
+        stream
+            Function that returns a new random generator, given a name; it is called with "phase".
+        steps, step
+            Number of samples and sampling interval (s).
+        history
+            Number of steps before t = 0 whose positions are kept.
+
+        Raises
+        ------
+        InputError
+            If the record is too short for waves, or the structure has no such modes.
+        """
+        period = 2 * steps * step
+        require(
+            step < 0.5 / HIGHEST,
+            f"sensors.imu.rate: {1.0 / step:g} Hz must be above {2.0 * HIGHEST:g} Hz, because "
+            f"the plant moves at up to {HIGHEST:g} Hz",
+        )
+        waves = draw_waves(
+            self.sea,
+            stream("phase"),
+            period=period,
+            depth=-self.structure.mudline,
+            gravity=self.structure.gravity,
+        )
+        answer = self._answer(self._modal_loads(waves), period)
+        hub = answer.sum(axis=0)
+        slope = self.vibration.slope @ answer
+        speed = 2j * np.pi * np.arange(len(hub)) / period
+
+        def sample(bins: NDArray[np.complex128], newest: int = 0) -> tuple[Array, Array]:
+            whole = interleaved(bins, 2 * steps).T.reshape(-1)
+            return whole[:steps].copy(), whole[len(whole) - newest :].copy()
+
+        position, before = sample(hub, history)
+        return PlantMotion(
+            step,
+            position,
+            sample(hub * speed)[0],
+            sample(hub * speed**2)[0],
+            before,
+            sample(slope)[0],
+        )
+
+    def _modal_loads(self, waves: Waves) -> NDArray[np.complex128]:
+        """Compute complex amplitudes of the modes' loads, N, shape (modes, lines from 0 on)."""
+        bins = int(HIGHEST * waves.period) + 1
+        loads = np.zeros((self.modes, bins), dtype=complex)
+        water = self.structure.water
+        assert water is not None  # checked at the start
+        count = 2 * int(np.ceil(0.5 * DRAG_RATE * waves.period))
+        lines = np.zeros(count // 2 + 1, dtype=complex)
+        heights, lengths = _depth_rule(waves.depth)
+        for height, length, shape in zip(heights, lengths, self.vibration.at(heights), strict=True):
+            tube = next(t for t in self.structure.tubes if t.bottom <= height <= t.top)
+            diameter = float(tube.outer(np.array(height)))
+            cylinder = Cylinder(diameter, water.density, water.drag)
+            lines[:] = 0.0
+            lines[waves.numbers] = waves.velocity(height)
+            velocity = np.fft.irfft(lines * (0.5 * count), count)
+            force = np.fft.rfft(drag_force(velocity, cylinder))[:bins] * (2.0 / count)
+            force[waves.numbers] += inertia_force(waves, cylinder, height)
+            loads += length * shape[:, None] * force
+        loads[:, 0] = 0.0  # the mean of the drag is a static deflection, not motion
+        return loads
+
+    def _answer(self, loads: NDArray[np.complex128], period: float) -> NDArray[np.complex128]:
+        """Compute the complex amplitudes of the modes' hub displacements, m, by their loads, N."""
+        modes = self.vibration
+        omega = 2.0 * np.pi * np.arange(loads.shape[1]) / period
+        own = 2.0 * np.pi * modes.frequency[:, None]
+        impedance = modes.mass[:, None] * (own**2 - omega**2 + 2j * modes.damping * own * omega)
+        return np.asarray(loads / impedance)
+
+
+def _depth_rule(depth: float) -> tuple[Array, Array]:
+    """Return heights (m) and lengths (m) of a Gauss rule from the sea bed to the surface.
+
+    With z = -depth s^2 the points of a rule in s crowd at the surface.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(DEPTH_POINTS)
+    s, w = 0.5 * (nodes + 1.0), 0.5 * weights
+    return -depth * s**2, 2.0 * depth * s * w

@@ -1,0 +1,10 @@
+"""Beam models of wind turbines' support structures: from a description to modes.
+
+Structures are beams in a plane, so a symmetric structure moves alike in every horizontal direction.
+Heights are in m above mean sea level, positive upwards.
+"""
+
+from owtsweep.structures.description import Structure, read_structure
+from owtsweep.structures.modes import Modes, compute_modes
+
+__all__ = ["Modes", "Structure", "compute_modes", "read_structure"]

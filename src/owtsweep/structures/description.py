@@ -1,0 +1,230 @@
+"""The description of a support structure: tubes, point masses, blades, soil and water.
+
+A description is a YAML file; conf/structure holds those of the project. It holds values only, in SI
+units (angles in degrees).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from owtsweep.arrays import Array
+from owtsweep.config import Finite, NotNegative, Positive, Section, key, require, typed
+from owtsweep.config.stored import read_stored
+
+#: Friction angles (degrees) that the fits of owtsweep.structures.soil hold for.
+ANGLES = (28.0, 40.0)
+#: Largest gap between two tubes that counts as none, m.
+TOUCH = 1e-9
+
+
+class Tube(Section):
+    """A tube between two heights; diameter and wall thickness may change linearly.
+
+    `diameter` and `thickness` hold the values at the bottom and at the top.
+    """
+
+    name: str = key("name of the tube, for messages")
+    bottom: Finite = key("height of the lower end above mean sea level", unit="m")
+    top: Finite = key("height of the upper end", unit="m")
+    diameter: list[Positive] = key("outer, at bottom and top", unit="m", min_length=2, max_length=2)
+    thickness: list[Positive] = key("wall, at bottom and top", unit="m", min_length=2, max_length=2)
+    density: Positive = key("of the wall, with paint and flanges", unit="kg/m^3")
+    youngs_modulus: Positive = key("Young's modulus", unit="Pa", default=2.1e11)
+    poissons_ratio: float = key("Poisson's ratio", default=0.3, ge=0.0, lt=0.5)
+
+    def outer(self, height: Array) -> Array:
+        """Compute the outer diameter, m, at heights in m."""
+        return np.interp(height, [self.bottom, self.top], self.diameter)
+
+    def inner(self, height: Array) -> Array:
+        """Compute the inner diameter, m, at heights in m."""
+        wall = np.interp(height, [self.bottom, self.top], self.thickness)
+        return np.asarray(self.outer(height) - 2.0 * wall)
+
+    def area(self, height: Array) -> Array:
+        """Compute the area of the wall's cross-section, m^2, at heights in m."""
+        return np.asarray(np.pi / 4.0 * (self.outer(height) ** 2 - self.inner(height) ** 2))
+
+    def inertia(self, height: Array) -> Array:
+        """Compute the second moment of area about a diameter, m^4, at heights in m."""
+        return np.asarray(np.pi / 64.0 * (self.outer(height) ** 4 - self.inner(height) ** 4))
+
+    def check(self) -> None:
+        """Raise `InputError` if the tube's numbers do not fit together."""
+        where = f"structure.tubes.{self.name}"
+        require(
+            self.top > self.bottom,
+            f"{where}: top {self.top:g} m must be above bottom {self.bottom:g} m",
+        )
+        for diameter, thickness, end in zip(
+            self.diameter, self.thickness, ("bottom", "top"), strict=True
+        ):
+            require(
+                2.0 * thickness <= diameter,
+                f"{where}: thickness {thickness:g} m at the {end} exceeds the radius of "
+                f"{diameter / 2.0:g} m",
+            )
+
+
+class Point(Section):
+    """A rigid body on the structure's axis or above it, e.g. a nacelle."""
+
+    name: str = key("name of the body, for messages")
+    height: Finite = key("where the body is fixed to a tube", unit="m")
+    mass: NotNegative = key("mass", unit="kg")
+    offset: Finite = key("of the centre of mass above `height`", unit="m", default=0.0)
+    inertia: NotNegative = key(
+        "mass moment of inertia about the horizontal axis through the centre of mass",
+        unit="kg m^2",
+        default=0.0,
+    )
+
+
+class Blade(Section):
+    """One blade on the hub, as a body on the structure's top.
+
+    A blade bends, so the tower's vibration accelerates it by more than the hub. `flap_factor` is
+    how much more: 1 / (1 - (f / f_flap)^2) for a tower at f and a first flapwise mode at f_flap. It
+    multiplies the mass and the inertia.
+    """
+
+    mass: Positive = key("mass of one blade", unit="kg")
+    offset: Finite = key("of the hub above the top of the structure", unit="m", default=0.0)
+    inertia: NotNegative = key(
+        "of one blade about the hub's lateral axis, mean over the rotor's positions",
+        unit="kg m^2",
+        default=0.0,
+    )
+    flap_factor: float = key("growth of mass and inertia by the blade's bending", default=1.0, ge=1)
+
+
+class Layer(Section):
+    """A layer of sand, from the layer above down to `bottom`."""
+
+    bottom: Positive = key("depth of the lower end below the mudline", unit="m")
+    friction_angle: float = key(
+        "angle of internal friction", unit="deg", ge=ANGLES[0], le=ANGLES[1]
+    )
+
+
+class Soil(Section):
+    """Layers of sand below the mudline, with springs by the API's p-y curves."""
+
+    layers: list[Layer] = key("from the mudline downwards", min_length=1)
+    fit: Literal["power", "parabola"] = key(
+        "reading of the API's diagram of stiffness over friction angle", default="power"
+    )
+
+    def with_angle(self, friction_angle: float) -> Soil:
+        """Return the soil with one friction angle (degrees) in every layer."""
+        layers = [
+            layer.model_copy(update={"friction_angle": friction_angle}) for layer in self.layers
+        ]
+        return self.model_copy(update={"layers": layers})
+
+
+class Water(Section):
+    """The water around the structure, from the mudline to mean sea level."""
+
+    density: Positive = key("density", unit="kg/m^3", default=1025.0)
+    added_mass: NotNegative = key("coefficient C_a of the water outside", default=1.0)
+    drag: NotNegative = key("coefficient C_D of Morison's equation", default=1.0)
+
+
+class Structure(Section):
+    """A support structure, with what stands on it.
+
+    The lowest tube stands in the soil or is clamped at its lower end. The hub is the top of the
+    highest tube; there motion is given and an IMU is mounted.
+    """
+
+    name: str = key("name of the structure")
+    source: str = key("where the numbers are from")
+    mudline: Finite = key("height of the mudline; water reaches from there to 0", unit="m")
+    tubes: list[Tube] = key("from below upwards, end to end", min_length=1)
+    points: list[Point] = key("rigid bodies", default_factory=list)
+    blade: Blade | None = key("one blade; null: no blades can be mounted", default=None)
+    soil: Soil | None = key(
+        "springs below the mudline; null: clamped at the lower end", default=None
+    )
+    clamped: bool = key("whether the lower end is clamped", default=False)
+    water: Water | None = key("null: no water", default=None)
+    damping: float = key("ratio of every mode", ge=0.0, lt=1.0)
+    gravity: NotNegative = key("acceleration of gravity", unit="m/s^2", default=9.81)
+
+    @property
+    def bottom(self) -> float:
+        """The height of the structure's lower end, m."""
+        return self.tubes[0].bottom
+
+    @property
+    def hub(self) -> float:
+        """The height of the structure's top, m, where motion is given."""
+        return self.tubes[-1].top
+
+    def spans(self) -> Iterator[tuple[Tube, float, float]]:
+        """Yield pieces of tubes that neither the mudline nor the sea level divides.
+
+        Each is the tube and the heights of the piece's lower and upper end, m.
+        """
+        for tube in self.tubes:
+            cuts = {
+                cut for cut in (self.mudline, 0.0, *(p.height for p in self.points))
+                if tube.bottom < cut < tube.top
+            }  # fmt: skip
+            for low, high in pairwise(sorted({tube.bottom, tube.top} | cuts)):
+                yield tube, low, high
+
+    def check(self) -> None:
+        """Raise `InputError` if the numbers do not describe a structure that stands."""
+        for tube in self.tubes:
+            tube.check()
+        for lower, upper in pairwise(self.tubes):
+            require(
+                abs(lower.top - upper.bottom) <= TOUCH,
+                f"structure.tubes.{upper.name}: begins at {upper.bottom:g} m, but "
+                f"{lower.name} ends at {lower.top:g} m",
+            )
+        require(
+            self.clamped or (self.soil is not None and self.bottom < self.mudline),
+            "structure: it floats, because it has neither soil around its lower end nor "
+            "clamped: true",
+        )
+        if self.soil is not None:
+            depths = [layer.bottom for layer in self.soil.layers]
+            require(
+                all(a < b for a, b in pairwise(depths)),
+                f"structure.soil.layers: bottoms must increase with depth, not {depths}",
+            )
+            require(
+                depths[-1] >= self.mudline - self.bottom,
+                f"structure.soil.layers: end {depths[-1]:g} m below the mudline, but the lowest "
+                f"tube reaches {self.mudline - self.bottom:g} m; add a layer",
+            )
+        for point in self.points:
+            require(
+                self.bottom <= point.height <= self.hub,
+                f"structure.points.{point.name}: height {point.height:g} m must be between "
+                f"{self.bottom:g} and {self.hub:g} m",
+            )
+
+
+def read_structure(path: str | Path) -> Structure:
+    """Read and check a description of a structure from a YAML file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, a key is unknown or missing, or the numbers do not describe a
+        structure that stands.
+    """
+    plain, _ = read_stored(Path(path))
+    structure = typed(Structure, plain)
+    structure.check()
+    return structure

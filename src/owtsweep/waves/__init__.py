@@ -1,0 +1,9 @@
+"""Irregular waves and their loads on a vertical cylinder.
+
+Waves are linear and travel in one direction. Heights are in m above the still water line.
+"""
+
+from owtsweep.waves.loads import Cylinder, drag_force, inertia_force
+from owtsweep.waves.sea import Sea, Waves, draw_waves
+
+__all__ = ["Cylinder", "Sea", "Waves", "drag_force", "draw_waves", "inertia_force"]
