@@ -72,7 +72,8 @@ def test_a_multirun_can_be_compared(capsys):
     capsys.readouterr()
     assert main(["compare", str(folder)]) == 0
     out = capsys.readouterr().out
-    assert [line.split()[0] for line in out.splitlines()[:3]] == [
+    assert out.startswith("In all runs: ")
+    assert [line.split()[0] for line in out.splitlines()[1:4]] == [
         "sensors.gnss.delay",
         "0.2",
         "0.4",

@@ -50,7 +50,7 @@ def test_examples_have_the_types_that_given_series_have() -> None:
     curves(chain, known, steps=500, settled=100, band=(0.2, 0.3))
     require_used("expected", kernels.advance)
     for name in ("EKF", "HME2"):
-        online_of(name).update(np.zeros(2))
+        online_of(name).update(np.zeros(2), np.zeros(2))
     require_used("online", online.advance)
 
 
