@@ -53,16 +53,20 @@ class HubStudy:
         return HubConfig
 
     def conditions(self, config: HubConfig) -> tuple[Condition, ...]:
-        """Return the conditions, which are the axes of the grid: natural period and amplitude."""
-        from owtsweep.studies.hub.conditions import CONDITIONS
+        """Return the conditions, which are the axes of the grid.
 
-        return CONDITIONS
+        They are natural period and amplitude; with motion=plant, they are those of the plant.
+        """
+        from owtsweep.studies.hub.conditions import get_conditions
+
+        return get_conditions(config)
 
     def engine(self, config: HubConfig) -> Engine:
         """Return a new engine of the kind that the key `engine` of the configuration names."""
-        from owtsweep.studies.hub.engines import ENGINES
+        from owtsweep.studies.hub.engines import ENGINES, PlantEngine
+        from owtsweep.studies.hub.plant import is_plant
 
-        return ENGINES[config.engine]()
+        return PlantEngine() if is_plant(config) else ENGINES[config.engine]()
 
     def compare(
         self, comparison: Comparison, folder: Path, *, metadata: Mapping[str, str]
@@ -107,7 +111,9 @@ class HubStudy:
             Texts by name to store inside the figures' files. The text `folder` names the run.
         """
         from owtsweep.studies.hub.fidelity.report import write_report
+        from owtsweep.studies.hub.plant import require_spectrum
 
+        require_spectrum(config, "`fidelity`")
         return write_report(config, rows, folder, metadata)
 
     def write_spectrum(
@@ -120,13 +126,17 @@ class HubStudy:
         name to store inside the figures' files.
         """
         from owtsweep.studies.hub.figures.spectrum_tables import write
+        from owtsweep.studies.hub.plant import require_spectrum
 
+        require_spectrum(config, "`spectrum`")
         return write(config, folder, metadata)
 
     def count_trials(self, config: HubConfig) -> int:
         """Return how many trials the command `tune` will make, for all schemes together."""
+        from owtsweep.studies.hub.plant import require_spectrum
         from owtsweep.studies.hub.tuning.tuned import list_tunable
 
+        require_spectrum(config, "`tune`")
         return len(list_tunable(config)) * config.tune.trials
 
     def tune(self, config: HubConfig, advance: Callable[[str], None]) -> Tuned:
