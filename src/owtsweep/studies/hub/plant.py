@@ -53,9 +53,9 @@ def require_spectrum(config: HubConfig, what: str) -> None:
 def get_sea_grid(motion: MotionConfig) -> Grid:
     """Return name of a condition of the plant -> the values that the configuration gives it."""
     return {
-        "hs": motion.hs,
-        "tp": motion.tp,
-        "blades": motion.blades,
+        "hs": motion.hs or [],
+        "tp": motion.tp or [],
+        "blades": motion.blades or [],
         "friction_angle": [LAYERS] if motion.friction_angle is None else motion.friction_angle,
     }
 
@@ -107,7 +107,8 @@ def describe_plant(config: HubConfig) -> str:
 
 def list_breaking(config: HubConfig) -> list[str]:
     """Return in words the sea states that are steeper than waves can be."""
-    seas = (Sea(hs, tp, config.motion.gamma) for tp in config.motion.tp for hs in config.motion.hs)
+    motion = config.motion
+    seas = (Sea(hs, tp, motion.gamma) for tp in motion.tp or [] for hs in motion.hs or [])
     return [f"hs {sea.hs:g} m with tp {sea.tp:g} s" for sea in seas if sea.breaks]
 
 
@@ -149,15 +150,20 @@ def check_plant(config: HubConfig) -> None:
         f"sensors.imu.rate: {config.sensors.imu.rate:g} Hz must be above {2.0 * HIGHEST:g} Hz, "
         f"because the plant moves at up to {HIGHEST:g} Hz",
     )
-    longest = max(motion.tp)
+    for name, values in get_sea_grid(motion).items():
+        require(
+            len(values) > 0,
+            f"motion.{name}: motion=plant needs values; give at least one in a list",
+        )
+    assert structure is not None
+    structure.check()
+    _check_structure(config, structure)
+    longest = max(motion.tp or [])
     require(
         config.record.duration >= longest,
         f"record.duration: {config.record.duration:g} s is shorter than a wave of {longest:g} s "
         "(motion.tp); lengthen the record",
     )
-    assert structure is not None
-    structure.check()
-    _check_structure(config, structure)
 
 
 def _check_structure(config: HubConfig, structure: Structure) -> None:
@@ -168,11 +174,11 @@ def _check_structure(config: HubConfig, structure: Structure) -> None:
         f"motion.friction_angle: structure {structure.name} stands in no soil; use null",
     )
     softest = {name: values[0] for name, values in get_sea_grid(motion).items()}
-    softest["blades"] = max(motion.blades)
+    softest["blades"] = max(motion.blades or [])
     if motion.friction_angle is not None:
         softest["friction_angle"] = min(motion.friction_angle)
-    for hs in motion.hs:
-        for tp in motion.tp:
+    for hs in motion.hs or []:
+        for tp in motion.tp or []:
             plant = make_plant(config, softest | {"hs": hs, "tp": tp})
     try:
         _ = plant.vibration

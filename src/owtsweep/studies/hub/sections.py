@@ -46,7 +46,7 @@ class Grid(Section):
 class MotionConfig(Section):
     """Where the motion comes from: a spectrum, or a structure under waves (the plant).
 
-    All keys but `kind` belong to the plant.
+    All keys but `kind` belong to the plant; sea states and blades are null without a plant.
     """
 
     kind: Literal["spectrum", "plant"] = key(
@@ -54,9 +54,11 @@ class MotionConfig(Section):
         "under waves (choose by motion=plant)",
         default="spectrum",
     )
-    hs: Axis[Positive] = key("significant wave heights of the sea states", unit="m", default=[2.0])
-    tp: Axis[Positive] = key("peak periods of the sea states", unit="s", default=[6.0])
-    blades: Axis[Annotated[int, Field(ge=0, le=3)]] = key("mounted blades", default=[0])
+    hs: Axis[Positive] | None = key(
+        "significant wave heights of the sea states", unit="m", default=None
+    )
+    tp: Axis[Positive] | None = key("peak periods of the sea states", unit="s", default=None)
+    blades: Axis[Annotated[int, Field(ge=0, le=3)]] | None = key("mounted blades", default=None)
     friction_angle: Axis[Annotated[float, Field(ge=ANGLES[0], le=ANGLES[1])]] | None = key(
         "angles of internal friction, each set in every layer of the soil; null: the structure's "
         "own layers",
